@@ -1,7 +1,7 @@
 """What the study of bands asks of a verdict: the one place that knows the public API."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from typing_extensions import override
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
 from stickslip.identify.problems.record_signals import records_of
+from stickslip.identify.problems.tables import readings_of
 from stickslip.identify.verdict import groups_of
 
 ROUTES = {"tables": None}
@@ -30,7 +31,7 @@ class Fault:
 
 def judged(rig: Rig) -> "Judged":
     """Return the verdict on a rig."""
-    return Travelled(rig) if rig.kind == "travels" else Judged(rig)
+    return KINDS.get(rig.kind, Judged)(rig)
 
 
 class Judged:
@@ -100,13 +101,46 @@ class Judged:
                 for b in bands]  # fmt: skip
 
     def advised(self) -> Points | None:
+        """Return no places: records have no advice."""
+        return None
+
+
+class JudgedTable(Judged):
+    """The verdict of `select` on a table."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.verdict = self._selected()
+        beside = [one.term for one in self.verdict.findings if one.asserted]
+        self.family = (*self.verdict.family, *beside)
+        self.set = [(*one, *beside) for one in self.verdict.set]
+        self.gain = self.verdict.judgement.named.distance
+        self.parameters = self.verdict.parameters
+        self.faults = [
+            Fault(kind=one.term, instead=frozenset({one.term}), fault=False)
+            for one in self.verdict.findings
+            if one.asserted
+        ]
+        self.doubts, self.hidden = False, ""
+
+    @override
+    def shown(self, record: Measurement, levels: Sequence[float]) -> list[float]:
+        """Return the shares of the readings of another table in the bands of levels."""
+        judgement = self.verdict.judgement
+        other = readings_of(self.rig.mechanism, record)
+        rows = judgement.problem.like(other.rows)
+        bands = [judgement.reading_band(rows, level) for level in levels]
+        return [float(np.mean((b.low <= other.friction) & (other.friction <= b.high)))
+                for b in bands]  # fmt: skip
+
+    @override
+    def advised(self) -> Points | None:
         """Return where readings are proposed."""
-        places = np.array(self.verdict.places)
+        places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
         if not len(places):
             return None
-        problem = self.verdict.judgement.problem
         rows = problem.at(places)
-        loaded = getattr(problem, "loaded", False)
+        loaded = problem.model.frame.loaded
         return Points(velocity=places, load=rows.load if loaded else None, inputs=rows.inputs)
 
 
@@ -149,6 +183,10 @@ class Travelled(Judged):
     def advised(self) -> Points | None:
         """Return no places: the study of travels has no further readings."""
         return None
+
+
+KINDS: Mapping[str, type[Judged]] = {"tables": JudgedTable, "travels": Travelled}
+"""Verdicts of kinds that are no records."""
 
 
 @dataclass(frozen=True, kw_only=True)

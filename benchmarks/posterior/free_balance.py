@@ -21,10 +21,10 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.signal import butter, sosfiltfilt
 
-from benchmarks.posterior.nodes import Array, Family
 from benchmarks.posterior.refinement import Candidate, FreeMotion, Motion, Term, Unseen
-from benchmarks.posterior.vocabulary import FAMILIES, PARTS, Grid
+from stickslip.identify.posterior import Array, Family
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.vocabulary import FAMILIES, PARTS, Grid
 from stickslip.mechanisms import Mechanism
 
 PARTS_OF_RECORD = 120

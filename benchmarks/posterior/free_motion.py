@@ -10,16 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.posterior.free_balance import FreeBalance
-from benchmarks.posterior.judgement import Candidates, Points, Problem
-from benchmarks.posterior.nodes import Array, Draws, Family, Structure
-from benchmarks.posterior.projection import Free, Rung, Shaped, shapes_to_draw
 from benchmarks.posterior.record_curves import SteadyRows
 from benchmarks.posterior.record_problem import parts_of
 from benchmarks.posterior.refinement import SIZES, Candidate, Motion, RunPosterior, Runs
-from benchmarks.posterior.vocabulary import FAMILIES, PARTS, parameters_of
+from stickslip.identify.bands import MeasuredPoints
+from stickslip.identify.judgement import Candidates, Problem
 from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.posterior import Array, Draws, Family, Structure
 from stickslip.identify.problems.record_frame import before_rest, free_form
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.projection import Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
 from stickslip.mechanisms import Mechanism
 
 PLACES, ASKED = 25, 40
@@ -269,11 +270,11 @@ class FreeMotionProblem(Problem):
             frictions.append(lost / way)
         return np.concatenate(speeds), np.concatenate(frictions)
 
-    def points(self, rung: Rung) -> Points:
+    def points(self, rung: Rung) -> MeasuredPoints:
         """Return friction in the mean of stretches of the motion, by its balance."""
         speed, friction = self._between
         ones = np.ones(len(speed))
-        return Points(
+        return MeasuredPoints(
             velocity=self.side * speed,
             friction=self.side * friction,
             load=self.normal * ones,

@@ -18,11 +18,11 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lapack
 
-from benchmarks.posterior.nodes import Array, Column
 from benchmarks.posterior.record_rows import MIDDLE, SHORT, BalanceRows, Piece, pieces_of
-from benchmarks.posterior.vocabulary import PARTS
 from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.posterior import Array, Column
 from stickslip.identify.problems.record_signals import Record, bristle
+from stickslip.identify.vocabulary import PARTS
 
 GEAR = "gear"
 """Term of a level that grows with what the gear transmits, whatever the load is."""

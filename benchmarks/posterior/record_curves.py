@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.posterior.nodes import Array, Draws
 from benchmarks.posterior.record_columns import RESOLVED, Balance, Memory, law_column
 from benchmarks.posterior.record_model import BELOW, SCALES, STRETCHES, RecordModel
 from benchmarks.posterior.record_rows import MIDDLE, BalanceRows
+from stickslip.identify.posterior import Array, Draws
 from stickslip.identify.problems.record_signals import Record
 
 FARTHEST = 3.0

@@ -26,18 +26,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky
 
-from benchmarks.posterior.nodes import (
-    Array,
-    Column,
-    Family,
-    Model,
-    Node,
-    Places,
-    Posterior,
-    Scale,
-    Structure,
-    System,
-)
 from benchmarks.posterior.record_columns import (
     GEAR,
     LEVELS,
@@ -49,8 +37,20 @@ from benchmarks.posterior.record_columns import (
     law_column,
 )
 from benchmarks.posterior.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
-from benchmarks.posterior.vocabulary import FAMILIES, NARROW, PLACE, SIGNED, Grid
+from stickslip.identify.posterior import (
+    Array,
+    Column,
+    Family,
+    Model,
+    Node,
+    Places,
+    Posterior,
+    Scale,
+    Structure,
+    System,
+)
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.vocabulary import FAMILIES, NARROW, PLACE, SIGNED, Grid
 
 Names: TypeAlias = NDArray[np.str_]
 

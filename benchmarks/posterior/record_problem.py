@@ -9,9 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.posterior.judgement import Candidates, Finding, Points, Problem
-from benchmarks.posterior.nodes import Array, Column, Draws, Family, Structure
-from benchmarks.posterior.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
 from benchmarks.posterior.record_columns import (
     GEAR,
     LEVELS,
@@ -32,14 +29,9 @@ from benchmarks.posterior.record_curves import (
 )
 from benchmarks.posterior.record_model import SCALES, RecordModel, laws_of, usual_families
 from benchmarks.posterior.record_rows import MIDDLE, SHORT
-from benchmarks.posterior.vocabulary import (
-    FLOW_DIRECTIONS,
-    PARTS,
-    Grid,
-    flow_direction,
-    parameters_of,
-)
+from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.judgement import Candidates, Finding, Problem
 from stickslip.identify.laws import (
     CHANGING,
     FLOWS,
@@ -49,7 +41,16 @@ from stickslip.identify.laws import (
     bounds_of,
     compose,
 )
+from stickslip.identify.posterior import Array, Column, Draws, Family, Structure
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.vocabulary import (
+    FLOW_DIRECTIONS,
+    PARTS,
+    Grid,
+    flow_direction,
+    parameters_of,
+)
 from stickslip.show.formatting import percent, quantity
 
 PLACES, ASKED = 25, 40
@@ -483,12 +484,14 @@ class RecordProblem(Problem):
         kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
         return rows.velocity[kept], y[kept]
 
-    def points(self, rung: Rung) -> Points:
+    def points(self, rung: Rung) -> MeasuredPoints:
         """Return friction of the rows, less what is no friction, thinned out."""
         v, y = self._left
         few = np.arange(0, len(v), max(len(v) // DRAWN, 1))
         ones = np.ones(len(few))
-        return Points(velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones)
+        return MeasuredPoints(
+            velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones
+        )
 
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of what the law and what acts beside it leave [N]."""

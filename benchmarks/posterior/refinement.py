@@ -40,11 +40,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 
-from benchmarks.posterior.nodes import Array, Draws, Family, Node, Structure
-from benchmarks.posterior.vocabulary import FAMILIES, PARTS, PLACE
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
+from stickslip.identify.posterior import Array, Draws, Family, Node, Structure
+from stickslip.identify.vocabulary import FAMILIES, PARTS, PLACE
 from stickslip.maths import Scalar, log, where
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised, Quantity, vary

@@ -22,15 +22,15 @@ from numpy.typing import NDArray
 from benchmarks.band_truths import tables as truths
 from benchmarks.band_truths.rig import Rig
 from benchmarks.posterior.free_motion import FreeMotionProblem
-from benchmarks.posterior.judgement import Judgement
-from benchmarks.posterior.nodes import Family
 from benchmarks.posterior.record_problem import RecordProblem
-from benchmarks.posterior.tables import TableProblem
 from benchmarks.second_records import Pair, pairs
 from stickslip import Axis, CoulombViscous, Measurement, Pendulum, QuadraticDrag, simulate
 from stickslip.identify.fits import goes_straight, load_of
 from stickslip.identify.forces import load_slopes, with_gear
+from stickslip.identify.judgement import Judgement
+from stickslip.identify.posterior import Family
 from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.tables import TableProblem
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]

@@ -37,14 +37,6 @@ def test_a_band_that_misses_the_truth_by_three_noises_is_a_false_statement():
     assert len(list(bands._false(None, row))) == 3
 
 
-def test_a_family_whose_shapes_lack_a_parameter_of_the_law_has_a_correlation():
-    # some of its shapes have an exponent of the load, Hersey's number has none
-    verdict = bands.judged(bands.KINDS["tables"](13, 1)).verdict
-    fit = verdict.best.fit
-    assert any("hersey" in name for name in verdict.family)
-    assert np.diagonal(fit.correlation) == pytest.approx(1.0)
-
-
 @pytest.mark.parametrize("kind", bands.KINDS)
 @pytest.mark.parametrize("number", range(8))
 def test_rigs_depend_on_seed_and_number_alone_and_know_their_friction(kind, number):

@@ -11,7 +11,7 @@ from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
 from stickslip.identify.forces import forces_along
 from stickslip.identify.judge import Judgement
-from stickslip.identify.problem import family_of
+from stickslip.identify.posterior import family_of
 from stickslip.identify.problems.record_signals import (
     Filter,
     Record,

@@ -56,10 +56,3 @@ def test_the_bending_of_a_curve_has_its_straight_lines_first_and_signs_that_are_
     line = vectors[:, :2] @ (vectors[:, :2].T @ knots)
     np.testing.assert_allclose(line, knots, atol=1e-12)
     assert np.all(np.exp(np.linspace(0.0, 1.0, 11)) @ vectors > 0.0)
-
-
-def test_a_further_draw_of_a_structure_changes_no_other():
-    ensemble = select(Axis(inertia=2.0), None, table()).judgement.ensemble
-    structure = ensemble.comparison.structures[0]
-    few, more = ensemble.sampled(structure, 40), ensemble.sampled(structure, 41)
-    np.testing.assert_array_equal(more[:40], few)

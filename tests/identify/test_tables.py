@@ -3,6 +3,7 @@
 import json
 import pickle
 import re
+import tracemalloc
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -23,9 +24,7 @@ from stickslip import (
 )
 from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError
-from stickslip.identify.judge import Judgement
 from stickslip.identify.laws import MeasuredCurve, Sliding, compose, curve_law
-from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.selection import families_of
 
 AXIS = Axis(inertia=1.0)
@@ -75,13 +74,10 @@ def test_the_band_holds_the_true_curve(name):
     assert np.median(found.high - found.low) < 2.0 * 4.0 * 0.02
 
 
-def test_a_curve_that_no_law_has_lies_in_the_band():
-    def bowl(v):
-        return 1.0 + 0.2 * np.log(v / 0.1) ** 2
-
+def test_a_curve_that_no_law_has_lies_in_the_band(lawless):
     v = np.geomspace(0.01, 1.0, 60)
-    found = select(AXIS, None, table(bowl, seed=1)).band(v)
-    assert np.mean((found.low <= bowl(v)) & (bowl(v) <= found.high)) >= 0.9
+    found = lawless.band(v)
+    assert np.mean((found.low <= waves(v)) & (waves(v) <= found.high)) >= 0.9
 
 
 def test_the_band_opens_beyond_the_measured_speeds(verdict):
@@ -102,7 +98,7 @@ def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
     }  # fmt: skip
     held = []
     for seed in range(5):
-        found = Judgement.of(TableProblem.of(AXIS, table(stribeck, seed=seed)))
+        found = select(AXIS, None, table(stribeck, seed=seed)).judgement
         assert {
             interval.low_any <= interval.low <= interval.high <= interval.high_any
             for interval in found.intervals
@@ -171,13 +167,17 @@ def test_an_outlier_is_said_and_hardly_counts():
 
 
 def test_noise_alone_is_no_friction_and_as_much_friction_as_noise_is_some():
-    names = []
+    found = []
     for seed in range(8):
         v, noise = np.geomspace(0.002, 0.4, 15), 0.05 * np.random.default_rng(seed).normal(size=15)
         each = [Measurement(velocity=v, friction=noise + level) for level in (0.0, 0.05)]
-        names.append([select(AXIS, None, one).family for one in each])
-    assert sum(none == () for none, _ in names) >= 6
-    assert sum(some != () for _, some in names) >= 6
+        found.append([select(AXIS, None, one) for one in each])
+    assert all(none.best is None for none, _ in found)
+    assert {none.sentence for none, _ in found if not none.family} == {
+        "No friction stands above the noise of the readings."
+    }
+    # 3.9 standard deviations of a mean, and odds of 100 are asked for
+    assert sum(some.best is not None for _, some in found) >= 6
 
 
 @pytest.mark.parametrize("row", range(9))
@@ -190,22 +190,24 @@ def test_a_reading_in_another_unit_changes_no_law_and_no_error(row, value):
     assert verdict.family == ("level", "viscous")
     assert [*verdict.judgement.outliers] == [row]
     # the noise of the others, of which a far one adds three at most
-    assert verdict.judgement.held_out_error(verdict.judgement.named) < 0.3
+    assert verdict.closest.held_out < 0.3
     for estimate, true in zip(verdict.parameters, (4.0, 3.0), strict=True):
         assert estimate.low_any <= true <= estimate.high_any
     band = verdict.band([0.03])
     assert band.high[0] - band.low[0] < 1.0
 
 
-def test_two_readings_in_another_unit_are_no_proof_that_there_is_no_friction():
+def test_two_readings_in_another_unit_change_no_law():
     v = np.geomspace(0.002, 0.4, 9)
     friction = 4.0 + 3.0 * v + 0.05 * np.random.default_rng(3).normal(size=9)
     friction[[2, 6]] = 1e6
     verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
-    assert verdict.words.verdict.startswith("No law is recommended")
+    assert verdict.family == ("level", "viscous")
+    assert [*verdict.judgement.outliers] == [2, 6]
+    assert verdict.parameters[0].low_any < 4.0 < verdict.parameters[0].high_any
 
 
-@pytest.mark.parametrize("row", [0, 6, 11])
+@pytest.mark.parametrize("row", [1, 6, 11])
 def test_an_outlier_anywhere_does_not_change_the_law_and_is_said(row):
     v = np.linspace(0.05, 1.0, 12)
     friction = 4.0 + 6.0 * v + 0.05 * np.random.default_rng(3).normal(size=12)
@@ -226,12 +228,24 @@ def test_a_reading_alone_at_an_end_may_be_friction():
     assert band.high[0] > 11.5  # without it 10.1
 
 
+def test_a_reading_alone_at_the_slowest_speed_may_be_a_static_surplus():
+    v = np.geomspace(0.01, 1.0, 14)
+    friction = 4.0 + 6.0 * v + 0.05 * np.random.default_rng(0).normal(size=14)
+    friction[0] += 1.0
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
+    assert [*verdict.judgement.outliers] == [0]
+    band = verdict.band(v[:2])
+    assert band.low[0] < 4.2  # of the law that the others follow
+    assert friction[0] < band.high[0]
+    assert band.high[1] - band.low[1] < 0.2
+
+
 def test_noise_in_proportion_to_friction_is_seen_and_weighs_the_readings():
     v = np.geomspace(0.01, 1.0, 24)
     relative = 1.0 + 0.02 * np.random.default_rng(5).normal(size=24)
     verdict = select(AXIS, None, Measurement(velocity=v, friction=10.0 * v * relative))
-    spread = 1.0 / verdict.judgement.regression.weights
-    assert 30.0 < spread[-1] / spread[0] < 150.0
+    band = verdict.readings(v[[0, -1]])
+    assert 30.0 < (band.high - band.low)[1] / (band.high - band.low)[0] < 150.0
     (slope,) = (
         parameter
         for parameter in verdict.parameters
@@ -246,8 +260,7 @@ def test_five_parameters_of_nine_readings_make_no_outliers():
     law = 6.0 + 4.9 * np.exp(-((v / 0.0032) ** 2)) + 167.0 * v
     for _ in range(6):
         table = Measurement(velocity=v, friction=law + 0.39 * random.normal(size=9))
-        weights = select(AXIS, [Stribeck], table).judgement.regression.weights
-        assert weights.min() > 0.3 * weights.max()
+        assert not select(AXIS, [Stribeck], table).judgement.outliers
 
 
 def test_a_table_of_few_speeds_is_refused():
@@ -299,33 +312,39 @@ def test_a_drift_in_the_order_of_measuring_is_named_where_the_order_tells_it():
     drift = np.linspace(0.0, 0.4, 30)
     read = 2.0 + 3.0 * v + drift + 0.01 * np.random.default_rng(1).normal(size=30)
     found = select(AXIS, None, Measurement(velocity=v, friction=read))
-    assert [cause.term for cause in found.causes] == ["drift"]
+    assert [one.term for one in found.findings if one.asserted] == ["drift"]
+    (said,) = (line for line in found.words.cannot_tell if "over the readings" in line)
+    assert said.startswith("Friction rises over the readings, from 2.2")
 
 
 def test_advice_that_is_followed_narrows_the_band():
-    sparse = table(stribeck, np.geomspace(0.01, 1.0, 8), noise=0.05, seed=5)
-    before = select(AXIS, None, sparse)
-    more = np.array(before.places)
-    new = stribeck(more) + 0.05 * np.random.default_rng(6).normal(size=len(more))
-    both = Measurement(
-        velocity=np.concatenate([sparse.velocity, more]),
-        friction=np.concatenate([sparse.friction, new]),
-    )
-    v = np.geomspace(0.01, 1.0, 40)
-    widths = [
-        float(np.mean(band.high - band.low))
-        for band in (before.band(v), select(AXIS, None, both).band(v))
-    ]
-    assert before.shrinks < 0.9
-    assert widths[1] < 0.9 * widths[0]
+    v, gains = np.geomspace(0.01, 1.0, 40), []
+    for seed in range(5):
+        sparse = table(stribeck, np.geomspace(0.01, 1.0, 8), noise=0.05, seed=seed)
+        before = select(AXIS, None, sparse)
+        assert before.shrinks < 0.9
+        more = np.array(before.places)
+        assert len(more) <= 8
+        new = stribeck(more) + 0.05 * np.random.default_rng(seed + 9).normal(size=len(more))
+        both = Measurement(
+            velocity=np.concatenate([sparse.velocity, more]),
+            friction=np.concatenate([sparse.friction, new]),
+        )
+        widths = [
+            float(np.mean(band.high - band.low))
+            for band in (before.band(v), select(AXIS, None, both).band(v))
+        ]
+        gains.append(widths[1] / widths[0])
+    assert np.median(gains) < 0.9
 
 
 def test_given_laws_are_compared_alone_and_no_law_is_said_to_explain_where_none_does():
-    read = table(stribeck)
+    read = table(stribeck, np.random.default_rng(2).permutation(SPEEDS))
     found = select(AXIS, ["coulomb", "coulomb-viscous"], read)
     assert set(found.set) <= {("level",), ("level", "viscous")}
-    assert found.best is None
-    assert found.sentence.startswith("None of the laws compared explains the readings")
+    assert not found.explained
+    assert found.sentence.startswith("None of the laws compared describes the readings")
+    assert found.best.distance > 0.1
     assert select(AXIS, [Coulomb, Stribeck], read).family == ("level", "stribeck", "viscous")
 
 
@@ -367,8 +386,17 @@ def test_samples_are_laws_whose_spread_is_that_of_the_band(verdict):
     assert at.std() > 0.05 * (band.high[0] - band.low[0])
 
 
-def test_measured_curves_among_the_samples_share_the_equations_of_one(verdict):
-    laws = verdict.sample(60, seed=1)
+def waves(v):
+    return 2.0 + 0.4 * np.sin(2.0 * np.log(v))
+
+
+@pytest.fixture(scope="module")
+def lawless():
+    return select(AXIS, None, table(waves, seed=1))
+
+
+def test_measured_curves_among_the_samples_share_the_equations_of_one(lawless):
+    laws = lawless.sample(60, seed=1)
     drawn = [law for law in laws if isinstance(law, MeasuredCurve)]
     assert len(drawn) > 2
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -378,8 +406,8 @@ def test_measured_curves_among_the_samples_share_the_equations_of_one(verdict):
     assert pickle.loads(pickle.dumps(one)) == one
 
 
-def test_a_measured_curve_with_points_as_parameters_is_that_of_the_notation(verdict):
-    law = next(one for one in verdict.sample(60, seed=1) if isinstance(one, MeasuredCurve))
+def test_a_measured_curve_with_points_as_parameters_is_that_of_the_notation(lawless):
+    law = next(one for one in lawless.sample(60, seed=1) if isinstance(one, MeasuredCurve))
     speeds, levels = (np.array([getattr(p, n) for p in law.points]) for n in ("speed", "level"))
     sliding = Sliding(
         velocity=np.concatenate([-speeds[::-1], speeds]),
@@ -413,22 +441,6 @@ def test_the_named_law_has_the_values_of_a_fit_with_it(verdict):
             assert own[estimate.path] == pytest.approx(
                 estimate.value, abs=1.5 * estimate.half_width
             )
-
-
-def test_the_held_out_losses_are_those_of_fits_without_each_block():
-    problem = TableProblem.of(AXIS, table(CURVES["viscous"][0]))
-    judgement = Judgement.of(problem)
-    structure = (("level", ()), ("viscous", ()))
-    regression = judgement.regression
-    regression.losses([structure])
-    # the ridge of 1e-7 that ends the solution where columns are the same is in the tolerance
-    x = np.column_stack([np.ones(20), SPEEDS]) * regression.weights[:, None]
-    y = problem.response * regression.weights
-    for k in range(20):
-        kept = np.arange(20) != k
-        c = np.linalg.lstsq(x[kept], y[kept])[0]
-        loss = (y[k] - x[k] @ c) ** 2
-        assert regression.losses_of[structure][k] == pytest.approx(loss, rel=2e-3)
 
 
 def test_the_saved_law_slides_under_the_load_it_was_measured_with_beside_the_offset(tmp_path):
@@ -497,10 +509,58 @@ def test_steady_readings_with_times_are_the_table_that_they_are_without(pause):
     np.testing.assert_array_equal(timed.band(speeds).low, plain.band(speeds).low)
 
 
-def test_a_table_that_needs_too_much_memory_is_refused_before_it_is_taken():
-    random, v = np.random.default_rng(1), np.tile(np.geomspace(1e-4, 1e-2, 40), 20)
-    load = 1630.0 * (1.0 + 0.002 * random.normal(size=800))  # if each is a block of its own
-    problem = TableProblem.of(AXIS, Measurement(velocity=v, friction=0.05 * load, load=load))
-    problem.blocks = problem.excluded = [np.arange(800) == k for k in range(800)]
-    with pytest.raises(InputError, match=r"in 800 blocks .* GB of memory.*group the loads"):
-        Judgement.of(problem)
+def test_a_table_of_any_number_of_rows_and_loads_takes_little_memory():
+    random, count = np.random.default_rng(1), 20_000
+    v = np.exp(random.uniform(np.log(1e-4), np.log(1e-2), count))
+    load = random.uniform(500.0, 2000.0, count)
+    friction = 0.05 * load * (1.0 + 30.0 * v) + 2.0 * random.normal(size=count)
+    tracemalloc.start()
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=friction, load=load))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 0.5e9
+    v = np.geomspace(2e-4, 8e-3, 9)
+    for each in (700.0, 1500.0):
+        band, truth = verdict.band(v, load=each), 0.05 * each * (1.0 + 30.0 * v)
+        assert np.all((band.low < truth) & (truth < band.high))
+        assert np.all(band.high - band.low < 0.1 * truth)
+
+
+def test_a_tolerance_allows_a_shorter_law_and_has_a_range():
+    read = table(lambda v: 2.0 + 0.3 * v + 0.06 * np.sin(2.0 * np.log(v)), noise=0.01, seed=2)
+    exact = select(AXIS, None, read)
+    loose = select(AXIS, None, read, tolerance=0.2)
+    assert loose.closest.count <= exact.closest.count
+    assert loose.to_dict()["tolerance"] == 0.2
+    assert "within 20 %" in loose.sentence
+    with pytest.raises(InputError, match=r"tolerance must be a share of friction from 0\.001"):
+        select(AXIS, None, read, tolerance=2.0)
+
+
+def test_a_tolerance_is_refused_where_nothing_has_it(tmp_path):
+    t = np.arange(0.0, 4.0, 0.01)
+    record = Measurement(time=t, position=np.sin(t), force=np.cos(t))
+    with pytest.raises(InputError, match="tolerance applies to tables of friction"):
+        select(AXIS, None, record, tolerance=0.05)
+
+
+def test_a_verdict_on_specimens_states_that_of_another_one():
+    random, v = np.random.default_rng(5), np.tile(np.geomspace(0.005, 0.5, 9), 6)
+    each = np.repeat(1.0 + 0.12 * random.normal(size=6), 9)
+    friction = each * (5.0 + 4.0 * v) * (1.0 + 0.01 * random.normal(size=54))
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
+    own, other = verdict.friction, verdict.other_specimen
+    assert np.all(other.high - other.low > 1.5 * (own.high - own.low))
+    assert "mean of the 6 runs or specimens" in verdict.words.lede
+    assert [one.term for one in verdict.findings if one.asserted] == ["run"]
+    assert verdict.drawing().other is other
+
+
+@pytest.mark.parametrize(("share", "half"), [(0.003, 0.004), (0.03, 0.02)])
+def test_stated_errors_of_readings_are_in_the_band(share, half):
+    random, v = np.random.default_rng(1), np.geomspace(0.01, 1.0, 15)
+    friction = (5.0 + 3.0 * v) * (1.0 + 0.003 * random.normal(size=15))
+    stated = Measurement(velocity=v, friction=friction, uncertainty={"friction": share * friction})
+    band = select(AXIS, None, stated).band(v)
+    own = float(np.median((band.high - band.low) / band.median)) / 2.0
+    assert own == pytest.approx(half, rel=0.5)

@@ -10,10 +10,10 @@ from stickslip import Axis, Measurement, select
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
-from stickslip.identify.judge import Cause, Proposal
+from stickslip.identify.judge import Cause
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.page import laws_section, remarks_section, verdict_sections
-from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.identify.propose import Proposal
 from stickslip.identify.wording import (
     Words,
     advice_sentence,
@@ -118,11 +118,15 @@ def test_the_page_says_nothing_twice(verdict):
     assert [item.value for item in remarks_section(long).blocks[0].items] == ["b"]
 
 
-def test_shares_of_the_table_of_laws_include_the_measured_curve(verdict):
+def test_the_table_of_laws_is_a_ladder(verdict):
     (table,) = laws_section(verdict).blocks
-    assert len(table.rows) == len(verdict.candidates) + 1
-    assert table.rows[-1].cells[0].text == "Curve as measured"
-    assert verdict.curve_share >= THRESHOLDS.curve_share - 1e-9
+    assert len(table.rows) == len(verdict.candidates)
+    counts = [int(row.cells[1]) for row in table.rows]
+    assert counts == sorted(counts)
+    steps = verdict.ladder
+    assert [one.count for one in steps] == sorted(one.count for one in steps)
+    assert all(0.0 <= one.distance <= one.worst for one in steps)
+    assert sum(one.share for one in steps) <= 1.0 + 1e-9
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,14 @@ from pathlib import Path
 
 import typer
 
-from stickslip.cli.console import note, print_json, reading_of, refuse_overwriting, stdout
+from stickslip.cli.console import (
+    MOST_NAMED,
+    note,
+    print_json,
+    reading_of,
+    refuse_overwriting,
+    stdout,
+)
 from stickslip.cli.options import CheckOptions
 from stickslip.data import (
     SEVERITIES,
@@ -32,8 +39,6 @@ DOCUMENT = "checks.json"
 
 MOST_LINES = 24
 """Lines about several trials at most: a screen has hardly more."""
-MOST_NAMED = 6
-"""Trials that a line names."""
 RESTED = "constant"
 """Kind of the finding that a trial shows no motion."""
 LABELS = {

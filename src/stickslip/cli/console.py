@@ -32,6 +32,8 @@ from stickslip.show.formatting import NO_VALUE, printable
 
 # What commands share: consoles, JSON documents, folders that are written whole or not at all.
 
+MOST_NAMED = 6
+"""Trials that a line names."""
 GAP = 2
 """Spaces between columns."""
 FOLDED = 16

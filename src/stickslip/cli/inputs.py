@@ -675,10 +675,12 @@ def watching(
 
 
 def show_warnings(checks: Checks) -> None:
-    """Print what is doubtful about a record."""
+    """Print what is doubtful about records, and once what is of several trials."""
     doubts = [finding for finding in checks.findings if finding.severity == "warning"]
-    for finding in doubts:
-        terminal.stdout().print(f"! {finding}", style="yellow")
+    for sentence in dict.fromkeys(finding.sentence for finding in doubts):
+        same = [finding for finding in doubts if finding.sentence == sentence]
+        record = joined([one.record for one in same], terminal.MOST_NAMED)
+        terminal.stdout().print(f"! {replace(same[0], record=record)}", style="yellow")
 
 
 def show_estimates(estimates: Sequence[fits.Estimate]) -> None:

@@ -15,7 +15,7 @@ from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
 from stickslip.cli.progress import workers
-from stickslip.data import Checks, Rig, check, refusal, refuse_same
+from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
 from stickslip.identify import kinds
@@ -45,6 +45,7 @@ def run_select(options: SelectOptions) -> None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=kinds.VERDICT_FILES)
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
     kind, request, files = inputs.measured(rig, options)
+    request = replace(request, tolerance=_tolerance(kind, rig, options.tolerance))
     rig = replace(rig, digest=documents.with_files(rig.digest, files))
     for option, value in (("--workers", options.count), ("--executor", options.executor)):
         if value is not None:
@@ -88,6 +89,16 @@ def run_select(options: SelectOptions) -> None:
         )
         raise typer.Exit(CRITERIA_FAILED)
     terminal.leave_unless_drawn(page_code)
+
+
+def _tolerance(kind: kinds.AnyKind, rig: Rig, text: str | None) -> float | None:
+    """Return the share of friction by which a law may be off, of a kind that has it."""
+    called = "--tolerance" if text is not None else f"tolerance in [data] of {rig.path}"
+    given = rig.tolerance if text is None else as_tolerance(text, called)
+    if given is not None and "tolerance" not in kind.uses:
+        users = [one for one in kinds.kinds() if "tolerance" in one.uses]
+        raise InputError(f"{called} {kinds.unused_text(kind, users)}")
+    return given
 
 
 def laws_of(

@@ -300,6 +300,9 @@ class DemoOptions(LawsOption, WorkerOptions, ReportOptions, EnforceOption):
 class SelectOptions(MeasuredOptions, DemoOptions):
     """Options of `stickslip select`."""
 
+    tolerance: Annotated[str | None, typer.Option(metavar="2%")] = None
+    """Share of friction by which a law that is named for a table may be off (default 2 %)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class FitOptions(MeasuredOptions, WriteOptions):

@@ -9,7 +9,6 @@ from stickslip.data.carrying import estimates_by_contact as estimates_by_contact
 from stickslip.data.carrying import extrapolations as extrapolations
 from stickslip.data.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.data.checking.coverage import resting_readings as resting_readings
-from stickslip.data.checking.coverage import speeds_in_order as speeds_in_order
 from stickslip.data.checking.coverage import volts_sentence as volts_sentence
 from stickslip.data.checking.coverage import with_order as with_order
 from stickslip.data.checking.data_quality import Checks as Checks
@@ -84,6 +83,7 @@ from stickslip.data.rig import LoopSamples as LoopSamples
 from stickslip.data.rig import Published as Published
 from stickslip.data.rig import Rig as Rig
 from stickslip.data.rig import as_recorded as as_recorded
+from stickslip.data.rig import as_tolerance as as_tolerance
 from stickslip.data.rig import command_of as command_of
 from stickslip.data.rig import loop_samples as loop_samples
 from stickslip.data.rig import with_voltage as with_voltage

@@ -206,6 +206,8 @@ class Rig(metaclass=Described):
         Whether a measured force keeps its value until the next sample, or goes straight to it;
         estimated from the record if not given. As `RecordSettings.hold`, to which `stickslip
         fit` and `select` hand it.
+    tolerance : float, optional
+        Share of friction by which a law that is named for a table may be off.
     t_end : float
         Last time of runs [s].
     initial : mapping of str to float
@@ -252,6 +254,7 @@ class Rig(metaclass=Described):
     validate: Measurement | None = None
     reading: Reading = field(default_factory=Reading)
     hold: Literal["zero", "first"] | None = None
+    tolerance: float | None = None
     t_end: float = 10.0
     initial: Mapping[str, float] = field(default_factory=dict)
     estimates: LawEstimates | None = None
@@ -282,6 +285,8 @@ class Rig(metaclass=Described):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
         if self.hold not in (None, "zero", "first"):
             raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
+        if self.tolerance is not None:
+            as_tolerance(self.tolerance, "Rig.tolerance")
         if self.estimates is not None:
             named = estimated_law(self.estimates.law, self.laws, self.contacts)
             self.estimates.checked(named)
@@ -471,6 +476,31 @@ class Rig(metaclass=Described):
 
     def _repr_html_(self) -> str:
         return "<p>" + "<br>".join(html.escape(line) for line in self._lines()) + "</p>"
+
+
+def as_tolerance(value: float | str, called: str = "tolerance") -> float:
+    """Return a share of friction by which a law may be off, from a number or a text.
+
+    Examples
+    --------
+    >>> as_tolerance("5 %"), as_tolerance(0.05)
+    (0.05, 0.05)
+    >>> as_tolerance("5")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: tolerance must be a share of friction from 0.001 to 0.5, such as
+    0.02 or "2 %", got '5'.
+    """
+    text = str(value).strip()
+    try:
+        found = float(text.rstrip("% ")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        found = math.nan
+    if not 0.001 <= found <= 0.5:
+        raise InputError(
+            f"{called} must be a share of friction from 0.001 to 0.5, such as 0.02 or"
+            f' "2 %", got {value!r}.'
+        )
+    return found
 
 
 def estimated_law(

@@ -2,8 +2,9 @@
 from stickslip.identify import candidates as candidates
 from stickslip.identify import fits as fits
 from stickslip.identify import kinds as kinds
+from stickslip.identify.bands import Interval as Interval
+from stickslip.identify.bands import PredictionBand as PredictionBand
 from stickslip.identify.candidates import Verdict as Verdict
-from stickslip.identify.ensemble import PredictionBand as PredictionBand
 from stickslip.identify.ensemble import band_of as band_of
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
@@ -15,7 +16,6 @@ from stickslip.identify.fits import TrialComparison as TrialComparison
 from stickslip.identify.joints import JointVerdict as JointVerdict
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
-from stickslip.identify.judge import Interval as Interval
 from stickslip.identify.kinds import FeatureFit as FeatureFit
 from stickslip.identify.kinds import FeatureVerdict as FeatureVerdict
 from stickslip.identify.kinds import Plan as Plan
@@ -23,6 +23,7 @@ from stickslip.identify.kinds import RateStateFit as RateStateFit
 from stickslip.identify.kinds import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
+from stickslip.identify.ladder import ladder_rows as ladder_rows
 from stickslip.identify.laws import CurvePoint as CurvePoint
 from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import MeasuredCurves as MeasuredCurves

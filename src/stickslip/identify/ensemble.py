@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.identify.bands import PredictionBand, quantile_band
 from stickslip.identify.comparison import Comparison
 from stickslip.identify.explorer import Learned
 from stickslip.identify.problem import Array, Columns, Fitted, Problem, Structure
@@ -35,25 +36,6 @@ class Draw:
     structure: Structure
     coefficients: Array
     """Coefficients (d, p) of each draw."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PredictionBand:
-    """Limits of curves at rows (n,).
-
-    Parameters
-    ----------
-    low : array (n,)
-        Lower limits [N] or [N m].
-    median : array (n,)
-        Medians.
-    high : array (n,)
-        Upper limits.
-    """
-
-    low: Array
-    median: Array
-    high: Array
 
 
 @dataclass(eq=False)
@@ -120,13 +102,8 @@ class Ensemble:
         return np.resize(some, found.shape) if len(some) > found.shape[1] else found
 
     @cached_property
-    def _twins(self) -> "list[Prepared | Believed]":
-        twins: list[Prepared | Believed] = []
-        if self.twinned:
-            twins += [Prepared(one) for one in self.problem.twins]
-        if self.regression.believed is not None:
-            twins.append(Believed(self.regression, self.regression.believed))
-        return twins
+    def _twins(self) -> "list[Prepared]":
+        return [Prepared(one) for one in self.problem.twins] if self.twinned else []
 
     def predicted(self, structure: Structure, coefficients: Array, rows: Any) -> Array:
         """Return what a structure with coefficients (p,) predicts at rows (n,)."""
@@ -134,40 +111,20 @@ class Ensemble:
         x = columns.matrix(structure, self._length(columns))
         return np.asarray(x @ coefficients)
 
-    def curves(
-        self, rows: Any, count: int = THRESHOLDS.ensemble, *, typical: bool = False
-    ) -> Array:
-        """Return what drawn laws predict at rows (count, n).
-
-        Random effects of runs are those of one of the runs that were measured, in turn, drifts are
-        those early, midway or late, and so are places between two readings where something changes.
-        A `typical` run is none of them, midway.
-        """
-        stated = [rows] if typical else self.problem.variants(rows)
-        variants = [Columns(self.problem, one) for one in stated]
-        length = self._length(variants[0])
-        found = []
-        for draw in self.draws(count):
-            roles = {self.problem.terms[name].role for name, _ in draw.structure}
-            used = variants if roles & {"run", "fault"} else variants[:1]
-            places = self.problem.places(draw.structure)
-            turns = [(columns, place) for columns in used for place in places]
-            for k, (columns, place) in enumerate(turns):
-                x = columns.matrix(place, length)
-                found.append(draw.coefficients[k :: len(turns)] @ x.T)
-        curves = np.vstack(found)
+    def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
+        """Return what drawn laws predict at rows (count, n)."""
+        columns = Columns(self.problem, rows)
+        length = self._length(columns)
+        curves = np.vstack(
+            [
+                draw.coefficients @ columns.matrix(draw.structure, length).T
+                for draw in self.draws(count)
+            ]
+        )
         if self.learned is None:
             return curves
         rng = np.random.default_rng(self.seed + 5)
         return curves + self.learned.draws(rows, len(curves), rng)
-
-    def scatter(self, rng: np.random.Generator, count: int = THRESHOLDS.ensemble) -> Array:
-        """Return draws (count,) of the scatter that drawn laws leave, in the order of `curves`."""
-        found = []
-        for structure, n in self._counts(count):
-            fit = self.fit(structure)
-            found.append(fit.scatter / np.sqrt(rng.chisquare(fit.freedom, n) / fit.freedom))
-        return np.concatenate(found)
 
     def _length(self, columns: Columns) -> int:
         return len(columns.of(self.comparison.curve[0]))
@@ -189,23 +146,6 @@ class Ensemble:
                 at = sum(self.regression.columns.of(column).shape[1] for column in before)
                 found.append(self.sampled(one, n, further=2)[:, at])
         return np.concatenate(found)
-
-
-@dataclass(eq=False)
-class Believed:
-    """A measurement whose first or last reading is friction, where it may be an outlier."""
-
-    regression: BlockRegression
-    weights: Array
-
-    @property
-    def problem(self) -> Problem:
-        """The measurement."""
-        return self.regression.problem
-
-    def fit(self, structure: Structure) -> Fitted:
-        """Return a structure fitted to all rows."""
-        return self.regression.fit(structure, self.weights)
 
 
 @dataclass(eq=False)
@@ -274,11 +214,4 @@ def band_of(
     They are wider than `level` by the power `rarer`: what no draw holds is the more, the rarer.
     """
     level = 1.0 - (1.0 - level) ** rarer
-    low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
-    if all_along:
-        above = (curves - median) / (high - median + 1e-300)
-        below = (median - curves) / (median - low + 1e-300)
-        times = float(np.quantile(np.max(np.maximum(above, below), axis=1), level))
-        times *= THRESHOLDS.all_along
-        low, high = median - times * (median - low), median + times * (high - median)
-    return PredictionBand(low=low, median=median, high=high)
+    return quantile_band(curves, level, all_along=all_along, wider=THRESHOLDS.all_along)

@@ -12,10 +12,10 @@ few rows apart better (decision 0143).
 
 The family that is named is not simply the most probable: a law of few parameters that does not
 pass through the readings may be somewhat more probable than one that does, and predicts badly
-where that is true. With probabilities :math:`p_k \propto e^{E_k}`, curves :math:`f_k` and scatters
-:math:`s_k` of the families, the named one has the largest
+where that is true. With probabilities :math:`p_k \propto e^{E_k}` and curves :math:`f_k` of the
+families, the named one has the largest
 
-.. math:: E_i - \tfrac12 \sum_k p_k \sum_{\mathrm{rows}} w^2 (f_i - f_k)^2 / s_k^2,
+.. math:: E_i - \tfrac12 \sum_k p_k \sum_{\mathrm{rows}} w^2 (f_i - f_k)^2,
 
 the evidence less what is lost, on average, where another holds.
 """
@@ -58,7 +58,7 @@ def prudent_choice(
     fits = [regression.fit(structures[i]) for i in places]
     curves = np.array([regression.weights * fit.fitted for fit in fits])
     values = np.array([evidence[i] for i in places])
-    share = softmax(values) / np.array([fit.scatter for fit in fits]) ** 2
+    share = softmax(values)
     apart = np.sum((curves[:, None] - curves) ** 2, axis=2)
     worth = np.round(values - 0.5 * apart @ share, DIGITS)
     rank = [regression.problem.rank(structures[i]) for i in places]

@@ -249,7 +249,7 @@ class Explorer:
         fitted, count = regression.fit(self.structure).fitted, len(problem.response)
         left = (problem.response - fitted) * regression.weights
         rng = np.random.default_rng(7)
-        length = 1 if problem.independent else -(-count // (int(problem.stretches.max()) + 1))
+        length = -(-count // (int(problem.stretches.max()) + 1))
         pieces = -(-count // length)
         starts = rng.integers(0, count - length + 1, (REHEARSALS, pieces))
         signs = rng.choice([-1.0, 1.0], (REHEARSALS, pieces, 1))
@@ -270,9 +270,8 @@ class Explorer:
         z = np.column_stack([self._scaled, z])
         every = range(len(self.curves))
         shares = [self.shares(z, [self._columns([k]) for k in every])]
-        if not problem.independent:
-            plain = [self._columns([k], plain=True) for k in every]
-            shares.append(self.shares(np.sqrt(np.abs(z)), plain))
+        plain = [self._columns([k], plain=True) for k in every]
+        shares.append(self.shares(np.sqrt(np.abs(z)), plain))
         top = [one.max(axis=0) for one in shares]
         same = THRESHOLDS.rounding
         chance = np.array([np.mean(one >= one[:, None] - same, axis=1) for one in top])

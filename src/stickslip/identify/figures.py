@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.identify.ensemble import PredictionBand
+from stickslip.identify.bands import PredictionBand
 from stickslip.identify.problem import ALIKE, Array
 from stickslip.show.formatting import number, scale_of
 from stickslip.show.plots import C1, C3, DATA, MAP_SIZES, on_axes
@@ -42,6 +42,8 @@ class BandDrawing:
     speeds: Array
     """Velocities of the band (m,)."""
     band: PredictionBand
+    other: PredictionBand | None = None
+    """Band of another specimen there."""
     law: Array
     """Friction of the named law there (m,)."""
     title: str
@@ -70,7 +72,8 @@ def draw_band(what: BandDrawing) -> "Draw":
         x = factor * what.speeds
         # a law of many terms would leave no room for the axes
         labels: dict[str, Any] = {
-            "band": "95 % band, whichever law holds", "law": textwrap.fill(what.title, LETTERS)
+            "band": "95 % band, whichever law holds", "law": textwrap.fill(what.title, LETTERS),
+            "other": "95 % band of another run or specimen",
         }  # fmt: skip
         for band, law in what.by_load.values() or [(what.band, what.law)]:
             for part in _directions(what.speeds):
@@ -84,6 +87,17 @@ def draw_band(what: BandDrawing) -> "Draw":
                     label=labels.pop("band", None),
                 )
                 axes.plot(x[part], force * law[part], color=C1, label=labels.pop("law", None))
+        if what.other is not None and not what.by_load:
+            for part in _directions(what.speeds):
+                for end in (what.other.low, what.other.high):
+                    axes.plot(
+                        x[part],
+                        force * end[part],
+                        color=C1,
+                        linewidth=0.9,
+                        linestyle=(0, (4, 3)),
+                        label=labels.pop("other", None),
+                    )
         for k, load in enumerate(loads_apart(what.load)):
             at = np.isclose(what.load, load, rtol=ALIKE) if load else np.ones(len(v), dtype=bool)
             look: dict[str, Any] = {"color": DATA, "markersize": 4.5, "linestyle": "none"}

@@ -19,8 +19,8 @@ from scipy.linalg import block_diag
 from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at, volts_sentence
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
+from stickslip.identify.bands import PredictionBand
 from stickslip.identify.candidates import Candidate, Verdict, Wording, in_sentence
-from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.fits import (
     JOINTS,
     Estimate,

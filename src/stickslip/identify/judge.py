@@ -16,40 +16,24 @@ from typing import Any
 import numpy as np
 
 from stickslip.friction import FrictionLaw
+from stickslip.identify.bands import Interval, MeasuredPoints, PredictionBand, correlation_of
 from stickslip.identify.comparison import Comparison, compare, family_members
 from stickslip.identify.ensemble import (
     Draw,
     Ensemble,
-    PredictionBand,
     Prepared,
     allotted,
     band_of,
 )
 from stickslip.identify.explorer import Explorer, Pattern
-from stickslip.identify.laws import Composition, Sliding
+from stickslip.identify.laws import Composition, Sliding, drawn_curve
 from stickslip.identify.problem import Array, Column, Family, Problem, Structure
-from stickslip.identify.regression import BlockRegression, noise_at, noise_weights, same_span
+from stickslip.identify.regression import BlockRegression, same_span
 from stickslip.identify.search import Search
 from stickslip.identify.thresholds import THRESHOLDS
 
 FLOW = "viscous_coefficient"
 """Parameter whose meaning depends on the part that has it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Interval:
-    """What a measurement says of a parameter."""
-
-    path: str
-    """Full path, such as ``"friction.kinetic_coefficient"``; of nuisances their name."""
-    value: float
-    """Estimate under the named law."""
-    low: float
-    high: float
-    """95 % interval under the named law."""
-    low_any: float
-    high_any: float
-    """95 % interval over whichever law of the set has the parameter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,6 +86,33 @@ class Judgement:
         """The best structure of the named family."""
         return self.comparison.named
 
+    @property
+    def family(self) -> Family:
+        """Names of the terms of the named law."""
+        return self.problem.family(self.named)
+
+    @property
+    def families(self) -> tuple[Family, ...]:
+        """Families that are not told apart, the named one first."""
+        return tuple(self.problem.family(one) for one in self.comparison.set)
+
+    @property
+    def curve_share(self) -> float:
+        """Share of the curve as measured, which is no law, in the band."""
+        comparison = self.ensemble.comparison
+        both = zip(comparison.structures, comparison.shares.tolist(), strict=True)
+        return min(math.fsum(p for one, p in both if not self.problem.is_law(one)), 1.0)
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether a law predicts as well as the measured curve."""
+        comparison = self.comparison
+        return not (
+            comparison.curve_share > THRESHOLDS.no_law
+            and comparison.curve_gain > THRESHOLDS.errors
+            and comparison.curve_ratio > THRESHOLDS.no_law_ratio
+        )
+
     @cached_property
     def estimated(self) -> Structure:
         """The named law with the shapes of its estimates: refined where the ensemble is."""
@@ -132,6 +143,33 @@ class Judgement:
         if law is not None and not composed.text and not sliding.brakes(law, composed):
             law = None
         return composed, sliding, law
+
+    def sampled(self, count: int, seed: int) -> list[FrictionLaw]:
+        """Return laws of draws; through their levels where they are none of ours."""
+        draws = replace(self.ensemble, seed=seed).draws()
+        rows = [(draw.structure, row) for draw in draws for row in draw.coefficients]
+        order = np.random.default_rng(seed).permutation(len(rows))
+        found = []
+        for structure, row in (rows[k] for k in np.resize(order, count)):
+            composed, sliding, law = self.handed_over(structure, row)
+            found.append(drawn_curve(sliding, composed.normal()) if law is None else law)
+        return found
+
+    def measured(self) -> MeasuredPoints:
+        """Return what a figure shows of the measurement."""
+        fit = self.ensemble.fit(self.estimated)
+        points = self.problem.points(self.estimated, fit.coefficients)
+        ones = np.ones(len(points.velocity))
+        return MeasuredPoints(
+            velocity=points.velocity,
+            friction=points.friction,
+            load=points.load,
+            weights=ones if points.rows is None else self.regression.weights[points.rows],
+        )
+
+    def band(self, rows: Any, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
+        """Return the band of friction at rows, whichever law holds."""
+        return band_of(self.ensemble.curves(rows), level, all_along=all_along)
 
     def acting(self, rows: Any) -> Array:
         """Return friction of the named law and its constant offset (n,) at rows."""
@@ -212,23 +250,19 @@ class Judgement:
         table = np.hstack(
             [[part[path] for path in paths] for part in parts if part.keys() >= {*paths}]
         )
-        spread = np.std(table, axis=1)
-        safe = np.where(spread > 0.0, spread, 1.0)
-        centred = (table - table.mean(axis=1, keepdims=True)) / safe[:, None]
-        return np.asarray(centred @ centred.T / table.shape[1])
+        return correlation_of(table)
 
     def held_out_error(self, structure: Structure) -> float:
-        """Return the root mean square of the held-out residuals, outliers as far as they count."""
+        """Return the root mean square of the held-out residuals."""
         left = self.regression.held_out(structure)
-        return float(np.sqrt(np.average(left**2, weights=self.regression.counted)))
+        return float(np.sqrt(np.mean(left**2)))
 
     @cached_property
     def causes(self) -> tuple[Cause, ...]:
         """What the named structure holds beside a law, the largest first."""
         terms, named = self.problem.terms, self.named
         losses = self.regression.losses_of
-        y, counted = self.problem.response, self.regression.counted
-        total = float(np.cov(y, aweights=counted, ddof=0)) or 1.0
+        total = float(np.var(self.problem.response)) or 1.0
         left = self.held_out_error(named) ** 2 / total
         coefficients = self.ensemble.fit(named).coefficients
         noise = np.mean(self.problem.noise_floor(named, coefficients) * self.regression.weights**2)
@@ -281,22 +315,41 @@ class Judgement:
         """What the residuals of the named structure follow, and their scatter."""
         return Explorer(self.regression, self.named).patterns()
 
-    @cached_property
-    def outliers(self) -> Mapping[int, float]:
-        """Rows that are far from the others, with how many standard deviations."""
-        _, z = noise_weights(self.regression, self.named)
-        far = np.flatnonzero(z > THRESHOLDS.outlying)
-        return {int(row): float(z[row]) for row in far}
+    def details(self) -> Mapping[str, Any]:
+        """Return what a document has of the judgement beside the band and the parameters."""
+        return {
+            "causes": [
+                {
+                    "term": one.term,
+                    "role": self.problem.terms[one.term].role,
+                    "title": one.title,
+                    "share": one.share,
+                    "left": one.left,
+                    "explained": one.explained,
+                    "asserted": one.asserted,
+                    "needed": one.needed,
+                    "instead": list(one.instead),
+                }
+                for one in self.causes
+            ],
+            "patterns": [
+                {
+                    "of": "scatter" if one.scatter else "residuals",
+                    "feature": one.feature,
+                    "share": one.share,
+                    "of_force": one.of_force,
+                    "p": one.p,
+                    "stated": one.stated,
+                }
+                for one in self.patterns
+            ],
+        }
 
     @property
     def is_noise(self) -> bool:
         """Whether half of the measurement is as large as its noise: else a few rows make that."""
         middle = 1.4826 * float(np.median(np.abs(self.regression.weights * self.problem.response)))
         return middle**2 >= THRESHOLDS.least_variance
-
-    def noise(self, rows: Any) -> Array:
-        """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""
-        return noise_at(self.regression, rows)
 
     @cached_property
     def _left(self) -> Sequence[Array]:
@@ -306,26 +359,17 @@ class Judgement:
 
     def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
         """Return the band of new readings at rows (n,)."""
-        # noise of independent readings has the tails of the score: what no draw holds is in them
-        rarer = 1.0 if self.problem.independent else THRESHOLDS.rarer
-        return band_of(self.readings(rows), level, rarer=rarer)
+        return band_of(self.readings(rows), level)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.
 
-        Of independent readings noise has the variance that each law leaves and, as in the score of
-        blocks, the tails of Student's t: what a law leaves is larger where friction is not as it
-        says, and smaller elsewhere. Dense rows have what laws leave of one part of the measurement,
-        predicted from the others, at rows of about the same speed: with its tails, its scatter by
-        speed, and what differs from part to part.
+        Noise is what laws leave of one part of the measurement, predicted from the others, at rows
+        of about the same speed: with its tails, its scatter by speed, and what differs from part to
+        part.
         """
-        curves = self.ensemble.curves(rows)
-        rng = np.random.default_rng(self.ensemble.seed + 3)
-        if not self.problem.independent:
-            return curves + self._resampled(rows, len(curves), rng)
-        freedom = THRESHOLDS.freedom
-        noise = rng.standard_t(freedom, size=curves.shape) * math.sqrt(1.0 - 2.0 / freedom)
-        return np.asarray(curves + self.noise(rows) * noise * self.ensemble.scatter(rng)[:, None])
+        curves, rng = self.ensemble.curves(rows), np.random.default_rng(self.ensemble.seed + 3)
+        return curves + self._resampled(rows, len(curves), rng)
 
     def _resampled(self, rows: Any, count: int, rng: np.random.Generator) -> Array:
         """Return what readings at rows leave (count, n), drawn from rows of like speed."""
@@ -351,68 +395,3 @@ class Judgement:
         apart = (again - np.median(curves, axis=0)) / (np.std(curves, axis=0) + 1e-300)
         times = float(np.sqrt(np.mean(apart**2)))
         return replace(self, ensemble=replace(self.ensemble, wider=max(times, 1.0)))
-
-
-# What to measure next: readings that are expected to narrow the band most.
-
-HALF = 0.3
-"""Expected width over today's at which enough is measured: less than half is, mostly."""
-WORTH = 0.7
-"""Expected width over today's from which no readings are proposed."""
-MOST = 4
-"""Readings that are proposed at most, over those that were taken."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Proposal:
-    """Readings to take."""
-
-    places: tuple[int, ...]
-    """Offered places, in the order of their gain; one may stand for several readings."""
-    shrinks: float
-    """Expected width of the band after them, over today's."""
-
-
-def propose(
-    asked: Array, offered: Array, noise: Array, taken: int = 16, rest: Array | float = 0.0
-) -> Proposal:
-    r"""Return the readings that narrow the band of curves at asked places (d, n).
-
-    The drawn curves have a mean and a covariance :math:`K` over asked and offered places. A reading
-    at place :math:`j` with noise :math:`s_j` takes off :math:`K_{ij}^2 / (K_{jj} + s_j^2)` of the
-    variance at place :math:`i` (linear Gaussian update); the place that takes off most of the mean
-    variance is taken, and the next one after the update, until the expected width is `HALF` of
-    today's. `rest` is the variance (n,) that no reading takes off, such as that from run to run.
-    (Measured: the widest place shrinks the width to .71; rehearsing draws as truths gained nothing
-    over it.)
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(0)
-    >>> level, slope = rng.normal(size=(2, 400, 1))
-    >>> v = np.array([[0.0, 0.5, 1.0]])
-    >>> propose(level + 5.0 * slope * v, level + 5.0 * slope * v, np.full(3, 0.1)).places[0]
-    2
-    """
-    curves = np.hstack([asked, offered])
-    curves = curves - curves.mean(axis=0)
-    covariance = curves.T @ curves / len(curves)
-    count = asked.shape[1]
-
-    def width() -> float:
-        """Return the mean standard deviation at the asked places."""
-        return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0) + rest)))
-
-    start = width()
-    places: list[int] = []
-    while start > 0.0 and len(places) < MOST * taken and width() > HALF * start:
-        own = np.diag(covariance)[count:] + noise**2 + 1e-300
-        gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
-        best = int(np.argmax(gains))
-        row = covariance[:, count + best]
-        covariance = covariance - np.outer(row, row) / own[best]
-        places.append(best)
-    shrinks = width() / start if start > 0.0 else 1.0
-    if shrinks >= WORTH:
-        return Proposal(places=(), shrinks=1.0)
-    return Proposal(places=tuple(places), shrinks=shrinks)

@@ -155,7 +155,7 @@ FLOWS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 """Parts beside the level: the parameter of their coefficient, and those of their shape."""
 SURPLUSES = ("stribeck", "stribeck_sides", "step")
 """Terms of a static surplus; the second has another one for each direction."""
-DIRECTIONS = ("level_direction", "viscous_direction", "stribeck_sides")
+DIRECTIONS = ("level_direction", "viscous_direction", "power_direction", "stribeck_sides")
 """Terms that differ by direction."""
 
 
@@ -269,6 +269,8 @@ class _Composer:
             own = LINEAR if "viscous" in self.terms else FALLING
             self.values.setdefault(own, np.zeros(self.count))
             self.change[own] = self.first("viscous_direction")
+        if "power_direction" in self.terms:
+            self.change[LINEAR] = self.first("power_direction")
 
     def composition(self, memory: str) -> Composition:
         """Return the law; without a text if it has none of these values."""

@@ -5,6 +5,8 @@ from functools import partial
 
 from stickslip.identify.figures import draw_band
 from stickslip.identify.fits import Estimate
+from stickslip.identify.judge import Judgement
+from stickslip.identify.ladder import ladder_texts, probability_text
 from stickslip.identify.laws import TITLES
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, importance
@@ -92,8 +94,9 @@ def _words_of(verdict: BandVerdict, one: Estimate) -> str:
     """Return what a parameter is called: beside a law as its term is."""
     if "." in one.path:  # of the law, or the mechanism
         return parameter_words(one.path)
-    term = verdict.judgement.problem.terms.get(one.path)
-    return parameter_words(one.path) if term is None else term.title
+    judgement = verdict.judgement
+    terms = judgement.problem.terms if isinstance(judgement, Judgement) else {}
+    return terms[one.path].title if one.path in terms else parameter_words(one.path)
 
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
@@ -107,7 +110,7 @@ def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
     text = (
         "**Friction.** Points: readings, hollow where they lie far from the others. Line:"
         f" {verdict.closest.title}. Band: where friction lies with 95 % at each velocity, whichever"
-        " law of the set, or the measured curve, holds."
+        " law holds, or none."
     )
     if verdict.places:
         text += " Dotted: where further readings narrow the band most."
@@ -117,6 +120,9 @@ def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
 
 def laws_section(verdict: BandVerdict) -> Section:
     """Return the table of the laws."""
+    judgement = verdict.judgement
+    if not isinstance(judgement, Judgement):
+        return _ladder_section(verdict, judgement.tolerance)
     scale = verdict.scale
     rows = tuple(
         Row(
@@ -125,12 +131,11 @@ def laws_section(verdict: BandVerdict) -> Section:
                 str(one.count),
                 Number(value=significant(scale.factor * one.held_out), unit=scale.unit),
                 _share(one.share),
-                number(one.evidence, 2),
+                NO_VALUE if one.evidence is None else number(one.evidence, 2),
             )
         )
         for one in verdict.candidates
     )
-    judgement = verdict.judgement
     curve = judgement.comparison.curve
     error = scale.factor * judgement.held_out_error(curve)
     rows += (
@@ -172,6 +177,45 @@ def laws_section(verdict: BandVerdict) -> Section:
     if not verdict.explained:
         none = "None of these laws" if judgement.problem.only else "No law"
         heading = f"{none} predicts as well as the measured curve"
+    return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
+
+
+def _ladder_section(verdict: BandVerdict, tolerance: float) -> Section:
+    """Return the ladder: laws by their parameters, with how close each is to friction."""
+    scale, unit = verdict.scale, verdict.measurement.unit("velocity")
+    rows = tuple(
+        Row(
+            cells=(
+                Name(text=one.title, aside=one.outcome),
+                str(one.count),
+                *ladder_texts(one, unit),
+                Number(value=significant(scale.factor * one.held_out), unit=scale.unit),
+                probability_text(one.share),
+            )
+        )
+        for one in sorted(verdict.candidates, key=lambda one: one.count)
+    )
+    columns = (
+        Column(head="law"),
+        Column(head="parameters", numeric=True, phone="label"),
+        Column(head="stays within", numeric=True, phone="label"),
+        Column(head="worst", numeric=True, phone="label"),
+        Column(head="leaves", numeric=True, phone="label"),
+        Column(head="probability", numeric=True, phone="label"),
+    )
+    caption = (
+        "Each law is fitted to the curve of friction that the readings make most probable, which"
+        " need not be a law. Stays within: by how much of friction it is off at most at 95 % of the"
+        " speeds. Worst: where it is off most. Leaves: root mean square of the readings about it."
+        " Probability: of the law, whatever small rest no law says. Named is the law with the"
+        f" largest probability that a rest below {percent(tolerance)} of friction does not matter;"
+        " where every law leaves more, the one that is closest with few parameters."
+    )
+    table = Table(columns=columns, rows=rows, caption=caption)
+    count = len(verdict.set)
+    heading = "Laws by their number of parameters"
+    if count > 1:
+        heading = f"{count} laws are not told apart by these readings"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 

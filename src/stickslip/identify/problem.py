@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identify.laws import Composition, Sliding
+from stickslip.identify.posterior import family_of
 from stickslip.identify.thresholds import THRESHOLDS
 
 Array: TypeAlias = NDArray[np.float64]
@@ -114,11 +115,6 @@ MEMORY = "memory"
 """Marks families whose law has a memory of the way."""
 
 
-def family_of(structure: Structure) -> Family:
-    """Return the names of the terms of a structure."""
-    return tuple(name for name, _ in structure)
-
-
 class Problem(ABC):
     """One measurement of any kind, as the judge sees it."""
 
@@ -146,8 +142,6 @@ class Problem(ABC):
     """Families whose laws are compared beside properties of the rig; empty for all."""
     curve_share: float = THRESHOLDS.curve_share
     """Least share of the measured curve in the ensemble."""
-    independent: bool
-    """Whether the errors of rows are independent; else those of stretches are."""
     stretches: NDArray[np.intp]
     """Number of the stretch of each row (n,), between which errors are independent."""
     worth: float = 1.0
@@ -240,14 +234,6 @@ class Problem(ABC):
     def beside(self, rows: Any) -> Array:
         """Return what readings at asked rows show beside the response, at measured rows (n,)."""
         return np.zeros(len(self.response))
-
-    def variants(self, rows: Any) -> Sequence[Any]:
-        """Return rows as they were in each run; the rows themselves where runs do not differ."""
-        return [rows]
-
-    def places(self, structure: Structure) -> Sequence[Structure]:
-        """Return a structure with the shapes that the same fit may have between the readings."""
-        return (structure,)
 
     def price(self, size: float) -> float:
         """Return the share of the held-out error that a parameter must save to be believed.
@@ -387,8 +373,6 @@ class Fitted:
     """Their covariance (p, p)."""
     freedom: float
     """Degrees of freedom of Student's t."""
-    scatter: float = 1.0
-    """Standard deviation of weighted residuals, where rows are independent."""
     root: Array | None = None
     """A root (k, p) of the covariance, where it is known: root.T @ root is the covariance."""
 

@@ -28,12 +28,6 @@ eigenvalues and vectors of :math:`T^{1/2} G T^{1/2}` and :math:`z = q^T T^{1/2} 
 
 averaged over the scale :math:`\sigma` of the noise, even in its logarithm (`SCALES`). What a
 structure could have fitted besides counts against it: no price of parameters is needed.
-
-The *noise of few rows* is that of a fit by Student's t (`_student_fit`): studentised residuals
-:math:`u_i = e_i / (\sigma \sqrt{1 - h_i})` give weights :math:`(\nu + 1) / (\nu + u_i^2)` and the
-scale :math:`\sigma`. Of the fits that begin with all rows and with all but one, as a single row may
-draw the others away from it, the likeliest counts. A median of residuals would be misled: five
-parameters pass through half of nine rows.
 """
 
 import math
@@ -43,10 +37,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erfcx, softmax, stdtrit
+from scipy.special import softmax
 
 from stickslip.errors import InputError
-from stickslip.identify.candidates import DIGITS
 from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.show.formatting import count, number
@@ -59,10 +52,10 @@ SCALES = np.geomspace(3e-4, 1.0, 30)
 """Scales of the noise over the size of the response, for the marginal likelihood."""
 SLOPES = (0.5, 1.0)
 """Powers of the force or the speed with which the scatter may grow."""
-FEW = 2.0
-"""Degrees of freedom from which residuals of independent rows tell the noise."""
+MANY = 0.98
+"""Part of the rows beyond which others are few."""
 FIXED = 1.0 / np.finfo(float).eps
-"""Precision of what is not fitted over that of all rows, and of what is exact over its noise."""
+"""Precision of what is not fitted over that of all rows."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 MOST_MEMORY = 8.0
@@ -94,10 +87,6 @@ class BlockRegression:
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
         self._parts: _Parts | None = None
-        self.counted = np.ones(len(problem.response))
-        """Share (n,) of each row that counts: of outliers less than 1, if rows are independent."""
-        self.believed: Array | None = None
-        """Weights by which readings alone at an end are none of the outliers, if they are else."""
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
 
     def add(self, columns: Iterable[Column]) -> None:
@@ -141,24 +130,8 @@ class BlockRegression:
                 f" {number(memory)} GB of memory, and may take {number(MOST_MEMORY)} GB: {FEWER}."
             )
 
-    def weigh(self, weights: Array, z: Array | None = None) -> None:
-        """Set the weights of the rows (n,), which makes the Gram matrices.
-
-        With standardised residuals `z` (n,), independent rows that are outliers count less.
-        """
-        if z is not None and self.problem.independent:
-            self.counted = counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
-            self.believed = None
-            ends = np.setdiff1d(np.flatnonzero(counted < 1.0), _between(self.problem))
-            # what is many times as large as drag would make the others is in another unit
-            rest, size = counted == 1.0, np.abs(self.problem.response)
-            speeds = self.problem.speeds(self.problem.rows)
-            rise = np.maximum(speeds[ends] / np.max(speeds[rest], initial=NOTHING), 1.0) ** 2
-            most = THRESHOLDS.outlying * np.max(size[rest], initial=0.0)
-            ends = ends[size[ends] <= most * rise]
-            if len(ends):
-                self.believed = weights.copy()
-                self.believed[ends] /= counted[ends] ** (0.5 * self.problem.softness)
+    def weigh(self, weights: Array) -> None:
+        """Set the weights of the rows (n,), which makes the Gram matrices."""
         self.weights, self.losses_of, self._weighed = weights, {}, True
         self._marginals.clear()
         y = self.problem.response * weights
@@ -263,7 +236,7 @@ class BlockRegression:
         problem = self.problem
         count, worth = problem.worth * len(problem.response), problem.worth
         weighted = self.weights * problem.response
-        spread = float(np.sqrt(np.mean(self.counted * problem.response**2))) + NOTHING
+        spread = float(np.sqrt(np.mean(problem.response**2))) + NOTHING
         penalty = self._penalty[columns]
         t = np.where(penalty > 0.0, 1.0 / np.sqrt(penalty + NOTHING), spread)
         gram = self._total[columns[:, :, None], columns[:, None, :]]
@@ -384,38 +357,24 @@ class BlockRegression:
         inverse = _inverse(gram + np.diag(penalty))
         c = inverse @ (a.T @ y)
         e = y - a @ c
-        shaped = problem.parameters(structure) - sum(
-            problem.terms[name].cost for name, _ in structure
-        )
-        root, scatter = None, 1.0
-        if problem.independent:
-            spare = float(np.sum(self.counted)) - float(np.trace(inverse @ gram)) - shaped
-            freedom = max(spare, FEW)
-            variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
-            scatter = math.sqrt(variance)
-            if spare < FEW:  # a fit through all rows says nothing of their noise
-                variance = max(variance, float(np.mean((w * self.held_out(structure)) ** 2)))
-            covariance = inverse * variance
-        else:
-            count = int(problem.stretches.max()) + 1
-            scores = np.zeros((count, len(columns)))
-            np.add.at(scores, problem.stretches, a * e[:, None])
-            freedom = count - 1.0
-            root = scores @ inverse * math.sqrt(problem.spread * count / freedom)
-            prior = np.sqrt(self._precision[columns]) / size * float(np.median(w))
-            if np.any(prior):  # where rows tell nothing, the prior does
-                root = np.vstack([root, (prior[:, None] * inverse)[prior > 0.0]])
-            doubt = self._doubt[columns] * size
-            if np.any(doubt):
-                moved = np.eye(len(columns)) - gram @ inverse
-                root = np.vstack([root, (doubt[:, None] * moved)[doubt > 0.0]])
-            covariance, root = root.T @ root, root / size
+        count = int(problem.stretches.max()) + 1
+        scores = np.zeros((count, len(columns)))
+        np.add.at(scores, problem.stretches, a * e[:, None])
+        freedom = count - 1.0
+        root = scores @ inverse * math.sqrt(problem.spread * count / freedom)
+        prior = np.sqrt(self._precision[columns]) / size * float(np.median(w))
+        if np.any(prior):  # where rows tell nothing, the prior does
+            root = np.vstack([root, (prior[:, None] * inverse)[prior > 0.0]])
+        doubt = self._doubt[columns] * size
+        if np.any(doubt):
+            moved = np.eye(len(columns)) - gram @ inverse
+            root = np.vstack([root, (doubt[:, None] * moved)[doubt > 0.0]])
+        covariance, root = root.T @ root, root / size
         return Fitted(
             fitted=x @ c,
             coefficients=c / size,
             covariance=covariance / np.outer(size, size),
             freedom=freedom,
-            scatter=scatter,
             root=root,
         )
 
@@ -444,37 +403,26 @@ def _inverse(matrix: Array) -> Array:
 
 def noise_weights(
     regression: BlockRegression, structure: Structure, *, even: bool = False
-) -> tuple[Array, Array]:
-    """Return weights (n,) by the scatter of what a structure leaves, and standardised residuals.
+) -> Array:
+    """Return weights (n,) by the scatter of what a structure leaves.
 
     The scatter grows with each power of what it may grow with as far as that is likely; of `even`
-    rows it is constant. Rows beyond `Thresholds.outlier` standard deviations lose weight, single
-    ones where rows are independent. The mean square of weighted residuals is about 1.
+    rows it is constant. Rows beyond `Thresholds.outlier` standard deviations lose weight. The mean
+    square of weighted residuals is about 1.
     """
     problem = regression.problem
     fitted = regression.fit(structure).fitted
-    if problem.independent:
-        residual, _ = _student_fit(regression, structure, np.ones(len(fitted)))
-    else:
-        # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
-        left = problem.response - fitted
-        residual = np.sqrt(np.abs(regression.held_out(structure) * left))
+    # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
+    left = problem.response - fitted
+    residual = np.sqrt(np.abs(regression.held_out(structure) * left))
     scales = () if even else problem.scales(fitted)
-    # how noise grows is no matter of a few rows
-    near = np.minimum(residual, THRESHOLDS.outlying * np.median(residual))
+    # how noise grows is no matter of a few rows, as turns are not
+    most = max(THRESHOLDS.outlying * float(np.median(residual)), float(np.quantile(residual, MANY)))
+    near = np.minimum(residual, most)
     deviation = np.exp(_growth(near, scales, problem.parameters(structure)))
-    if problem.independent:
-        u, typical = _student_fit(regression, structure, deviation)
-    else:
-        u = residual / deviation
-        typical = 1.4826 * float(np.median(u))
-    typical += 1e-12 * float(np.max(np.abs(problem.response)))
+    u = residual / deviation
+    typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))
     z = u / (typical + NOTHING)
-    if problem.independent:
-        # what lies off together is friction, and keeps its weight
-        side = np.sign((problem.response - fitted) * problem.response)
-        kept = _as_friction(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))
-        z[kept] = np.minimum(z[kept], THRESHOLDS.outlier)
     robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
@@ -483,12 +431,7 @@ def noise_weights(
     # a fit without residuals still has the rounding of its numbers, and of filters
     size = float(np.max(np.abs(weights * problem.response)))
     least = (THRESHOLDS.rounding * size) ** 2
-    variance = float(e @ e) / count
-    spare = len(e) - problem.parameters(structure)
-    if problem.independent and spare < FEW:
-        # a fit through nearly all rows says nearly nothing of their noise
-        variance *= float(stdtrit(max(spare, 1), 0.975) / 1.96) ** 2
-    return weights / math.sqrt(variance + least + NOTHING), z
+    return weights / math.sqrt(float(e @ e) / count + least + NOTHING)
 
 
 def _growth(residual: Array, scales: Sequence[Array], parameters: int) -> Array:
@@ -505,66 +448,6 @@ def _growth(residual: Array, scales: Sequence[Array], parameters: int) -> Array:
             gains.append(max(len(z) - parameters, 1) * gain - THRESHOLDS.growth)
             trends.append(slope * z)
     return np.asarray(softmax(gains) @ np.array(trends))
-
-
-def _student_fit(
-    regression: BlockRegression, structure: Structure, deviation: Array
-) -> tuple[Array, float]:
-    """Return residuals (n,) over deviations and leverages of a fit by Student's t, and their scale.
-
-    Of many rows no single one draws the fit: then it begins with all of them only.
-    """
-    problem, nu = regression.problem, THRESHOLDS.freedom
-    # of normal residuals u, the mean of (nu + 1) u^2 / (nu + u^2)
-    normal = (nu + 1.0) * (1.0 - math.sqrt(0.5 * math.pi * nu) * float(erfcx(math.sqrt(0.5 * nu))))
-    a, penalty = regression.design(structure)
-    a, y, count = a / deviation[:, None], problem.response / deviation, len(deviation)
-    begun = np.ones((1, count))
-    if count <= TOGETHER:
-        begun = np.vstack([begun, 1.0 - np.eye(count)])
-    weights, scale = begun + NOTHING, np.zeros((len(begun), 1))
-    least = float(np.sqrt(np.mean(y**2))) / FIXED + NOTHING
-    for k in range(THRESHOLDS.weighings):
-        gram = (a.T * weights[:, None]) @ a
-        ridge = np.diagonal(gram, axis1=1, axis2=2) * 1e-9 + penalty + NOTHING
-        inverse = np.linalg.inv(gram + ridge[:, None] * np.eye(a.shape[1]))
-        c = np.einsum("mij,mj->mi", inverse, (weights * y) @ a)
-        leverage = weights * np.sum((a @ inverse) * a, axis=2)
-        e = np.abs(y - c @ a.T) / np.sqrt(np.maximum(1.0 - leverage, 1e-6))
-        if k == 0:  # the scale of the rows begun with: one left out may be of any size
-            squares = np.sum(begun * e**2, axis=1, keepdims=True)
-            scale = np.sqrt(squares / begun.sum(axis=1, keepdims=True)) + least
-        for _ in range(THRESHOLDS.weighings):
-            z = (e / scale) ** 2
-            mean = np.mean((nu + 1.0) * z / (nu + z), axis=1, keepdims=True)
-            scale *= np.sqrt(mean / normal) + NOTHING
-        weights = (nu + 1.0) / (nu + (e / scale) ** 2)
-    cost = np.sum(0.5 * (nu + 1.0) * np.log1p((e / scale) ** 2 / nu), axis=1)
-    best = int(np.argmin(np.round(cost + count * np.log(scale[:, 0]), DIGITS)))
-    return e[best], float(scale[best, 0])
-
-
-def _between(problem: Problem) -> NDArray[np.intp]:
-    """Return the rows that are not alone at an end of the speeds; all, where rows are dense."""
-    speeds = problem.speeds(problem.rows)
-    if not problem.independent:
-        return np.arange(len(speeds))
-    ends = [np.flatnonzero(speeds == end) for end in (speeds.min(), speeds.max())]
-    alone = [one[0] for one in ends if len(one) == 1]
-    return np.setdiff1d(np.arange(len(speeds)), alone)
-
-
-def _as_friction(side: Array, speeds: Array) -> NDArray[np.intp]:
-    """Return the outliers that are friction: their neighbour in speed is off to the same side.
-
-    Examples
-    --------
-    >>> _as_friction(np.array([1.0, 0.0, 1.0, -1.0]), np.array([1.0, 2.0, 1.1, 3.0])).tolist()
-    [0, 2]
-    """
-    order = np.argsort(speeds, kind="stable")
-    alike = np.flatnonzero((side[order][1:] == side[order][:-1]) & (side[order][1:] != 0.0))
-    return np.unique(np.concatenate([order[alike], order[alike + 1]]))
 
 
 def noise_at(regression: BlockRegression, rows: Any) -> Array:

@@ -66,16 +66,15 @@ class Search:
         for k in range(THRESHOLDS.weighings):
             last = weights
             # errors of a curve between the readings are no scatter
-            weights, z = noise_weights(regression if k else first, best, even=k == 0)
+            weights = noise_weights(regression if k else first, best, even=k == 0)
             if k and np.allclose(weights, last, rtol=THRESHOLDS.weighed):
                 break
-            regression.weigh(weights, z)
+            regression.weigh(weights)
             self._orders.clear()
             best = self._climb()
             self._add_usual(best)
             self._refine()
-            if not self.problem.independent:
-                self._exchange()
+            self._exchange()
             best = self._likely()
         regression.forget()
         return self
@@ -229,16 +228,8 @@ class Search:
                 if self.problem.is_law(structure):
                     forms = best_of.setdefault(self.problem.family(structure), {})
                     forms.setdefault(self._fixed(structure), structure)
-            # a coarse grid hides usual laws whose readings are better than its steps; rows of a
-            # record are so many that the best of the coarse grid are the best
-            every = self.problem.independent
-            top = [
-                structure
-                for place, forms in enumerate(best_of.values())
-                if place < THRESHOLDS.families
-                or (every and self.problem.is_usual(next(iter(forms.values()))))
-                for structure in (forms.values() if every else [next(iter(forms.values()))])
-            ]
+            # rows of a record are so many that the best of the coarse grid are the best
+            top = [next(iter(forms.values())) for forms in best_of.values()][: THRESHOLDS.families]
             # what is named beside a law has to be needed with the best shapes of the law alone
             plain = self._laws_of(top)
             around = [

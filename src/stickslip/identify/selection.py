@@ -16,15 +16,17 @@ from stickslip.data import (
     refuse_lack,
     refuse_same,
     refuse_unused,
-    speeds_in_order,
     without_outliers,
 )
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, law_type
-from stickslip.identify.ensemble import PredictionBand, band_of
+from stickslip.identify.bands import PredictionBand
+from stickslip.identify.ensemble import band_of
 from stickslip.identify.fits import goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
-from stickslip.identify.judge import Judgement, Proposal, propose
+from stickslip.identify.judge import Judgement as RecordJudgement
+from stickslip.identify.judgement import Judgement
+from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import MEMORY, Array, Family
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -34,7 +36,9 @@ from stickslip.identify.problems.records import (
     unseen_length,
     with_hold,
 )
-from stickslip.identify.problems.tables import TableProblem
+from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
+from stickslip.identify.projection import TOLERANCE
+from stickslip.identify.propose import Proposal, propose
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
 from stickslip.identify.wording import (
@@ -92,14 +96,19 @@ def select_table(
     *,
     laws: Any = None,
     validate: Measurement | None = None,
+    tolerance: float | None = None,
     route: str = "table",
 ) -> BandVerdict:
-    """Judge a table of friction: which law, and what friction is whichever law holds."""
+    """Judge a table of friction: which law, and what friction is whichever law holds.
+
+    A law may be off by the `tolerance`, a share of friction.
+    """
     checks = checked(mechanism, measurement, validate)
-    problem = TableProblem.of(mechanism, measurement)
+    families = None
     if laws is not None:
-        problem.only = families_of(laws, problem.terms)
-    judgement = Judgement.of(problem)
+        families = families_of(laws, known_terms(readings_of(mechanism, measurement)))
+    problem = TableProblem.of(mechanism, measurement, families)
+    judgement = Judgement(problem, tolerance=TOLERANCE if tolerance is None else tolerance)
     words = Words(
         measured="readings",
         held_out="speeds",
@@ -107,43 +116,39 @@ def select_table(
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
-    asked = problem.asked()
-    ensemble, offered = judgement.ensemble, problem.offered()
-    curves = ensemble.curves(asked)
-    band = band_of(curves)
-    # new readings do not take off by what runs differ
-    typical = ensemble.curves(asked, typical=True)
-    rest = np.maximum(np.var(curves, axis=0) - np.var(typical, axis=0), 0.0)
+    asked, offered = problem.asked(), problem.offered()
+    typical = problem.steady(asked, judgement.draws)
+    # new readings do not take off by what runs differ, and what may drift
+    rest = np.maximum(np.var(judgement.curves(asked), axis=0) - np.var(typical, axis=0), 0.0)
     proposal = propose(
         typical,
-        ensemble.curves(offered, typical=True),
-        judgement.noise(offered),
-        len(problem.response),
+        problem.steady(offered, judgement.draws),
+        problem.noise(offered),
+        problem.table.total,
         rest,
     )
-    places = tuple(float(offered.velocity[k]) for k in proposal.places)
-    inside = math.nan
+    inside, readings = math.nan, 0
     if validate is not None:
-        other = TableProblem.of(mechanism, validate)
-        inside = _inside(judgement.reading_band(problem.like(other.rows)), other.response)
-    ordered = speeds_in_order(problem.rows.velocity)
-    return verdict_on(
+        other = readings_of(mechanism, validate)
+        inside = _inside(judgement.reading_band(problem.like(other.rows)), other.friction)
+        readings = len(other.friction)
+    remarks = [ORDERED] * problem.model.is_sorted
+    if problem.rests is not None:
+        remarks.append(rest_sentence(problem.rests, words.speed_unit))
+    return ladder_verdict(
         judgement,
         mechanism,
         measurement,
         words,
         checks=checks,
-        speeds=asked.velocity,
-        band=band,
         proposal=proposal,
-        places=places,
-        place_text=[quantity(v, words.speed_unit, 2) for v in places],
-        largest_speed=problem.frame.fastest,
+        places=tuple(float(offered.velocity[k]) for k in proposal.places),
+        largest_speed=problem.model.frame.fastest,
         route=route,
         second=validate,
         inside=inside,
-        readings=0 if validate is None else len(other.response),
-        remarks=(ORDERED,) if ordered else (),
+        readings=readings,
+        remarks=tuple(remarks),
     )
 
 
@@ -163,7 +168,7 @@ def _is_held(measurement: Measurement) -> bool:
 
 
 def _remarks(
-    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None, unit: str
+    problem: RecordsProblem, judgement: RecordJudgement, validate: Measurement | None, unit: str
 ) -> list[str]:
     """Return what the number of records, a free motion and a balance leave to say.
 
@@ -221,7 +226,7 @@ def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
     }
 
 
-def found_values(judgement: Judgement) -> dict[str, float]:
+def found_values(judgement: RecordJudgement) -> dict[str, float]:
     """Return parameters of the mechanism as they were found, by path."""
     rig = judgement.composition.rig
     return {path: float(x[0]) for path, x in rig.items() if path.startswith("mechanism.")}
@@ -236,7 +241,7 @@ def _judged(
     vary: Sequence[str],
     offset: bool,
     hold: str | None,
-) -> tuple[RecordsProblem, Judgement]:
+) -> tuple[RecordsProblem, RecordJudgement]:
     """Return records as a problem and its judgement, with the torques that the gear of a rig has.
 
     Forces run between samples as `hold` says, or as the record shows.
@@ -249,7 +254,7 @@ def _judged(
     (problem,) = with_hold(make, [records], hold)
     if laws is not None:
         restrict(problem, laws)
-    return problem, refined(Judgement.of(problem))
+    return problem, refined(RecordJudgement.of(problem))
 
 
 def restrict(problem: RecordsProblem, laws: Any) -> None:
@@ -264,7 +269,7 @@ def restrict(problem: RecordsProblem, laws: Any) -> None:
     only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
 
 
-def refined(judgement: Judgement) -> Judgement:
+def refined(judgement: RecordJudgement) -> RecordJudgement:
     """Return a judgement of records refined by simulation."""
     return replace(judgement, ensemble=Observer(judgement.ensemble).refined())
 
@@ -321,7 +326,7 @@ def select_record(
 
 def record_verdict(
     problem: RecordsProblem,
-    judgement: Judgement,
+    judgement: RecordJudgement,
     mechanism: Mechanism,
     measurement: Measurement,
     *,

@@ -5,13 +5,14 @@ import math
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
 from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.friction import law as law_class
+from stickslip.identify.bands import Interval, PredictionBand
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
     UNMEASURED,
@@ -20,7 +21,6 @@ from stickslip.identify.candidates import (
     Wording,
     score_scale,
 )
-from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import (
     VARIES,
@@ -33,9 +33,13 @@ from stickslip.identify.fits import (
     measured_loads,
     typical_inputs,
 )
-from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
-from stickslip.identify.laws import RIG_QUANTITIES, Composition, drawn_curve
-from stickslip.identify.problem import Array, Family, Structure, family_of
+from stickslip.identify.judge import Cause, Judgement
+from stickslip.identify.judgement import Finding
+from stickslip.identify.judgement import Judgement as PosteriorJudgement
+from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding
+from stickslip.identify.posterior import family_of
+from stickslip.identify.problem import Array, Family, Structure
+from stickslip.identify.propose import Proposal
 from stickslip.identify.regression import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
@@ -49,8 +53,6 @@ from stickslip.identify.wording import (
     lacking_sentences,
     law_sentence,
     load_sentence,
-    no_law,
-    outlier_sentence,
     parameter_sentence,
     pattern_sentence,
     phrase_of,
@@ -70,11 +72,15 @@ if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
 
+Judged: TypeAlias = Judgement | PosteriorJudgement
+"""Records are judged by held-out errors, tables by their posterior."""
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawFit(Fit[FrictionLaw]):
     """A law of the set with its parameters and their intervals."""
 
-    judgement: Judgement
+    judgement: Judged
     measurement: Measurement
     structure: Structure
     largest_speed: float
@@ -99,11 +105,13 @@ class LawFit(Fit[FrictionLaw]):
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
 
-        judgement = self.judgement
-        rows = judgement.problem.asked()
-        band = band_of(judgement.ensemble.curves(rows))
+        rows = self.judgement.problem.asked()
         drawing = drawing_of(
-            judgement, self.measurement, self.law.title, speeds=rows.velocity, band=band
+            self.judgement,
+            self.measurement,
+            self.law.title,
+            speeds=rows.velocity,
+            band=self.judgement.band(rows),
         )
         return plot_band(drawing, ax)
 
@@ -118,13 +126,19 @@ class LawCandidate(Candidate[LawFit]):
     structure: Structure
     """The best structure of the family."""
     share: float
-    """Share of the ensemble."""
-    evidence: float
-    """Evidence less the most of all families."""
+    """Share of the ensemble; of a table, probability of the family."""
     held_out: float
-    """Root mean square of the held-out residuals [N] or [N m]."""
+    """Root mean square of the held-out residuals; of a table, of what the law leaves [N]."""
     count: int
     """Number of parameters."""
+    evidence: float | None = None
+    """Evidence less the most of all families; None of tables."""
+    distance: float | None = None
+    """Share of friction within which the law stays at 95 % of the places; None of records."""
+    worst: float | None = None
+    """Largest share of friction by which it is off ..."""
+    worst_at: float | None = None
+    """... and the velocity there [m/s] or [rad/s]."""
 
     @property
     def family(self) -> Family:
@@ -152,6 +166,9 @@ class LawCandidate(Candidate[LawFit]):
             "held_out_error": self.held_out,
             "share": self.share,
             "evidence": self.evidence,
+            "within": self.distance,
+            "worst": self.worst,
+            "worst_at": self.worst_at,
             "outcome": self.outcome,
         }
 
@@ -160,12 +177,14 @@ class LawCandidate(Candidate[LawFit]):
 class BandVerdict(Verdict[LawCandidate]):
     """Which law to use, and what friction is whichever law holds."""
 
-    judgement: Judgement
+    judgement: Judged
     """What the verdict is read from."""
     speeds: Array
     """Velocities (n,) over which the verdict states the band [m/s] or [rad/s]."""
     friction: PredictionBand
     """Band of the friction there [N] or [N m]."""
+    other_specimen: PredictionBand | None = None
+    """Band of friction of another run or specimen there, where several were measured."""
     checks: Checks
     """What is doubtful about the measurement."""
     route_name: str
@@ -233,13 +252,12 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def family(self) -> Family:
         """Names of the terms of the named law."""
-        return self.judgement.problem.family(self.judgement.named)
+        return self.judgement.family
 
     @property
     def set(self) -> tuple[Family, ...]:
         """Families that are not told apart, the named one first."""
-        judgement = self.judgement
-        return tuple(judgement.problem.family(one) for one in judgement.comparison.set)
+        return self.judgement.families
 
     @property
     def parameters(self) -> tuple[Interval, ...]:
@@ -247,26 +265,48 @@ class BandVerdict(Verdict[LawCandidate]):
         return self.judgement.intervals
 
     @property
+    def ladder(self) -> tuple["LawCandidate", ...]:
+        """Laws by their number of parameters, each with how far it is from what friction is.
+
+        Of records in time it is empty: their laws are compared by held-out errors.
+        """
+        steps = [one for one in self.candidates if one.distance is not None]
+        return tuple(sorted(steps, key=lambda one: (one.count, one.distance)))
+
+    @property
     def causes(self) -> tuple[Cause, ...]:
-        """Properties of the rig and faults beside the law, with the share that they explain."""
-        return self.judgement.causes
+        """Properties of the rig and faults beside the law of a record, the largest first."""
+        judgement = self.judgement
+        return judgement.causes if isinstance(judgement, Judgement) else ()
 
     @property
     def patterns(self) -> tuple[Pattern, ...]:
-        """What the residuals of the named law follow, and their scatter, stated or not."""
-        return self.judgement.patterns
+        """What the residuals of the law of a record follow, and their scatter, stated or not."""
+        judgement = self.judgement
+        return judgement.patterns if isinstance(judgement, Judgement) else ()
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What may stand beside the law of a table, with its probability."""
+        judgement = self.judgement
+        return () if isinstance(judgement, Judgement) else judgement.findings
+
+    @property
+    def outliers(self) -> Mapping[int, float]:
+        """Readings of a table that are far from the others, with how many deviations."""
+        judgement = self.judgement
+        return {} if isinstance(judgement, Judgement) else judgement.outliers
 
     @property
     def curve_share(self) -> float:
-        """Share of the curve as measured, which is no law, in the band."""
-        problem, comparison = self.judgement.problem, self.judgement.ensemble.comparison
-        both = zip(comparison.structures, comparison.shares.tolist(), strict=True)
-        return min(math.fsum(p for one, p in both if not problem.is_law(one)), 1.0)
+        """Share of the curve as measured, which is no law, in the band; 0 of tables."""
+        judgement = self.judgement
+        return judgement.curve_share if isinstance(judgement, Judgement) else 0.0
 
     @property
     def explained(self) -> bool:
-        """Whether a law predicts as well as the measured curve."""
-        return not no_law(self.judgement)
+        """Whether a law describes what was measured."""
+        return self.judgement.is_explained
 
     def band(
         self,
@@ -308,8 +348,7 @@ class BandVerdict(Verdict[LawCandidate]):
         True
         """
         rows = self.judgement.problem.at(velocity, load, inputs)
-        curves = self.judgement.ensemble.curves(rows)
-        return band_of(curves, level, all_along=all_along)
+        return self.judgement.band(rows, level, all_along=all_along)
 
     def readings(
         self,
@@ -369,18 +408,9 @@ class BandVerdict(Verdict[LawCandidate]):
         >>> len(select(Axis(inertia=1.0), None, table).sample(5))
         5
         """
-        judgement = self.judgement
-        draws = replace(judgement.ensemble, seed=seed).draws()
-        rows = [(draw.structure, row) for draw in draws for row in draw.coefficients]
-        order = np.random.default_rng(seed).permutation(len(rows))
-        found = []
-        for structure, row in (rows[k] for k in np.resize(order, count)):
-            composed, sliding, law = judgement.handed_over(structure, row)
-            found.append(drawn_curve(sliding, composed.normal()) if law is None else law)
-        return found
+        return self.judgement.sampled(count, seed)
 
     def _details(self) -> Mapping[str, Any]:
-        problem = self.judgement.problem
         return {
             "explained": self.explained,
             "set": [list(one) for one in self.set],
@@ -393,6 +423,13 @@ class BandVerdict(Verdict[LawCandidate]):
                 "high": self.friction.high.tolist(),
                 "level": 0.95,
             },
+            "other_specimen": None
+            if self.other_specimen is None
+            else {
+                "low": self.other_specimen.low.tolist(),
+                "median": self.other_specimen.median.tolist(),
+                "high": self.other_specimen.high.tolist(),
+            },
             "parameters": [
                 {
                     "parameter": one.path,
@@ -404,34 +441,10 @@ class BandVerdict(Verdict[LawCandidate]):
                 }
                 for one in self.parameters
             ],
-            "causes": [
-                {
-                    "term": one.term,
-                    "role": problem.terms[one.term].role,
-                    "title": one.title,
-                    "share": one.share,
-                    "left": one.left,
-                    "explained": one.explained,
-                    "asserted": one.asserted,
-                    "needed": one.needed,
-                    "instead": list(one.instead),
-                }
-                for one in self.causes
-            ],
-            "patterns": [
-                {
-                    "of": "scatter" if one.scatter else "residuals",
-                    "feature": one.feature,
-                    "share": one.share,
-                    "of_force": one.of_force,
-                    "p": one.p,
-                    "stated": one.stated,
-                }
-                for one in self.patterns
-            ],
-            "outliers": {str(row + 1): z for row, z in self.judgement.outliers.items()}
-            if problem.independent
-            else {},
+            **{"causes": [], "patterns": [], "findings": []},
+            **{"tolerance": None, "odds_of_friction": None},
+            **self.judgement.details(),
+            "outliers": {str(row + 1): z for row, z in self.outliers.items()},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
             "inside_second": None if self.second is None else self.inside,
         }
@@ -468,44 +481,40 @@ class BandVerdict(Verdict[LawCandidate]):
             self.closest.title,
             speeds=self.speeds,
             band=self.friction,
+            other=self.other_specimen,
             places=self.places,
         )
 
 
 def drawing_of(
-    judgement: Judgement,
+    judgement: Judged,
     measurement: Measurement,
     title: str,
     *,
     speeds: Array,
     band: PredictionBand,
+    other: PredictionBand | None = None,
     places: Sequence[float] = (),
 ) -> "BandDrawing":
     """Return what a figure shows of a judged measurement."""
     from stickslip.identify.figures import BandDrawing, loads_apart  # load matplotlib
 
-    problem, estimated = judgement.problem, judgement.estimated
-    fit = judgement.ensemble.fit(estimated)
-    points = problem.points(estimated, fit.coefficients)
+    problem, points = judgement.problem, judgement.measured()
 
     def at(load: float | None) -> Array:
         return judgement.acting(problem.at(speeds, load))
 
     loads = [one for one in loads_apart(points.load) if one]
-    by_load = {
-        load: (band_of(judgement.ensemble.curves(problem.at(speeds, load))), at(load))
-        for load in loads
-    }
+    by_load = {load: (judgement.band(problem.at(speeds, load)), at(load)) for load in loads}
     return BandDrawing(
         velocity=points.velocity,
         friction=points.friction,
         load=points.load,
-        weights=np.ones(len(points.velocity))
-        if points.rows is None
-        else judgement.regression.weights[points.rows],
+        weights=points.weights,
         speeds=speeds,
         band=band,
         law=at(None),
+        other=other,
         by_load=by_load,
         title=title,
         places=tuple(places),
@@ -560,7 +569,8 @@ def verdict_on(
         )
         for one in order
     )
-    candidates = _told_apart(judgement, candidates)
+    titles = {name: term.title for name, term in judgement.problem.terms.items()}
+    candidates = told_apart(candidates, titles)
     first = candidates[0]
     assert first.fit is not None
     phrase = phrase_of(judgement, comparison.named)
@@ -575,13 +585,11 @@ def verdict_on(
     ]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]
     doubts += [pattern_sentence(one, words) for one in judgement.patterns if one.stated]
-    if (far := judgement.outliers) and judgement.problem.independent:
-        doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
         doubts.append(second_sentence(inside, readings))
     if {"load_exponent", "adhesion"} & {one.path for one in own}:
         doubts.append(load_sentence(judgement.composition.normal()))
-    doubts += [*_at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
+    doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
     advice = []
     loads = np.unique(measured_loads(measurement))
     loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
@@ -607,7 +615,7 @@ def verdict_on(
             no_score="",
         ),
         candidates=candidates,
-        best=first if told and not no_law(judgement) else None,
+        best=first if told and judgement.is_explained else None,
         ranked=True,
         judgement=judgement,
         speeds=speeds,
@@ -622,7 +630,7 @@ def verdict_on(
     )
 
 
-def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
+def at_usual_inputs(fit: LawFit) -> Iterator[str]:
     """Yield what levels and slopes are at usual inputs: in the law they stand at inputs of 0."""
     usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
     if not usual:  # a table stands at the means of inputs
@@ -644,15 +652,15 @@ def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
         yield usual_sentence(fit.estimates[places[0]], base * times, half, at)
 
 
-def _told_apart(
-    judgement: Judgement, candidates: Sequence[LawCandidate]
+def told_apart(
+    candidates: Sequence[LawCandidate], titles: Mapping[str, str]
 ) -> tuple[LawCandidate, ...]:
     """Return candidates with titles of their own: those of one name with what they alone have."""
-    found, terms = [], judgement.problem.terms
+    found = []
     for one in candidates:
         alike = [set(other.family) for other in candidates if other.title == one.title]
         shared = set.intersection(*alike)
-        own = [terms[name].title for name in one.family if name not in shared and name in terms]
+        own = [titles[name] for name in one.family if name not in shared and name in titles]
         found.append(replace(one, title=f"{one.title} ({joined(own)})") if own else one)
     return tuple(found)
 
@@ -712,12 +720,41 @@ def fit_of(
     if structure == judgement.named:
         structure = judgement.estimated
     fit = judgement.ensemble.fit(structure)
-    composed, sliding, own = judgement.handed_over(structure, fit.coefficients)
+    return law_fit(
+        judgement,
+        structure,
+        judgement.handed_over(structure, fit.coefficients),
+        mechanism,
+        measurement,
+        title=title_of(judgement, structure),
+        titles={name: term.title for name, term in judgement.problem.terms.items()},
+        largest_speed=largest_speed,
+        named=structure == judgement.estimated,
+    )
+
+
+def law_fit(
+    judgement: Judged,
+    structure: Structure,
+    handed_over: tuple[Composition, Sliding, FrictionLaw | None],
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    title: str,
+    titles: Mapping[str, str],
+    largest_speed: float,
+    named: bool,
+) -> LawFit:
+    """Return a structure as a fit, of which it was said what is handed over.
+
+    The named one has its intervals. Its `title` and those of terms that laws lack are in words.
+    """
+    composed, sliding, own = handed_over
     law = composed.through(sliding) if own is None else own
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
     rig, remarks = _rig_of(composed, law, mechanism, measurement, offset=not judgement.offset)
-    if structure == judgement.estimated:
+    if named:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
     if of_load := {"load_exponent", "adhesion", "hersey"} & {*family_of(structure), *composed.rig}:
@@ -726,8 +763,8 @@ def fit_of(
         rig = vary(rig, "mechanism", {"load": composed.normal()})
     drives = bool(np.any(sliding.friction * sliding.velocity < 0.0))
     lacking = lacking_sentences(
-        title_of(judgement, structure),
-        [judgement.problem.terms[name].title for name in composed.lacks],
+        title,
+        [titles[name] for name in composed.lacks],
         off=quantity(sliding.off(law, composed), measurement.unit("friction"), 2) if drives else "",
         table=own is None,
         at=inputs_text(composed.inputs, turning=measurement.turning),
@@ -821,7 +858,7 @@ def importance(estimate: Estimate) -> int:
 
 
 def estimates_of(
-    judgement: Judgement,
+    judgement: Judged,
     law: FrictionLaw,
     mechanism: Mechanism,
     measurement: Measurement,

@@ -14,13 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.friction import law as law_class
+from stickslip.identify.bands import PredictionBand
 from stickslip.identify.candidates import MOST, friction_of, in_sentence
-from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
-from stickslip.identify.judge import Cause, Judgement, Proposal
-from stickslip.identify.laws import RATIOS, TITLES
-from stickslip.identify.problem import ALIKE, Array, Structure, family_of
+from stickslip.identify.judge import Cause, Judgement
+from stickslip.identify.laws import RATIOS
+from stickslip.identify.posterior import family_of
+from stickslip.identify.problem import ALIKE, Array, Structure
+from stickslip.identify.propose import Proposal
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.show.formatting import (
     at_worst,
@@ -70,11 +72,6 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     title = capital(" + ".join(parts)) or NO_FRICTION
     if composed.text and parts:
         title = str(law_class(composed.text).title)
-    exponent = composed.rig.get("load_exponent")
-    if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
-        title += f" with the load to the power {number(float(exponent[0]), 2)}"
-    if "adhesion" in composed.rig:
-        title += f" with a {TITLES['adhesion']}"
     return title
 
 
@@ -102,16 +99,6 @@ def beside_of(
     return f" with {joined(beside)}" if beside else ""
 
 
-def no_law(judgement: Judgement) -> bool:
-    """Return whether the measured curve predicts better than every law."""
-    comparison = judgement.comparison
-    return (
-        comparison.curve_share > THRESHOLDS.no_law
-        and comparison.curve_gain > THRESHOLDS.errors
-        and comparison.curve_ratio > THRESHOLDS.no_law_ratio
-    )
-
-
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use."""
     comparison = judgement.comparison
@@ -119,14 +106,14 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     named, own = comparison.named, beside_of(judgement, comparison.named, doubted=doubted)
     phrase = phrase_of(judgement, named)
     others = _others(judgement, title_of(judgement, named), beside_of(judgement, named))
-    if no_law(judgement):
-        none = "None of the laws compared" if judgement.problem.only else "No law"
+    if not judgement.is_explained:
+        none = none_text(restricted=bool(judgement.problem.only))
         return (
             f"{none} explains the {words.measured}: a curve over the speed predicts held-out"
             f" {words.held_out} better. {capital(phrase)}{own} is the closest."
         )
     if not comparison.named:
-        return f"No friction stands above the noise of the {words.measured}."
+        return no_friction_sentence(words)
     said = f"Use {phrase}{own}"
     if not others:
         return f"{said}."
@@ -159,14 +146,14 @@ def tells_friction(judgement: Judgement, band: PredictionBand) -> bool:
     """
     if not judgement.named:
         return judgement.is_noise
-    relative, size = _relative(band), np.abs(band.median)
+    share, size = relative(band), np.abs(band.median)
     large = size >= 0.5 * size.max()
-    told = min(np.median(relative), np.median(relative[large])) <= 1.0
-    told = told or np.min(_relative(judgement.named_band)) <= 1.0 / THRESHOLDS.told
+    told = min(np.median(share), np.median(share[large])) <= 1.0
+    told = told or np.min(relative(judgement.named_band)) <= 1.0 / THRESHOLDS.told
     return bool(told and np.median(size) > 0.0)
 
 
-def _relative(band: PredictionBand) -> Array:
+def relative(band: PredictionBand) -> Array:
     """Return half the width of a band over its median (n,), which counts as a tenth at least."""
     size = np.abs(band.median)
     least = 0.1 * float(np.median(size)) + 1e-300
@@ -175,12 +162,27 @@ def _relative(band: PredictionBand) -> Array:
 
 def untold_sentence(judgement: Judgement, words: Words) -> str:
     """Return that no law can be recommended, as friction may be zero."""
+    beside = beside_of(judgement, judgement.named)
+    return from_zero_sentence(phrase_of(judgement, judgement.named) + beside, words)
+
+
+def from_zero_sentence(closest: str, words: Words) -> str:
+    """Return that friction may be zero, and which law is closest."""
     these = "do" if words.measured.endswith("s") else "does"
-    phrase = phrase_of(judgement, judgement.named)
     return (
         f"No law is recommended: the {words.measured} {these} not tell friction from zero. Check"
-        f" units, gains and signs; {phrase}{beside_of(judgement, judgement.named)} is the closest."
+        f" units, gains and signs; {closest} is the closest."
     )
+
+
+def no_friction_sentence(words: Words) -> str:
+    """Return that there is no friction to be seen."""
+    return f"No friction stands above the noise of the {words.measured}."
+
+
+def none_text(*, restricted: bool) -> str:
+    """Return that no law does something, or none of those that were compared."""
+    return "None of the laws compared" if restricted else "No law"
 
 
 def range_of(speeds: Array, unit: str) -> str:
@@ -211,17 +213,17 @@ def band_sentence(
     The band holds a constant offset where there may be one.
     """
     what = "friction with the constant offset" if offset else "friction"
-    relative = _relative(band)
-    middle, worst = float(np.median(relative)), int(np.argmax(relative))
+    share = relative(band)
+    middle, worst = float(np.median(share)), int(np.argmax(share))
     over = capital(range_of(speeds, words.speed_unit))
     if middle > 1.0:
         farthest = max(float(np.max(np.abs(band.low))), float(np.max(np.abs(band.high))))
         reach = quantity(farthest, words.force_unit, 2)
         return f"{over}, {what} is within ± {reach} of zero (95 % band, whichever law holds)."
     said = f"{over}, {what} is known to ± {percent(middle)}"
-    if relative[worst] > 1.5 * middle:
+    if share[worst] > 1.5 * middle:
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
-        said += at_worst(percent(float(relative[worst])), at)
+        said += at_worst(percent(float(share[worst])), at)
     return f"{said} (95 % band, whichever law holds)."
 
 

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from benchmarks.posterior.nodes import (
+from scipy.stats import multivariate_normal
+
+from stickslip.identify.posterior import (
     COEFFICIENT,
     Column,
     Model,
@@ -17,7 +19,6 @@ from benchmarks.posterior.nodes import (
     inverted,
     neighbours,
 )
-from scipy.stats import multivariate_normal
 
 X = np.linspace(-1.0, 1.0, 12)
 COLUMNS = {("level", ()): np.ones(12), ("viscous", ()): X, ("bend", ()): X**2}

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.posterior.judgement import Judgement
-from benchmarks.posterior.nodes import Column, Model, Node, Posterior, Scale, System
 from benchmarks.posterior.record_columns import Memory, relaxed
 from benchmarks.posterior.record_problem import RecordProblem
 from benchmarks.posterior.record_rows import continued, cutoff_of
 
+from stickslip.identify.judgement import Judgement
+from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
 from stickslip.identify.problems.record_signals import Record
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0

@@ -130,6 +130,9 @@ def read_rig(
         validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
         reading=reading,
         hold=table.data.hold,
+        tolerance=None
+        if table.data.tolerance is None
+        else rig.as_tolerance(table.data.tolerance, f"{file}: data.tolerance"),
         t_end=table.run.t_end,
         initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
         estimates=_estimates(table.estimates, known, of_contacts, file),
@@ -230,7 +233,7 @@ def _kind_of_motion(raw: Mapping[str, Any], file: RigFile) -> bool | None:
 
 def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     """Yield paths that may be set though a file need not have them."""
-    yield from ("run.t_end", "data.hold", "data.file")
+    yield from ("run.t_end", "data.hold", "data.tolerance", "data.file")
     known = [raw.get("friction"), raw.get("contact")]  # some of their keys are contacts
     tables = {name for item in known if isinstance(item, dict) for name in item}
     for at in ("contact", *(f"contact.{name}" for name in sorted(tables))):

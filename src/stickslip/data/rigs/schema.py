@@ -173,6 +173,11 @@ class DataTable(ReadTable):
         description="interpolation of the force: `zero`-order hold (a command) or `first`-order,"
         " linear (a sensor); estimated from the record if not given",
     )
+    tolerance: float | str | None = Field(
+        default=None,
+        description="share of friction by which a law that is named for a table may be off, such as"
+        ' "5 %"; 2 % if not given',
+    )
     conditions: list[str] = Field(
         default=[], min_length=1, description="columns with a condition, one value per trial"
     )

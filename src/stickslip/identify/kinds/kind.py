@@ -211,6 +211,8 @@ class Request:
     """By name of the law, parameters whose values were assumed."""
     t_end: float | None = None
     """Time after which a body counts as stopped [s]."""
+    tolerance: float | None = None
+    """Share of friction by which a law that is named may be off."""
     executor: Executor | None = None
     """Processes that fit laws at the same time; one after the other if None."""
 
@@ -231,7 +233,7 @@ class Request:
 
 
 OPTIONS = (
-    "route", "settings", "horizon", "validate", "assumed", "t_end", "executor",
+    "route", "settings", "horizon", "validate", "assumed", "t_end", "tolerance", "executor",
 )  # fmt: skip
 """What may be said of how; each kind uses some of it."""
 

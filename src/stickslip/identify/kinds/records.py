@@ -9,6 +9,7 @@ from stickslip.errors import InputError
 from stickslip.identify import (
     BandVerdict,
     importance,
+    ladder_rows,
     select_record,
     select_table,
     verdict_sections,
@@ -28,6 +29,7 @@ from stickslip.identify.fits import (
     names_of,
     route_of,
 )
+from stickslip.identify.judge import Judgement as RecordJudgement
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.laws import TITLES
 from stickslip.quantities import turned
@@ -129,31 +131,16 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         return fit_records(**request.arguments("law", "route", "settings"))
 
     def comparison(self, verdict: BandVerdict) -> Comparison:
-        scale, closest = verdict.scale, verdict.closest
-        rows = [
-            [
-                one.title,
-                str(one.count),
-                score_text(scale, one.held_out).value,
-                percent(one.share) if one.share >= 0.005 else NO_VALUE,
-                one.outcome,
-            ]
-            for one in verdict.candidates
-        ]
-        curve = verdict.judgement.held_out_error(verdict.judgement.comparison.curve)
-        error = score_text(scale, curve).value
-        rows.append([capital(TITLES["curve"]), NO_VALUE, error, percent(verdict.curve_share), ""])
+        closest = verdict.closest
         assert closest.fit is not None
         values = sorted(closest.fit.estimates, key=importance)
+        heads, rows = (ladder_rows if verdict.ladder else _compared_rows)(verdict)
         return Comparison(
-            heads=[
-                "law", "parameters", f"held-out error, {scale.unit or verdict.score_unit}",
-                "share", "",
-            ],
+            heads=heads,
             rows=rows,
             checks=verdict.checks,
             fitted=(f"{closest.title}, if it holds", values) if values else None,
-        )  # fmt: skip
+        )
 
     def summary(
         self, fit: RecordFit, validate: Measurement | None = None, horizon: float | None = None
@@ -207,6 +194,27 @@ class RecordKind(BandKind):
             validate=request.validate,
             route=BALANCE,
         )
+
+
+def _compared_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the table of the laws of a record."""
+    judgement, scale = verdict.judgement, verdict.scale
+    assert isinstance(judgement, RecordJudgement)
+    rows = [
+        [
+            one.title,
+            str(one.count),
+            score_text(scale, one.held_out).value,
+            percent(one.share) if one.share >= 0.005 else NO_VALUE,
+            one.outcome,
+        ]
+        for one in verdict.candidates
+    ]
+    curve = judgement.held_out_error(judgement.comparison.curve)
+    error = score_text(scale, curve).value
+    rows.append([capital(TITLES["curve"]), NO_VALUE, error, percent(verdict.curve_share), ""])
+    error_head = f"held-out error, {scale.unit or verdict.score_unit}"
+    return ["law", "parameters", error_head, "share", ""], rows
 
 
 def _holds(request: Request) -> bool:
@@ -268,6 +276,7 @@ class FrictionTableKind(BandKind):
     """Friction against velocity without time: no bristles, rows in any order."""
 
     routes = ("table", FORCE_MAP)
+    uses = frozenset({"route", "validate", "tolerance"})
     measured = "tables of friction"
     content = "tables"
     settings = frozenset(field.name for field in fields(RecordSettings)) - WITHOUT_EFFECT[FORCE_MAP]
@@ -291,5 +300,6 @@ class FrictionTableKind(BandKind):
             request.measurement,
             laws=request.laws,
             validate=request.validate,
+            tolerance=request.tolerance,
             route=self.routes[0],
         )

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, overload
 from threadpoolctl import threadpool_limits
 from typing_extensions import TypeVar
 
-from stickslip.data import Measurement, as_turning
+from stickslip.data import Measurement, as_tolerance, as_turning
 from stickslip.engine.executors import threads
 from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.identify.candidates import Verdict
@@ -182,6 +182,7 @@ def select(
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     t_end: float | None = None,
+    tolerance: float | None = None,
     progress: Callable[[str, float], object] | None = None,
     executor: Executor | None = None,
 ) -> Verdict:
@@ -221,6 +222,9 @@ def select(
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
+    tolerance : float, optional
+        Share of friction by which a law that is named for a table may be off, such as 0.05; 0.02 if
+        not given.
     progress : callable, optional
         Called with the name of a law and the number of its runs, or the least residual so far. For
         joints, False ends the search with the best so far; what was fitted is still judged.
@@ -272,6 +276,7 @@ def select(
         validate=validate and as_judged(as_turning(validate, mechanism.units), route),
         assumed=assumed or None,
         t_end=t_end,
+        tolerance=None if tolerance is None else as_tolerance(tolerance),
         executor=executor,
     )
     refuse_unused(kind, {name: name for name in request.given}, request)

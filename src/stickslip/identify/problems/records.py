@@ -145,7 +145,6 @@ SHAPED = ("clip", "dead_zone", "backlash", "flexible")
 class RecordsProblem(Problem):
     """Records of one coordinate, as the judge sees them."""
 
-    independent = False
     softness = SOFT
     curved = frozenset(
         {"level", "viscous", "stribeck", "drag", "power", "saturating", "viscous_direction",

@@ -1,367 +1,138 @@
-r"""Tables of friction over speed, with loads, temperatures, runs, and the order of the rows.
-
-Terms of laws stand for friction :math:`s(v)\,N^a f(|v|)`: :math:`s` is the direction, :math:`N`
-the load over its geometric mean. Blocks are speeds, and loads where there are several: what is left
-out is what will be asked. The measured curve is piecewise linear over :math:`\log |v|` with knots
-at the speeds, between them and beyond them, its bending penalised: a smoothing spline, whose prior
-opens the band between the readings and beyond them. Beside it friction may jump between two speeds.
-"""
+"""A measured table of friction as a problem of the judgement: readings, curves, laws, findings."""
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
+from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import stretches_of
-from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, bounds_of, compose
-from stickslip.identify.problem import (
-    ALIKE,
-    ASKED,
-    BENDING,
-    BEYOND,
-    RUNNING_IN,
-    SIDE,
-    STRETCHES,
+from stickslip.identify.judgement import Candidates, Finding, Problem
+from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.posterior import (
     Array,
+    Column,
+    Draws,
     Family,
-    Mask,
-    Points,
-    Problem,
-    Shape,
+    Posterior,
     Structure,
-    Term,
-    bending_of,
+    family_of,
+)
+from stickslip.identify.problems.table_model import (
+    AT_ENDS,
+    BETA,
+    BEYOND,
+    FEW_SPEEDS,
+    JUMP,
+    NEAR,
+    RHO,
+    RUNS,
+    SCALES,
+    SIDES,
+    Frame,
+    Readings,
+    Rows,
+    TableFit,
+    TableModel,
+    ends_of,
+    fitted,
+    law_column,
+    structures_of,
+)
+from stickslip.identify.projection import Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.vocabulary import (
+    FAMILIES,
+    FLOW_DIRECTIONS,
+    PARTS,
+    Grid,
+    flow_direction,
+    parameters_of,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.show.formatting import percent, quantity
 
-LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
-"""Powers of the load that friction may follow."""
-SPEED_EXPONENTS = (0.2, 0.33, 0.5, 0.67, 0.8, 1.25, 1.5)
-"""Powers of the speed; 1 is viscous and 2 is drag."""
-RUN_SPREADS = (3.0, 10.0, 30.0)
-"""Spreads of runs, in units of the noise."""
-FAR = math.log(10.0)
-"""How far below and above the measured speeds the curve has knots, in logarithms."""
-FEW_SPEEDS = 3
-"""Speeds of a direction from which it may differ from the other."""
+STEADY = 0.1
+"""Range of the logarithm of the speed within which most runs are steps at a speed each."""
+FEW_DRAWS = 100
+"""Draws whose median stands for the curve."""
 FEWEST = 5
 """Readings that a table must have."""
-BOTH, HERSEY = -1.0, -2.0
-"""Stand for the power of the load of a measured curve: a part that grows with the load beside one
-that does not; the load times a curve over speed / load (Hersey number)."""
-SHUFFLED = 0.3
-"""Share of the order that speeds, loads and runs must leave, so that a drift can be told."""
+ASKED = 40
+"""Speeds of each direction at which the band is stated."""
+GAP = 1.05
+"""Ratio of neighbouring speeds from which laws are compared half-way between them too."""
+MANY = 200
+"""Rows from which laws are compared at the rows alone."""
+BELOW_NOISE = 0.7
+"""Deviation of what no law says over the noise up to which a law is exact."""
+NEW = 2.0
+"""Degrees of freedom, at least, with which another specimen differs from those measured."""
+REST = 0.8
+"""Part of the friction at the next speeds below which a slow reading may be one at rest ..."""
+REST_PRIOR = 0.05
+"""... and the prior of each: friction of a body at rest is anything up to its break-away."""
+BESIDE_SLOWEST = 5
+"""Readings at the next speeds with which slow ones are compared."""
+OUTLYING = 6.0
+"""Deviations from which a reading is said to be far from the others."""
+MOST_RESTS = 4
+"""Readings that may be at rest, in each direction."""
+MORE_TITLES: Mapping[str, str] = {
+    "tanh": "level that is smooth in the velocity (tanh)",
+    "logarithmic": "logarithm of the speed",
+    "hersey": "static surplus that fades with speed over load (Hersey number)",
+    "stribeck_sides": TITLES["stribeck_direction"],
+    "power_direction": "power of the speed that differs by direction",
+}
+"""What terms are called that tables alone have."""
+DIRECTIONS: tuple[tuple[str, ...], ...] = (
+    (),
+    ("offset",),
+    ("offset", "viscous_direction"),
+    ("offset", "stribeck_sides"),
+    ("offset", "stribeck_sides", "viscous_direction"),
+)
+"""What of a law may differ by direction; under several loads a level, in place of an offset."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Rows:
-    """Readings of friction, or places where it is asked."""
+@dataclass(eq=False)
+class TableProblem(Problem):
+    """A table of friction with its posterior."""
 
-    velocity: Array
-    """Velocities (n,) [m/s]."""
-    load: Array
-    """Loads (n,) [N]."""
-    inputs: Mapping[str, Array]
-    """Temperatures and other inputs of the contact (n,)."""
-    run: NDArray[np.intp]
-    """Number of the run (n,); -1: any."""
-    order: Array
-    """Place in the order of measuring, from -1 to 1 (n,)."""
-    direction: Array
-    """Sign of the velocity (n,); of what friction balances where that is 0."""
+    table: Readings
+    fit: TableFit
+    turning: bool = False
+    rests: Array | None = None
+    """Velocities of the readings that are taken to be at rest (k,)."""
+    families: Sequence[Family] | None = None
+    posterior: Posterior = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.posterior = self.fit.posterior
+        self.size = self.fit.model.frame.size
+        self.load = self.fit.model.frame.load
+        self.restricted = self.families is not None
+        self.runs = self.fit.model.frame.runs
 
     @property
-    def speed(self) -> Array:
-        """Sizes of the velocities (n,) [m/s]."""
-        return np.abs(self.velocity)
-
-    def where(self, kept: Mask) -> "Rows":
-        """Return some of the rows."""
-        return Rows(
-            velocity=self.velocity[kept],
-            load=self.load[kept],
-            inputs={name: x[kept] for name, x in self.inputs.items()},
-            run=self.run[kept],
-            order=self.order[kept],
-            direction=self.direction[kept],
-        )
+    def model(self) -> TableModel:
+        """Readings with weights."""
+        return self.fit.model
 
     @classmethod
-    def joined(cls, parts: Sequence["Rows"]) -> "Rows":
-        """Return the rows of several tables; only inputs that all have are kept."""
-        names = set.intersection(*(set(one.inputs) for one in parts))
-        return cls(
-            velocity=np.concatenate([one.velocity for one in parts]),
-            load=np.concatenate([one.load for one in parts]),
-            inputs={name: np.concatenate([one.inputs[name] for one in parts]) for name in names},
-            run=np.concatenate([one.run for one in parts]),
-            order=np.concatenate([one.order for one in parts]),
-            direction=np.concatenate([one.direction for one in parts]),
-        )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Frame:
-    """What the columns of all rows are scaled by: it is that of the table that was measured."""
-
-    slowest: float
-    fastest: float
-    load: float
-    """Geometric mean of the loads [N]."""
-    size: float
-    """Root mean square of the friction [N]."""
-    knots: Array
-    """Logarithms of the speeds at which the measured curve bends (k,)."""
-    basis: Array
-    """Eigenvectors of its bending (k, k)."""
-    bending: Array
-    """Their eigenvalues (k,)."""
-    means: Mapping[str, float]
-    """Means of the inputs."""
-    straight: Array
-    """Level, and what is viscous [s/m], of a straight line through friction over its mean (2,)."""
-
-
-class TableProblem(Problem):
-    """A table of friction, as the judge sees it."""
-
-    independent = True
-    softness = 2.0
-    usual: Sequence[Family] = (
-        ("level",),
-        ("level", "viscous"),
-        ("level", "stribeck"),
-        ("level", "stribeck", "viscous"),
-        ("level", "power"),
-        ("level", "saturating"),
-        ("level", "power", "stribeck"),
-        ("drag", "level", "viscous"),
-        ("level", "drag"),
-        ("power",),
-        ("viscous",),
-        ("tanh", "viscous"),
-        ("hersey", "level", "viscous"),
-        ("level", "viscous", "level_direction"),
-        ("adhesion", "level"),
-        ("adhesion", "level", "viscous"),
-        ("adhesion", "level", "stribeck", "viscous"),
-        ("level", "offset", "viscous"),
-        ("level", "offset", "stribeck", "viscous"),
-        ("level", "offset", "viscous", "viscous_direction"),
-        ("level", "offset", "stribeck_sides", "viscous"),
-        ("level", "offset", "stribeck_sides", "viscous", "viscous_direction"),
-    )
-
-    def __init__(self, rows: Rows, friction: Array) -> None:
-        self.rows, self.response = rows, np.asarray(friction, dtype=float)
-        speed = rows.speed[rows.speed > 0.0]
-        slowest = float(speed.min())
-        logs = np.log(np.maximum(rows.speed, slowest / 10.0))
-        knots = _knots(_apart(np.log(speed)))
-        bending, basis = bending_of(knots)
-        self.frame = Frame(
-            slowest=slowest,
-            fastest=float(speed.max()),
-            load=float(np.exp(np.mean(np.log(rows.load)))),
-            size=float(np.sqrt(np.mean(self.response**2))) or 1.0,
-            knots=knots,
-            basis=basis,
-            bending=bending,
-            means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
-            straight=_straight(rows, self.response),
-        )
-        self.loaded = bool(np.ptp(rows.load) > 1e-9 * rows.load.max())
-        self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
-        self.stretches = np.argmax(np.array(self.blocks), axis=0)
-        self.terms = _terms(rows, self.frame, loaded=self.loaded)
-        if not self.loaded:  # under one load they are the same column
-            self.instead = {"offset": TITLES["level_direction"]}
-        # friction that changes with an input is as usual as one with a flow, or a sum of three
-        # terms that only passes through the readings is searched before it
-        changing = [(f"level*{x}", f"viscous*{x}") for x in rows.inputs]
-        self.usual = [
-            *type(self).usual,
-            *(
-                tuple(sorted({"level", "viscous", *some}))
-                for level, viscous in changing
-                for some in ((level,), (viscous,), (level, viscous))
-            ),
-        ]
-        loads = (*LOAD_EXPONENTS, BOTH, HERSEY) if self.loaded else (1.0,)
-        sides = (0.0, 1.0) if both_ways(rows) else (0.0,)
-        self.references = [
-            (("curve", (penalty, a, side)),) for penalty in BENDING for a in loads for side in sides
-        ]
-        # a curve that bends as little as it can beside a jump does not smear it
-        self.references += [
-            (("curve", (penalty, 1.0, 0.0)), ("jump", (place,)))
-            for penalty in BENDING[1:]
-            for place in _gaps(rows.speed)
-        ]
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Return what makes it again in another process: its terms are functions."""
-        return TableProblem, (self.rows, self.response), {"only": self.only}
-
-    def scales(self, fitted: Array) -> Sequence[Array]:
-        """Return friction and speed, with which noise of sensors and of drives grows."""
-        frame = self.frame
-        return [
-            np.abs(fitted) + 1e-2 * frame.size,
-            np.maximum(self.rows.speed, frame.slowest / 3.0),
-        ]
-
-    def speeds(self, rows: Rows) -> Array:
-        """Return the speeds of rows (n,)."""
-        return np.maximum(rows.speed, 1e-3 * self.frame.slowest)
-
-    def features(self, rows: Rows) -> Mapping[str, Array]:
-        """Return what readings may be told apart by; rows of any run have no order."""
-        stated = rows.run >= 0
-        return {
-            SIDE: rows.direction,
-            "speed": self.speeds(rows),
-            "load": rows.load,
-            **rows.inputs,
-            "order of the readings": np.where(stated, rows.order, np.nan),
-        }
-
-    def variants(self, rows: Rows) -> Sequence[Rows]:
-        """Return rows as they were in each run, early, midway and late, where none is asked for."""
-        if (rows.run >= 0).any():
-            return [rows]
-        runs = range(int(self.rows.run.max()) + 1) if "run" in self.terms else (-1,)
-        orders = (0.0, -1.0, 1.0) if "drift" in self.terms else (0.0,)
-        both, like = itertools.product(runs, orders), np.ones_like(rows.run)
-        return [
-            replace(rows, run=run * like, order=np.full(len(like), order)) for run, order in both
-        ]
-
-    def at(
-        self,
-        velocity: Array,
-        load: Array | float | None = None,
-        inputs: Mapping[str, Array | float] | None = None,
-    ) -> Rows:
-        """Return rows at velocities (n,); load and inputs are the usual ones if not given."""
-        v = np.atleast_1d(np.asarray(velocity, dtype=float))
-        ones = np.ones(len(v))
-        given = inputs or {}
-        return Rows(
-            velocity=v,
-            load=ones * (self.frame.load if load is None else load),
-            inputs={name: ones * given.get(name, mean) for name, mean in self.frame.means.items()},
-            run=np.full(len(v), -1),
-            order=np.zeros(len(v)),
-            direction=np.where(v < 0.0, -1.0, 1.0),
-        )
-
-    def places(self, structure: Structure) -> Sequence[Structure]:
-        """Return a structure with its jump at either end of the gap between two speeds."""
-        speeds = np.unique(self.rows.speed)
-
-        def at(side: int) -> Structure:  # just above the one speed, or just below the other
-            return tuple(
-                (
-                    name,
-                    (
-                        float(
-                            np.nextafter(
-                                speeds[np.searchsorted(speeds, shape[0]) - side], side * math.inf
-                            )
-                        ),
-                    ),
-                )
-                if name == "jump"
-                else (name, shape)
-                for name, shape in structure
-            )
-
-        return tuple(dict.fromkeys((at(0), at(1))))
-
-    def points(self, structure: Structure, coefficients: Array) -> Points:
-        """Return the readings."""
-        return Points(
-            velocity=self.rows.velocity,
-            friction=self.response,
-            load=self.rows.load,
-            rows=np.arange(len(self.response)),
-        )
-
-    def asked(self) -> Rows:
-        """Return the rows over which the band is stated: each measured direction, at mean load."""
-        v = self.rows.velocity
-        sides = [v[v < 0.0], v[v > 0.0]]
-        grids = [
-            np.sign(one[0]) * np.geomspace(np.abs(one).min(), np.abs(one).max(), ASKED)
-            for one in sides
-            if len(np.unique(one)) >= FEW_SPEEDS
-        ]
-        return self.at(np.sort(np.concatenate(grids)))
-
-    def offered(self) -> Rows:
-        """Return the readings that may be proposed: at the asked speeds."""
-        return self.asked()
-
-    def like(self, rows: Rows) -> Rows:
-        """Return rows of another table as this one sees them: of any of its runs, at any time."""
-        return self.at(rows.velocity, rows.load, rows.inputs)
-
-    def speeds_of_curve(self) -> Array:
-        """Return rising speeds (n,) through which a curve is drawn as a law."""
-        return np.geomspace(self.frame.slowest, self.frame.fastest, POINTS)
-
-    def composition(
-        self, structure: Structure, coefficients: Array, *, offset: bool = False
-    ) -> Composition:
-        """Return the law that a structure with coefficients (d, p) is.
-
-        Where friction is not in proportion to the load, it is the law at the mean load.
-        """
-        load, at = self.frame.load, 0
-        terms: dict[str, tuple[Shape, Array]] = {}
-        rig: dict[str, Array] = {}
-        for name, shape in structure:
-            size = self.size(name, shape)
-            own, at = coefficients[:, at : at + size], at + size
-            entries = self.terms[name].same_shape
-            if entries is not None and len(shape) > entries and self.loaded:
-                rig["load_exponent"] = np.full(len(own), shape[entries])
-            if name == "offset":
-                rig[name] = own[:, 0]
-                if offset:
-                    differs = own / load + terms.get("level_direction", ((), 0.0))[1]
-                    terms["level_direction"] = (), differs
-            elif name in ("adhesion", "drift"):  # columns are over the load
-                rig[name] = load * own[:, 0]
-            elif name == "hersey":  # the law at the mean load
-                terms["stribeck"] = shape, own
-            elif name != "run":
-                beside = name in FLOWS or name.startswith("viscous")
-                terms[name] = shape[:entries], own * (load if beside else 1.0)
-        if "adhesion" in rig:  # part of the level at the mean load
-            shape, own = terms["level"]
-            terms["level"] = shape, own + rig["adhesion"][:, None] / load
-        if "curve" in terms:
-            return Composition(text="", values={}, rig=rig, load=load)
-        found = compose(terms, self.frame.means, len(coefficients))
-        return replace(found, rig=rig, load=load)
-
-    def size(self, name: str, shape: Shape) -> int:
-        """Return the number of coefficients of a term."""
-        if name == "curve":
-            return len(self.frame.knots) * (1 + int(shape[2])) * (1 + (shape[1] == BOTH))
-        return int(self.rows.run.max()) + 1 if name == "run" else self.terms[name].cost
-
-    @classmethod
-    def of(cls, mechanism: Mechanism, measurement: Measurement) -> "TableProblem":
+    def of(
+        cls,
+        mechanism: Mechanism,
+        measurement: Measurement,
+        families: Sequence[Family] | None = None,
+    ) -> "TableProblem":
         """Return the problem of a measured table; readings at rest are left out.
 
         Examples
@@ -369,52 +140,658 @@ class TableProblem(Problem):
         >>> from stickslip import Axis
         >>> v = np.linspace(0.1, 1.0, 10)
         >>> table = Measurement(velocity=v, friction=2.0 + v)
-        >>> len(TableProblem.of(Axis(inertia=1.0), table).response)
+        >>> len(TableProblem.of(Axis(inertia=1.0), table).table.friction)
         10
         """
-        segments = stretches_of(mechanism, measurement)
-        parts, frictions = [], []
-        for segment in segments:
-            path, count = segment.path, len(segment.friction)
-            v = path.velocity
-            # sweeps under other loads or temperatures differ by these
-            same = not any(np.ptp(x) > 0.0 for x in (path.load, *path.inputs.values()))
-            one = len(segments) == 1 and same
-            run = _sweeps(v) if one else np.full(count, segment.record)
-            parts.append(
-                Rows(
-                    velocity=v,
-                    load=path.load,
-                    inputs=path.inputs,
-                    run=run,
-                    order=np.linspace(-1.0, 1.0, count),
-                    direction=np.sign(v),
-                ).where(v != 0.0)
+        table = readings_of(mechanism, measurement)
+        # what is asked for need not hold: the truth is any law
+        usual = [tuple(one.split()) for one in FAMILIES]
+        known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
+        turning = measurement.turning
+        fit = fitted(table, known)
+        # cells of many readings are means, of which none is one at rest
+        slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
+        if len(slow):
+            kept = np.ones(len(table.friction), dtype=bool)
+            kept[slow] = False
+            if _moves(table.where(kept).rows):
+                other = fitted(table.where(kept), known)
+                size = np.abs(np.median(np.abs(table.friction[kept])))
+                rest_prior = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
+                if other.posterior.evidence + rest_prior > fit.posterior.evidence:
+                    resting = table.rows.velocity[slow]
+                    kept_table = table.where(kept)
+                    return cls(kept_table, other, turning=turning, rests=resting, families=families)
+        return cls(table, fit, turning=turning, families=families)
+
+    def title(self, term: str) -> str:
+        """Return what a term is called in a sentence."""
+        if "*" in term:
+            part, _, of = term.partition("*")
+            return CHANGING[part].format(of)
+        return MORE_TITLES.get(term) or TITLES[term]
+
+    def speed_of(self, place: int) -> float:
+        """Return the velocity of a place at which laws are compared [m/s]."""
+        return float(self.places().velocity[place])
+
+    # ---- rows -------------------------------------------------------------------------------
+
+    def at(self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None) -> Rows:
+        """Return rows at velocities (n,); load and inputs are the usual ones if not given."""
+        frame = self.model.frame
+        v = np.atleast_1d(np.asarray(velocity, dtype=float))
+        ones, given = np.ones(len(v)), inputs or {}
+        return Rows(
+            velocity=v,
+            load=ones * (frame.load if load is None else load),
+            inputs={name: ones * given.get(name, mean) for name, mean in frame.means.items()},
+            run=np.full(len(v), -1),
+            order=np.full(len(v), np.nan),
+        )
+
+    def asked(self) -> Rows:
+        """Return the rows over which the band is stated: each measured direction, at mean load."""
+        v = self.table.rows.velocity
+        grids = [
+            np.sign(one[0]) * np.geomspace(np.abs(one).min(), np.abs(one).max(), ASKED)
+            for one in (v[v < 0.0], v[v > 0.0])
+            if len(np.unique(one)) >= FEW_SPEEDS
+        ]
+        return self.at(np.sort(np.concatenate(grids)))
+
+    def like(self, rows: Rows) -> Rows:
+        """Return rows of another table as this one sees them: of a new run, at any time."""
+        found = self.at(rows.velocity, rows.load, rows.inputs)
+        return replace(found, run=np.full(len(rows.velocity), -2))
+
+    def places(self) -> Rows:
+        """Return the rows as measured, and half-way between neighbours of a direction and load."""
+        rows = self.table.rows
+        own = self.at(rows.velocity, rows.load, rows.inputs)
+        if len(rows.velocity) >= MANY:
+            return own
+        marks: list[Any] = [rows.direction, np.round(np.log(rows.load), 2)]
+        marks += [np.round(x, 6) for x in rows.inputs.values()]
+        group = np.unique(np.column_stack(marks), axis=0, return_inverse=True)[1].ravel()
+        low, high = list[int](), list[int]()
+        for k in range(int(group.max()) + 1):
+            at = np.flatnonzero(group == k)
+            at = at[np.argsort(rows.speed[at], kind="stable")]
+            apart = rows.speed[at[1:]] > GAP * rows.speed[at[:-1]]
+            low += at[:-1][apart].tolist()
+            high += at[1:][apart].tolist()
+        a, b = np.array(low, dtype=np.intp), np.array(high, dtype=np.intp)
+
+        def with_middles(x: Array, ratio: bool) -> Array:
+            middle = np.sqrt(x[a] * x[b]) if ratio else 0.5 * (x[a] + x[b])
+            return np.concatenate([x, middle])
+
+        speed = with_middles(rows.speed, ratio=True)
+        direction = np.concatenate([rows.direction, rows.direction[b]])
+        return self.at(
+            direction * speed,
+            with_middles(rows.load, ratio=True),
+            {name: with_middles(x, ratio=False) for name, x in rows.inputs.items()},
+        )
+
+    def scale(self, rows: Rows) -> Array:
+        """Return how friction grows with the load at rows (n,)."""
+        return self.model.frame.grown(rows)
+
+    # ---- laws -------------------------------------------------------------------------------
+
+    def tied(self, structure: Shaped) -> Shaped:
+        """Return a structure whose shapes agree: one power of the load for all that follow it."""
+        own = super().tied(structure)
+        powers = [s[-1] for n, s in own if n in PARTS and len(s) > len(PARTS[n].shapes)]
+        return [
+            (n, (*s[:-1], powers[0]) if n in PARTS and len(s) > len(PARTS[n].shapes) else s)
+            for n, s in own
+        ]
+
+    def columns(self, column: tuple[str, Any], rows: Rows) -> list[Array]:
+        """Return the columns of a term: parts of laws, and what differs."""
+        name, shape = column
+        frame = self.model.frame
+        if name == "offset":
+            return [np.ones(len(rows.velocity))]
+        if name == "level_direction":
+            return [np.asarray(rows.load / frame.load)]
+        if name in FLOW_DIRECTIONS:
+            return [rows.speed ** (shape[0] if shape else 1.0)]
+        if name == "stribeck_sides":
+            surplus = law_column(("stribeck", shape), rows, frame)
+            return [surplus, rows.direction * surplus]
+        if "*" in name:
+            part, _, of = name.partition("*")
+            return [law_column((part, ()), rows, frame) * (rows.inputs[of] - frame.means[of])]
+        return [law_column(column, rows, frame)]
+
+    @cached_property
+    def _grid(self) -> Grid:
+        frame = self.model.frame
+        return Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
+
+    def candidates(self) -> list[Candidates]:
+        """Return the families on which curves are projected, with their structures."""
+        known = [tuple(one.split()) for one in FAMILIES]
+        if self.families is not None:
+            known = [*dict.fromkeys(map(parts_of, self.families))]
+        every, _ = structures_of(self.model.frame, self._grid, [one for one in known if one])
+        laws: dict[Family, dict[Structure, None]] = {}
+        met = [one for one in self.posterior.structures if one and JUMP not in dict(one)]
+        for one in [*every, *met]:
+            laws.setdefault(family_of(one), {})[one] = None
+        found = []
+        for family, structures in laws.items():
+            for beside in self._besides(family):
+                whole = [self._beside(one, beside) for one in structures]
+                names = family_of(whole[0])
+                if not self._is_compared(names):
+                    continue
+                count = self._count(structures) + len(beside) + ("stribeck_sides" in beside)
+                found.append(Candidates(family=names, structures=whole, parameters=count))
+        return found
+
+    def _is_compared(self, family: Family) -> bool:
+        """Return whether a family is one that is asked for; an offset may stand beside any."""
+        if self.families is None:
+            return True
+        own = {*family} - {"offset"}
+        return any({*one} - {"offset"} == own for one in self.families)
+
+    def _count(self, structures: Sequence[Structure] | Mapping[Structure, None]) -> int:
+        """Return the number of parameters of a family of laws."""
+        first = next(iter(structures))
+        names = tuple("stribeck" if name == "hersey" else name for name, _ in first)
+        powers = any(
+            len(shape) > len(PARTS[name].shapes) and shape[-1] != 1.0
+            for one in structures
+            for name, shape in one
+            if name in PARTS
+        )
+        return parameters_of(names) + ("adhesion" in names) + int(powers)
+
+    def _besides(self, family: Family) -> list[tuple[str, ...]]:
+        """Return what may stand beside the parts of a law: directions, effects of inputs."""
+        frame = self.model.frame
+        sides: list[tuple[str, ...]] = [()]
+        if frame.both:
+            other = {"viscous_direction": flow_direction(family)}
+            other |= {"offset": "level_direction"} if frame.loaded else {}
+            sides = [
+                tuple(other.get(x, x) for x in one)
+                for one in DIRECTIONS
+                if ("stribeck_sides" not in one or "stribeck" in family)
+                and ("viscous_direction" not in one or {"viscous", "power"} & {*family})
+            ]
+        inputs = [
+            tuple(f"{part}*{name}" for part in parts)
+            for name in frame.means
+            for parts in (("level",), ("viscous",), ("level", "viscous"))
+            if {*parts} <= {*family}
+        ]
+        by_input = [(), *inputs] if len(frame.means) < 2 else self._products(family)
+        return [(*side, *of) for side, of in itertools.product(sides, by_input)]
+
+    def _products(self, family: Family) -> list[tuple[str, ...]]:
+        """Return the effects of several inputs together."""
+        each = [
+            [
+                tuple(f"{part}*{name}" for part in parts)
+                for parts in ((), ("level",), ("viscous",), ("level", "viscous"))
+                if {*parts} <= {*family}
+            ]
+            for name in self.model.frame.means
+        ]
+        return [tuple(itertools.chain(*one)) for one in itertools.product(*each)]
+
+    @staticmethod
+    def _beside(structure: Structure, beside: Sequence[str]) -> Structure:
+        """Return a law with what stands beside it, in the order of names."""
+        shapes = dict(structure)
+        own = {"stribeck_sides": shapes.get("stribeck", ())}
+        own["power_direction"] = shapes.get("power", ())[:1]
+        kept = [one for one in structure if "stribeck_sides" not in beside or one[0] != "stribeck"]
+        more = [(name, own.get(name, ())) for name in beside]
+        return tuple(sorted([*kept, *more], key=lambda one: one[0]))
+
+    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
+        """Return the entries of shapes that draws have of their own, and structures to begin at."""
+        frame = self.model.frame
+        return shapes_to_draw(rung.structure, frame.slowest, frame.fastest)
+
+    def exact(self) -> float:
+        """Return the probability that what no law says is below the noise."""
+        small = [one <= BELOW_NOISE for one in RHO]
+        jumps = [JUMP in dict(one) for one in self.posterior.structures]
+        none = 1.0 - float(self.posterior.shares[jumps].sum())
+        return none * float(self.posterior.scale("delta")[small].sum())
+
+    def composition(
+        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
+        """Return the law that a structure with coefficients (k, p) is, over the mean load."""
+        load, at = self.model.frame.load, 0
+        terms: dict[str, tuple[Any, Array]] = {}
+        rig: dict[str, Array] = {}
+        for name, shape in structure:
+            size = 2 if name == "stribeck_sides" else 1
+            own, at = coefficients[:, at : at + size], at + size
+            part = PARTS.get(name)
+            entries = len(part.shapes) if part else len(shape)
+            if part is not None and len(shape) > entries:
+                rig["load_exponent"] = np.broadcast_to(shape[entries], len(own)).astype(float)
+            flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
+            if name == "offset":
+                rig[name] = own[:, 0]
+                if offset:
+                    differs = own / load + terms.get("level_direction", ((), 0.0))[1]
+                    terms["level_direction"] = (), differs
+            elif name == "level_direction":
+                terms[name] = (), own / load + terms.get(name, ((), 0.0))[1]
+            elif name == "adhesion":
+                rig[name] = own[:, 0]
+            elif name == "hersey":  # the law at the mean load
+                terms["stribeck"] = shape, own / load
+            else:
+                terms[name] = shape[:entries], own if flows else own / load
+        if "adhesion" in rig:  # part of the level at the mean load
+            shape, own = terms["level"]
+            terms["level"] = shape, own + rig["adhesion"][:, None] / load
+        found = compose(terms, self.model.frame.means, len(coefficients))
+        return replace(found, rig=rig, load=load)
+
+    # ---- weights ----------------------------------------------------------------------------
+
+    def _family(self, structure: Structure, node: tuple[int, ...]) -> Family:
+        """Return the family of a structure at a node: with what differs by direction or inputs."""
+        frame, names = self.model.frame, {name for name, _ in structure}
+        if frame.both:
+            for one in SIDES[node[4]]:
+                if one == "sides" and "stribeck" in names:
+                    names = (names - {"stribeck"}) | {"stribeck_sides"}
+                elif one == "viscous_direction" and names & {"viscous", "power"}:
+                    names = names | {flow_direction(names)}
+                elif one == "offset":
+                    names = names | {"level_direction" if frame.loaded else "offset"}
+        for name, own in zip(frame.means, node[len(SCALES) :], strict=True):
+            parts = (("level", own % 2), ("viscous", own // 2))
+            names |= {f"{part}*{name}" for part, used in parts if used and part in names}
+        return tuple(sorted(names))
+
+    @cached_property
+    def _families(self) -> "NDArray[np.object_]":
+        """Families of nodes and structures (k, s)."""
+        marks = [(node[4], *node[len(SCALES) :]) for node in self.posterior.nodes]
+        rows: dict[tuple[int, ...], list[Family]] = {}
+        found = np.empty(self.posterior.weights.shape, dtype=object)
+        for k, (node, mark) in enumerate(zip(self.posterior.nodes, marks, strict=True)):
+            if mark not in rows:
+                rows[mark] = [self._family(one, node) for one in self.posterior.structures]
+            for s, family in enumerate(rows[mark]):
+                found[k, s] = family
+        return found
+
+    def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
+        """Return the probability of each family, and that with little that no law says."""
+        every: dict[Family, float] = {}
+        adequate: dict[Family, float] = {}
+        for k, node in enumerate(self.posterior.nodes):
+            small = self.model.tau(node) <= tolerance * self.size
+            for family, p in zip(
+                self._families[k], self.posterior.weights[k].tolist(), strict=True
+            ):
+                if p > 1e-7:
+                    every[family] = every.get(family, 0.0) + p
+                    if small:
+                        adequate[family] = adequate.get(family, 0.0) + p
+        return every, adequate
+
+    def holds(self, family: Family) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) at which a family holds."""
+        return np.array([[one == family for one in row] for row in self._families], dtype=bool)
+
+    def nothing(self) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) at which there is no friction."""
+        none = np.array([not one for one in self.posterior.structures])
+        still = np.array([node[1] == 0 for node in self.posterior.nodes])
+        return np.asarray(still[:, None] & none)
+
+    # ---- curves -----------------------------------------------------------------------------
+
+    def _law(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return the laws of draws at rows (k, n)."""
+        columns: dict[Column, Array] = {}
+        found = []
+        for one in draws:
+            curve = np.zeros((one.random.shape[1], len(rows.velocity)))
+            for column, c in zip(one.structure, one.law, strict=True):
+                if column[0] == JUMP:
+                    curve += c[:, None] * self._jumps(rows, column, len(c))
+                    continue
+                if column not in columns:
+                    columns[column] = law_column(column, rows, self.model.frame)
+                curve += np.outer(c, columns[column])
+            found.append(curve)
+        return np.vstack(found)
+
+    def _jumps(self, rows: Rows, column: Column, count: int) -> Array:
+        """Return columns (k, n) of jumps anywhere between two speeds, at evenly many places."""
+        low, high = column[1]
+        share = (np.arange(count)[:, None] + 0.5) / count
+        places = low * (high / low) ** share
+        grown = rows.direction * rows.load / self.model.frame.load
+        return np.asarray(grown * (rows.speed > places))
+
+    def steady(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return drawn curves alone (k, n): midway, in the mean of the runs."""
+        x, group = self.model.random(rows)
+        x = x * ~np.isin(group, ("drift", "run"))
+        return self._law(rows, draws) + np.vstack([one.random.T @ x.T for one in draws])
+
+    def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
+        """Return what friction is in draws (k, n): early, midway or late, in any or a new run."""
+        rng = np.random.default_rng(7)
+        curves = self._law(rows, draws)
+        random = np.hstack([one.random for one in draws])
+        when = rng.integers(3, size=len(curves))
+        stated = np.isfinite(rows.order)
+        for k, time in enumerate((0.0, 0.5, 1.0)):
+            own = replace(rows, order=np.where(stated, rows.order, time))
+            x, group = self.model.random(own)
+            curves[when == k] += random[:, when == k].T @ x.T
+        if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
+            curves += self._of_runs(rows, draws, random[group == "run"], new, rng)
+        curves[::2] += self._at_ends(rows)
+        return np.asarray(curves + self._beyond(rows, draws, curves, rng))
+
+    def _at_ends(self, rows: Rows) -> Array:
+        """Return what readings that are far from the others at an end are, if friction (n,)."""
+        found = np.zeros(len(rows.velocity))
+        for row, off in self._far_ends:
+            own = self.table.rows
+            same = own.direction == own.direction[row]
+            others = np.log(own.speed[same & (np.abs(np.log(own.speed / own.speed[row])) > NEAR)])
+            log = math.log(own.speed[row])
+            near = float(others[np.argmin(np.abs(others - log))])
+            share = np.clip((np.log(rows.speed) - near) / (log - near), 0.0, 1.0)
+            found += off * share * (rows.direction == own.direction[row])
+        return found
+
+    @cached_property
+    def _far_ends(self) -> list[tuple[int, float]]:
+        """Readings alone at an end that are far from the others, and by how much [N]."""
+        rows, found = self.table.rows, list[tuple[int, float]]()
+        draws = self.posterior.draws(FEW_DRAWS, seed=3)
+        for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)):
+            alike = (rows.direction == rows.direction[row]) & (
+                np.abs(np.log(rows.speed / rows.speed[row])) < NEAR
             )
-            frictions.append(segment.friction[v != 0.0])
-        rows = Rows.joined(parts)
-        if len(rows.velocity) < FEWEST:
-            raise InputError(
-                f"a table of friction needs at least {FEWEST} readings that slide, and this has"
-                f" {len(rows.velocity)}: measure friction at more speeds."
+            at = rows.where(np.array([row]))
+            usual = float(np.median(self.steady(at, draws)[:, 0]))
+            off = float(self.table.friction[row]) - usual
+            if np.sum(alike) == 1 and abs(off) <= AT_ENDS * abs(usual):
+                found.append((int(row), off))
+        return found
+
+    def _of_runs(
+        self,
+        rows: Rows,
+        draws: Sequence[Draws],
+        effects: Array,
+        new: bool,
+        rng: np.random.Generator,
+    ) -> Array:
+        """Return what a run adds (k, n): one of those measured, or another one."""
+        runs, count = len(effects), effects.shape[1]
+        which = rng.integers(runs, size=count)
+        sizes = np.concatenate([np.full(one.random.shape[1], RUNS[one.node[6]]) for one in draws])
+        other = sizes * rng.standard_t(max(runs - 1.0, NEW), size=count)
+        is_new = new or np.all(rows.run == -2)
+        effect = other if is_new else effects[which, np.arange(count)]
+        return np.asarray(np.outer(effect, self.model.reference(rows) * rows.direction))
+
+    def _beyond(
+        self, rows: Rows, draws: Sequence[Draws], curves: Array, rng: np.random.Generator
+    ) -> Array:
+        """Return what friction may do beyond the measured speeds (k, n)."""
+        frame, logs = self.model.frame, np.log(rows.speed)
+        far = (
+            np.maximum(math.log(frame.slowest) - logs, 0.0),
+            np.maximum(logs - math.log(frame.fastest), 0.0),
+        )
+        tau = np.concatenate(
+            [np.full(one.random.shape[1], self.model.tau(one.node)) for one in draws]
+        )
+        found = np.zeros_like(curves)
+        for own in far:
+            e = rng.normal(size=(2, len(curves)))
+            side = np.where(rows.velocity > 0.0, e[0][:, None], (0.9 * e[0] + 0.44 * e[1])[:, None])
+            side = side if frame.both else e[0][:, None]
+            size = BEYOND[0] * np.abs(curves) + BEYOND[1] * tau[:, None] * frame.grown(rows)
+            found += rows.direction * side * size * own
+        return found
+
+    def _noise(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return noise of new readings in draws (k, n)."""
+        rng = np.random.default_rng(11)
+        model, n = self.model, len(rows.velocity)
+        found = []
+        for one in draws:
+            shape = (one.random.shape[1], n)
+            noise = rng.standard_t(6.0, size=shape) * math.sqrt(4.0 / 6.0)
+            own = model.sigma(one.node) * model.growth(rows, one.node) * noise
+            own = own + BETA[one.node[3]] * model.repeats * model.sigma(one.node) * rng.normal(
+                size=shape
             )
+            own = own + float(np.median(self.table.stated)) * rng.normal(size=shape)
+            found.append(own + model.step * (rng.random(shape) - 0.5))
+        return np.vstack(found)
+
+    def readings(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return new readings in draws (k, n)."""
+        return self.friction(rows, draws) + self._noise(rows, draws)
+
+    def points(self, rung: Rung) -> MeasuredPoints:
+        """Return the readings."""
+        rows = self.table.rows
+        return MeasuredPoints(
+            velocity=rows.velocity,
+            friction=self.table.friction,
+            load=rows.load,
+            weights=self.model.weights,
+        )
+
+    # ---- what stands beside the law ---------------------------------------------------------
+
+    def findings(self, draws: Sequence[Draws]) -> list[Finding]:
+        """Return drifts and differences between runs, with their probability."""
+        found = [self._drift(draws)]
+        if self.model.frame.runs > 1:
+            found.append(self._differences(draws))
+        return [one for one in found if one.probability > 0.5]
+
+    def _drift(self, draws: Sequence[Draws]) -> Finding:
+        """Return what friction changes by from the first reading to the last."""
+        rows, frame = self.table.rows, self.model.frame
+        middle = float(np.exp(np.median(np.log(rows.speed))))
+        at = self.at([middle if (rows.velocity > 0.0).any() else -middle])
+        ends = []
+        for time in (0.0, 1.0):
+            x, group = self.model.random(replace(at, order=np.full(1, time)))
+            x = x * ~np.isin(group, ("run",))
+            curve = self._law(at, draws) + np.vstack([one.random.T @ x.T for one in draws])
+            ends.append(np.abs(curve[:, 0]))
+        change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
+        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        unit = "N m" if self.turning else "N"
+        first, last = (quantity(float(np.median(one)), unit, 3) for one in ends)
+        verb = "falls" if np.median(change) < 0.0 else "rises"
+        return Finding(
+            term="drift",
+            title="drift in the order of measuring",
+            probability=1.0 - float(self.posterior.scale("drift")[0]),
+            size=float(np.median(change)),
+            low=low,
+            high=high,
+            sentence=f"Friction {verb} over the readings, from {first} at the first to {last} at"
+            " the last.",
+        )
+
+    def _differences(self, draws: Sequence[Draws]) -> Finding:
+        """Return by how much friction differs from run to run."""
+        effects = np.hstack([one.random for one in draws])[self.model.groups == "run"]
+        apart = np.std(effects, axis=0, ddof=1)
+        low, high = np.quantile(apart, (0.025, 0.975)).tolist()
+        return Finding(
+            term="run",
+            title="differences between runs",
+            probability=1.0 - float(self.posterior.scale("run")[0]),
+            size=float(np.median(apart)),
+            low=low,
+            high=high,
+            sentence=f"The {self.model.frame.runs} runs differ by"
+            f" {percent(float(np.median(apart)))} of friction (standard deviation, 95 %"
+            f" {percent(low)} to {percent(high)}).",
+        )
+
+    def curve_rows(self) -> Rows:
+        """Return rows through which a curve is drawn as a law."""
+        frame = self.model.frame
+        side = 1.0 if (self.table.rows.velocity > 0.0).any() else -1.0
+        return self.at(side * np.geomspace(frame.slowest, frame.fastest, POINTS))
+
+    def offered(self) -> Rows:
+        """Return the readings that may be proposed: at the asked speeds."""
+        return self.asked()
+
+    def noise(self, rows: Rows) -> Array:
+        """Return the standard deviation of a reading of another block and run at rows (n,)."""
+        found = np.zeros(len(rows.velocity))
+        for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
+            if p > 1e-3:
+                own = self.model.sigma(node) * self.model.growth(rows, node)
+                shared = BETA[node[3]] * self.model.repeats * self.model.sigma(node)
+                run = RUNS[node[6]] * self.model.reference(rows) * (self.model.frame.runs > 1)
+                found += p * (own**2 + shared**2 + run**2)
+        return np.sqrt(found + float(np.median(self.table.stated)) ** 2)
+
+    def scatter(self, rung: Rung) -> float:
+        """Return the standard deviation of the readings about a law [N], outliers as they count."""
+        rows = self.table.rows
+        at = self.at(rows.velocity, rows.load, rows.inputs)
+        left = self.table.friction - self.design(rung.structure, at) @ rung.coefficients
+        squares = left**2 * self.table.count + self.table.within
+        return math.sqrt(
+            float(np.sum(self.model.weights * squares))
+            / float(np.sum(self.model.weights * self.table.count))
+        )
+
+    @property
+    def outliers(self) -> dict[int, float]:
+        """Readings that are far from the others, with how many deviations."""
+        if np.any(self.table.count > 1.0):
+            return {}
+        far = np.flatnonzero(self.fit.far > OUTLYING)
+        return {int(row): float(self.fit.far[row]) for row in far}
+
+
+def known_terms(table: Readings) -> list[str]:
+    """Return the names of the terms that a table can tell."""
+    frame = Frame.of(table)
+    found = [*PARTS]
+    if frame.loaded:
+        found.append("adhesion")
+    if frame.both:
+        level = "level_direction" if frame.loaded else "offset"
+        found += [level, "viscous_direction", "stribeck_sides"]
+    return found + [f"{part}*{name}" for name in frame.means for part in ("level", "viscous")]
+
+
+def parts_of(family: Family) -> Family:
+    """Return the parts of a law among the terms of a family.
+
+    Examples
+    --------
+    >>> parts_of(("level", "offset", "stribeck_sides", "viscous"))
+    ('level', 'stribeck', 'viscous')
+    """
+    names = ("stribeck" if name in ("hersey", "stribeck_sides") else name for name in family)
+    return tuple(sorted({name for name in names if name in PARTS}))
+
+
+def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
+    """Return the readings of a measured table that slide."""
+    segments, records = stretches_of(mechanism, measurement), measurement.records()
+    parts, frictions, stated = list[Rows](), list[Array](), list[Array]()
+    begun, total = 0, sum(len(one.friction) for one in segments)
+    for segment in segments:
+        path, count = segment.path, len(segment.friction)
+        v = path.velocity
+        # sweeps under other loads or temperatures differ by these
+        same = not any(np.ptp(x) > 0.0 for x in (path.load, *path.inputs.values()))
+        own = len(segments) == 1 and same
+        run = sweeps_of(v) if own else np.full(count, segment.record)
+        order = np.arange(begun, begun + count) / max(total - 1, 1)
+        rows = Rows(velocity=v, load=path.load, inputs=path.inputs, run=run, order=order)
+        parts.append(rows.where(v != 0.0))
+        frictions.append(segment.friction[v != 0.0])
+        own_errors = records[segment.record].uncertainty.get("friction", 0.0)
+        stated.append(np.broadcast_to(np.asarray(own_errors, dtype=float), (count,))[v != 0.0])
+        begun += count
+    rows = with_runs(joined_rows(parts))
+    if len(rows.velocity) < FEWEST:
+        raise InputError(
+            f"a table of friction needs at least {FEWEST} readings that slide, and this has"
+            f" {len(rows.velocity)}: measure friction at more speeds."
+        )
+    if not _moves(rows):
         most = max(len(np.unique(rows.velocity[rows.direction == way])) for way in (-1.0, 1.0))
-        if most < FEW_SPEEDS:
-            raise InputError(
-                f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
-                f" and this table has {most}: measure friction at more speeds."
-            )
-        return cls(rows, np.concatenate(frictions))
+        raise InputError(
+            f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
+            f" and this table has {most}: measure friction at more speeds."
+        )
+    return Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
 
 
-def _sweeps(velocity: Array) -> NDArray[np.intp]:
+def with_runs(rows: Rows) -> Rows:
+    """Return rows of which runs are runs: steps at a speed each are repeats, and no runs."""
+    spread = [np.ptp(np.log(rows.speed[rows.run == k])) for k in np.unique(rows.run)]
+    return rows if np.median(spread) > STEADY else replace(rows, run=np.zeros_like(rows.run))
+
+
+def _moves(rows: Rows) -> bool:
+    """Return whether there are several speeds in a direction."""
+    ways = [rows.velocity[rows.direction == way] for way in (-1.0, 1.0)]
+    return max(len(np.unique(one)) for one in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
+
+
+def joined_rows(parts: Sequence[Rows]) -> Rows:
+    """Return the rows of several tables; only inputs that all have are kept."""
+    names = set.intersection(*(set(one.inputs) for one in parts))
+    return Rows(
+        velocity=np.concatenate([one.velocity for one in parts]),
+        load=np.concatenate([one.load for one in parts]),
+        inputs={
+            name: x
+            for name in sorted(names)
+            if np.ptp(x := np.concatenate([one.inputs[name] for one in parts])) > 0.0
+        },
+        run=np.concatenate([one.run for one in parts]),
+        order=np.concatenate([one.order for one in parts]),
+    )
+
+
+def sweeps_of(velocity: Array) -> "NDArray[np.intp]":
     """Return the number of the sweep of each row (n,), if each meets all speeds once.
 
     Examples
     --------
-    >>> _sweeps(np.array([0.1, 0.2, 0.3, 0.1, 0.2, 0.3])).tolist()
+    >>> sweeps_of(np.array([0.1, 0.2, 0.3, 0.1, 0.2, 0.3])).tolist()
     [0, 0, 0, 1, 1, 1]
-    >>> _sweeps(np.array([0.1, 0.1, 0.2, 0.2, 0.3, 0.3])).tolist()
+    >>> sweeps_of(np.array([0.1, 0.1, 0.2, 0.2, 0.3, 0.3])).tolist()
     [0, 0, 0, 0, 0, 0]
     """
     known, count = np.unique(velocity), len(velocity)
@@ -424,253 +801,16 @@ def _sweeps(velocity: Array) -> NDArray[np.intp]:
     return sweeps if alike and len(parts) > 1 and len(known) > 2 else np.zeros(count, dtype=int)
 
 
-def _blocks(speeds: Array, loads: Array) -> list[Mask]:
-    """Return a block for each speed, and for each load where there are three or more."""
-    by_speed = np.argmin(np.abs(speeds[:, None] - _apart(speeds)), axis=1)
-    count = int(by_speed.max()) + 1
-    by_speed = by_speed * min(count, STRETCHES) // count  # neighbours together
-    by_load = np.unique(np.round(loads, 6), return_inverse=True)[1]
-    blocks = [by_speed == k for k in range(by_speed.max() + 1)]
-    if by_load.max() > 1 and by_speed.max() > 1:
-        blocks += [by_load == k for k in range(by_load.max() + 1)]
-    return blocks
-
-
-def _apart(logs: Array) -> Array:
-    """Return speeds as logarithms, those next to each other as their mean.
-
-    Examples
-    --------
-    >>> _apart(np.log([1.0, 1.001, 2.0, 2.001])).round(4).tolist()
-    [0.0005, 0.6934]
-    """
-    known = np.sort(logs)
-    groups = np.split(known, np.flatnonzero(np.diff(known) > ALIKE) + 1)
-    return np.array([float(np.mean(one)) for one in groups])
-
-
-def both_ways(rows: Rows) -> bool:
-    """Return whether there are readings at several speeds in both directions."""
-    sides = (rows.velocity[rows.velocity > 0.0], rows.velocity[rows.velocity < 0.0])
-    return all(len(np.unique(one)) >= FEW_SPEEDS for one in sides)
-
-
-def _knots(logs: Array) -> Array:
-    """Return knots at the speeds, between them, and beyond them."""
-    if len(logs) < 3:
-        inside = np.array([logs[0] - 0.5, float(np.mean(logs)), logs[-1] + 0.5])
-    else:
-        count = min(STRETCHES - 1, 2 * len(logs) - 1)  # as many as blocks have gaps
-        inside = np.interp(np.linspace(0, len(logs) - 1, count), np.arange(len(logs)), logs)
-    beyond = np.linspace(0.0, FAR, BEYOND + 1)[1:]
-    return np.concatenate([inside[0] - beyond[::-1], inside, inside[-1] + beyond])
-
-
-def _gaps(speed: Array) -> list[float]:
-    """Return the middles between neighbouring speeds, two of which at least are on either side."""
-    known = np.log(np.unique(speed))
-    return np.exp(0.5 * (known[1:-2] + known[2:-1])).tolist() if len(known) > 3 else []
-
-
-def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
-    """Return the vocabulary of tables."""
-
-    def weight(r: Rows, exponent: float) -> Array:
-        return r.direction * frame.load * (r.load / frame.load) ** exponent
-
-    def law(
-        shape_of_speed: Callable[[Array, Shape], Array], entries: int, usual: float
-    ) -> Callable[[Rows, Shape], Array]:
-        def columns(r: Rows, shape: Shape) -> Array:
-            exponent = shape[entries] if len(shape) > entries else usual
-            return np.asarray(weight(r, exponent) * shape_of_speed(r.speed, shape))
-
-        return columns
-
-    def curve(r: Rows, shape: Shape) -> Array:
-        over = r.load / frame.load if shape[1] == HERSEY else 1.0
-        logs = np.log(np.maximum(r.speed / over, frame.slowest * 1e-3))
-        bent = _hats(logs, frame.knots) @ frame.basis
-        powers = (1.0, 0.0) if shape[1] == BOTH else (1.0,) if shape[1] == HERSEY else shape[1:2]
-        hats = np.hstack([weight(r, a)[:, None] * bent for a in powers])
-        return np.hstack([hats, r.direction[:, None] * hats]) if shape[2] else hats
-
-    speeds = np.geomspace(frame.slowest / 1.5, frame.fastest, 9)
-    ratio = float(speeds[1] / speeds[0])
-    loads: list[Shape] = [(), *((a,) for a in LOAD_EXPONENTS)] if loaded else [()]
-    falls = [(float(v), float(n)) for v in speeds for n in (1, 2)]
-    saturations = np.geomspace(frame.slowest, frame.fastest, 6)
-    flows = frozenset({"power", "drag", "saturating", "logarithmic"})
-    part: Mapping[str, Any] = {"role": "law", "nonnegative": True}
-    load_ratio = 1.15 if loaded else 1.0
-    terms = [
-        Term(
-            name="level", columns=law(lambda u, _: np.ones(len(u)), 0, 1.0), shapes=loads,
-            steps=(load_ratio,), same_shape=0, title=TITLES["level"], rank=0, **part,
-        ),
-        Term(
-            name="viscous", columns=law(lambda u, _: u, 0, 0.0), shapes=loads,
-            steps=(load_ratio,), same_shape=0, title=TITLES["viscous"], rank=1, **part,
-        ),
-        Term(
-            name="stribeck",
-            columns=law(lambda u, s: np.exp(-((u / s[0]) ** s[1])), 2, 1.0),
-            shapes=[(*fall, *a) for fall in falls for a in loads], steps=(ratio, 1.0, load_ratio),
-            same_shape=2, needs=frozenset({"level"}), title=TITLES["stribeck"], rank=2, **part,
-        ),
-        Term(
-            name="drag", columns=law(lambda u, _: u**2, 0, 0.0), shapes=loads,
-            steps=(load_ratio,), same_shape=0, excludes=flows - {"drag"},
-            title=TITLES["drag"], rank=4, **part,
-        ),
-        Term(
-            name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
-            shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
-            steps=(1.25, load_ratio), same_shape=1,
-            ranges=(bounds_of("power", "viscous_exponent"), (0.0, math.inf)),
-            excludes=(flows | {"viscous"}) - {"power"},
-            title=TITLES["power"], rank=5, **part,
-        ),
-        Term(
-            name="saturating", columns=law(lambda u, s: s[0] * np.arctan(u / s[0]), 1, 0.0),
-            shapes=[(float(v), *a) for v in saturations for a in loads],
-            steps=(float(saturations[1] / saturations[0]), load_ratio), same_shape=1,
-            excludes=(flows | {"viscous"}) - {"saturating"}, rank=13,
-            title=TITLES["saturating"], **part,
-        ),
-        Term(
-            name="logarithmic",
-            columns=law(lambda u, s: np.log1p(u / s[0]), 1, 1.0),
-            shapes=[(frame.slowest * 10.0**k, *a) for k in (-1.0, 0.0, 1.0) for a in loads],
-            steps=(10.0, load_ratio), same_shape=1, role="law", excludes=flows - {"logarithmic"},
-            title="logarithm of the speed", rank=14,
-        ),
-        Term(
-            name="tanh", columns=law(lambda u, s: np.tanh(u / s[0]), 1, 1.0),
-            shapes=[(float(v), *a) for v in speeds[:6] for a in loads],
-            steps=(ratio, load_ratio), same_shape=1, excludes=frozenset({"level", "stribeck"}),
-            title="level that is smooth in the velocity (tanh)", rank=6, **part,
-        ),
-        Term(
-            name="jump", role="curve", needs=frozenset({"curve"}), shapes=(), steps=(1.0,),
-            columns=lambda r, shape: weight(r, 1.0) * (r.speed > shape[0]),
-            title=TITLES["jump"], rank=8,
-        ),
-        Term(
-            name="curve", role="curve", columns=curve, shapes=(),
-            precision=lambda shape: shape[0]
-            * frame.load**2  # of a force, as the noise is
-            * np.tile(frame.bending, (1 + int(shape[2])) * (1 + (shape[1] == BOTH))),
-            title=TITLES["curve"], cost=2,
-        ),
-    ]  # fmt: skip
-    if both_ways(rows):
-        terms += [
-            Term(name="offset", role="rig", columns=lambda r, _: np.ones(len(r.load)),
-                 title=TITLES["offset"], rank=3),
-            Term(name="level_direction", role="law", needs=frozenset({"level"}), contrasts=1,
-                 columns=lambda r, _: r.load, title=TITLES["level_direction"], rank=7),
-            Term(name="viscous_direction", role="law", needs=frozenset({"viscous"}), contrasts=1,
-                 columns=lambda r, _: frame.load * r.speed,
-                 title=TITLES["viscous_direction"], rank=8),
-            Term(name="stribeck_sides", role="law", needs=frozenset({"level"}), cost=2, contrasts=1,
-                 excludes=frozenset({"stribeck"}), shapes=falls, steps=(ratio, 1.0),
-                 columns=lambda r, s: (r.load * np.exp(-((r.speed / s[0]) ** s[1])))[:, None]
-                 * np.column_stack([r.direction, np.ones(len(r.load))]),
-                 title=TITLES["stribeck_direction"], rank=9),
-        ]  # fmt: skip
-        if not loaded:  # under one load they are the same column
-            terms = [one for one in terms if one.name != "level_direction"]
-    if loaded:
-        terms.append(
-            Term(name="adhesion", role="law", needs=frozenset({"level"}), nonnegative=True,
-                 columns=lambda r, _: r.direction * frame.load, title=TITLES["adhesion"], rank=3)
-        )  # fmt: skip
-        terms.append(
-            Term(name="hersey", shapes=falls, steps=(ratio, 1.0), rank=6, **part,
-                 columns=lambda r, s: weight(r, 1.0)
-                 * np.exp(-((r.speed * frame.load / r.load / s[0]) ** s[1])),
-                 excludes=frozenset({"stribeck", "stribeck_sides"}), needs=frozenset({"level"}),
-                 title="static surplus that fades with speed over load (Hersey number)")
-        )  # fmt: skip
-    for name, values in rows.inputs.items():
-        if np.ptp(values) > 0.0:
-            terms += _of_input(name, frame)
-    if _shuffled(rows):
-        terms.append(
-            Term(name="drift", role="fault", rank=10,
-                 shapes=[(settling, of) for settling in RUNNING_IN for of in (0.0, 1.0)],
-                 columns=lambda r, s: weight(r, 1.0) * _course(r.order, s[0])
-                 * (frame.straight[0] + frame.straight[1] * r.speed if s[1] else 1.0),
-                 title="drift in the order of measuring")
-        )  # fmt: skip
-    if rows.run.max() > 0:
-        count = int(rows.run.max()) + 1
-        terms.append(
-            Term(name="run", role="run", shapes=[(one,) for one in RUN_SPREADS], rank=3,
-                 columns=lambda r, _: weight(r, 1.0)[:, None] * _of_runs(r.run, count),
-                 precision=lambda shape: frame.load**2 / shape[0] ** 2,
-                 title="differences between runs")
-        )  # fmt: skip
-    return {one.name: one for one in terms}
-
-
-def _of_input(name: str, frame: Frame) -> list[Term]:
-    """Return terms of the vocabulary that change with an input of the contact."""
-    return [
-        Term(name=f"level*{name}", role="law", needs=frozenset({"level"}), rank=11, contrasts=1,
-             columns=lambda r, _: r.direction * r.load * (r.inputs[name] - frame.means[name]),
-             title=CHANGING["level"].format(name)),
-        Term(name=f"viscous*{name}", role="law", needs=frozenset({"viscous"}), rank=12, contrasts=1,
-             columns=lambda r, _: frame.load * r.velocity * (r.inputs[name] - frame.means[name]),
-             title=CHANGING["viscous"].format(name)),
-    ]  # fmt: skip
-
-
-def _of_runs(run: NDArray[np.intp], count: int) -> Array:
-    """Return columns (n, r) of the runs, whose mean is that of the law: 0 for any run."""
-    own = run[:, None] == np.arange(count)
-    return np.where(run[:, None] < 0, 0.0, own - 1.0 / count)
-
-
-def _shuffled(rows: Rows) -> bool:
-    """Return whether the order of measuring is another than that of speeds, loads and runs."""
-    logs = np.log(rows.speed + 1e-9 * rows.speed.max())
-    known = [np.ones(len(rows.order)), rows.velocity, logs, np.log(rows.load), rows.run]
-    x = np.column_stack([*known, rows.direction, *rows.inputs.values()])
-    left = rows.order - x @ np.linalg.lstsq(x, rows.order, rcond=None)[0]
-    return bool(len(left) > x.shape[1] + 2 and np.var(left) > SHUFFLED * np.var(rows.order))
-
-
-def _course(order: Array, settling: float) -> Array:
-    """Return a drift over the order from -1 to 1: a line, or what settles; 0 at its mean.
-
-    From first to last it changes by 1.
-    """
-    if settling == 0.0:
-        return 0.5 * order
-    decay = np.exp(-0.5 * (order + 1.0) / settling)
-    mean, change = settling * (1.0 - math.exp(-1.0 / settling)), math.exp(-1.0 / settling) - 1.0
-    return np.asarray((decay - mean) / change)
-
-
-def _straight(rows: Rows, friction: Array) -> Array:
-    """Return level and slope (2,) of the line through friction over speed and load, of mean 1."""
-    x = (rows.load / rows.load.mean())[:, None] * np.column_stack(
-        [np.ones_like(rows.speed), rows.speed]
-    )
-    line, _ = nnls(x, rows.direction * friction)
-    mean = float(np.mean(x @ line))
-    return line / mean if mean > 0.0 else np.array([1.0, 0.0])
-
-
-def _hats(logs: Array, knots: Array) -> Array:
-    """Return hat functions (n, k) at the knots, straight beyond the outer ones."""
-    hats = np.array([np.interp(logs, knots, one) for one in np.eye(len(knots))]).T
-    over = logs - np.clip(logs, knots[0], knots[-1])
-    for edge, inner in ((-1, -2), (0, 1)):
-        side = over > 0.0 if edge == -1 else over < 0.0
-        share = np.where(side, over / (knots[edge] - knots[inner]), 0.0)
-        hats[:, edge] += share
-        hats[:, inner] -= share
-    return np.asarray(hats)
+def slow_rows(table: Readings) -> "NDArray[np.intp]":
+    """Return the slowest rows of each direction whose friction is below that at the next speeds."""
+    rows, found = table.rows, list[int]()
+    for way in (-1.0, 1.0):
+        at = np.flatnonzero(rows.direction == way)
+        at = at[np.argsort(rows.speed[at], kind="stable")]
+        size = np.abs(table.friction[at])
+        for count in range(min(MOST_RESTS, len(at) - BESIDE_SLOWEST), 0, -1):
+            bound = REST * np.median(size[count : count + BESIDE_SLOWEST])
+            if np.all(size[:count] < bound):
+                found += at[:count].tolist()
+                break
+    return np.array(sorted(found), dtype=np.intp)

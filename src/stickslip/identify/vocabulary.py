@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.posterior.nodes import Family
+from stickslip.identify.posterior import Family
 from stickslip.maths import Scalar, arctan, exp, log, power, tanh
 
 Shape = tuple[float, ...]

@@ -132,6 +132,11 @@ class Model(ABC):
         return sum(one.logarithms[k] for one, k in zip(self.scales, node, strict=True))
 
 
+def family_of(structure: Structure) -> Family:
+    """Return the names of the terms of a structure."""
+    return tuple(name for name, _ in structure)
+
+
 def neighbours(scales: Sequence[Scale], node: Node) -> Iterator[Node]:
     """Yield the nodes that differ in one scale: by one step where its values are ordered."""
     for at, (scale, own) in enumerate(zip(scales, node, strict=True)):
@@ -275,22 +280,7 @@ class Posterior:
     def draws(
         self, count: int, *, seed: int = 0, only: "NDArray[np.bool_] | None" = None
     ) -> list[Draws]:
-        """Return `count` draws, in the order of nodes and structures.
-
-        Parameters
-        ----------
-        count : int
-            Number of draws.
-        seed : int
-            Seed of the random numbers.
-        only : array of bool (k, s), optional
-            Nodes and structures that are drawn; all if not given.
-
-        Returns
-        -------
-        list of Draws
-            One for each pair of node and structure that was drawn.
-        """
+        """Return `count` draws, in the order of nodes and structures, of those in `only` (k, s)."""
         weights = self.weights if only is None else np.where(only, self.weights, 0.0)
         flat = weights.ravel()
         # systematic sampling: a weight that differs by rounding moves one draw, and no other

@@ -28,7 +28,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.posterior.nodes import (
+from stickslip.identify.posterior import (
     COEFFICIENT,
     Array,
     Column,
@@ -40,8 +40,9 @@ from benchmarks.posterior.nodes import (
     Scale,
     Structure,
     System,
+    family_of,
 )
-from benchmarks.posterior.vocabulary import FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid
+from stickslip.identify.vocabulary import FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid
 
 Integers = NDArray[np.intp]
 
@@ -88,6 +89,11 @@ NOISE_RANGE = (1e-4, 1.3)
 BEYOND = (0.03, 1.0)
 """Deviation an e-fold beyond the measured speeds: of friction, and of what no law says."""
 
+JUMP, JUMPS, JUMP_PRIOR = "jump", 3, 0.02
+"""Friction may jump somewhere between two speeds, which no law says and no process follows: the
+name of that term, the number of laws beside which it is tried, and its prior."""
+MOST_GAPS = 60
+"""Gaps between speeds up to which jumps are tried."""
 TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
@@ -104,6 +110,9 @@ FREEDOM = 4.0
 """Degrees of freedom of outlying readings."""
 SUSPECT = (3.0, 8.0)
 """Deviations from which a reading may be an outlier, and what few readings add to that."""
+AT_ENDS = 0.6
+"""Share of friction by which a reading alone at the slowest or fastest speed may be off, so that it
+may be friction, such as a static surplus, as well as an outlier: half of the draws take it so."""
 NEAR = 0.02
 """Difference of logarithms of speeds up to which readings are repeats ..."""
 NEAR_LOAD = 0.05
@@ -332,6 +341,25 @@ class Frame:
         return np.asarray(columns * self.grown(rows)[:, None])
 
 
+def ends_of(rows: Rows) -> "NDArray[np.bool_]":
+    """Return which rows are at the slowest or the fastest speed of a direction (n,).
+
+    Examples
+    --------
+    >>> v = np.array([0.1, 0.2, 0.3])
+    >>> ends_of(Rows(velocity=v, load=v, inputs={}, run=np.zeros(3, int), order=v)).tolist()
+    [True, False, True]
+    """
+    found = np.zeros(len(rows.velocity), dtype=bool)
+    logs = np.log(rows.speed)
+    for way in (-1.0, 1.0):
+        at = rows.direction == way
+        if at.any():
+            own = logs[at]
+            found[at] = (own < own.min() + NEAR) | (own > own.max() - NEAR)
+    return found
+
+
 def _matern(distance: Array) -> Array:
     """Return Matern's correlation of order 3/2 at distances over `LENGTH`."""
     d = math.sqrt(3.0) * distance / LENGTH
@@ -355,9 +383,12 @@ def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
     name, shape = column
     ratio = rows.load / frame.load
     if name == "hersey":
-        return rows.direction * ratio * PARTS["stribeck"].curve(rows.speed / ratio, shape)
+        surplus = PARTS["stribeck"].curve(rows.speed / ratio, shape)
+        return np.asarray(rows.direction * ratio * surplus)
     if name == "adhesion":
         return rows.direction
+    if name == JUMP:
+        return np.asarray(rows.direction * ratio * (rows.speed > math.sqrt(shape[0] * shape[1])))
     part = PARTS[name]
     own = len(part.shapes)
     power = shape[own] if len(shape) > own else (1.0 if part.dry else 0.0)
@@ -430,11 +461,6 @@ def finer(
     return found
 
 
-def family_of(structure: Structure) -> Family:
-    """Return the names of the terms of a structure."""
-    return tuple(name for name, _ in structure)
-
-
 @dataclass(frozen=True, eq=False)
 class Reference:
     """The size of friction at rows, with which drift, runs and noise grow."""
@@ -468,7 +494,7 @@ def running_medians(readings: Readings, grown: Array | float = 1.0) -> Array:
 class TableModel(Model):
     """Readings with weights, and a size of friction with which things grow."""
 
-    signed = SIGNED
+    signed = SIGNED | {JUMP}
 
     def __init__(
         self, readings: Readings, frame: Frame, weights: Array, reference: Reference
@@ -542,7 +568,7 @@ class TableModel(Model):
         spread = np.ptp(np.log(self.reference(self.readings.rows))) > 0.5
         more = (1 if self.frame.runs > 1 else 0, *(3 for _ in self.frame.means))
         found = []
-        for sigma in (0.002, 0.006, 0.02, 0.06, 0.2):
+        for sigma in (0.002, 0.006, 0.02, 0.06, 0.2, 0.6, 1.2):
             at = int(np.argmin(np.abs(np.log(noise / sigma))))
             for delta, growth, block in itertools.product(
                 (0, 3, 6), {0, int(spread)}, (0, 5) if self.repeats else (0,)
@@ -772,15 +798,7 @@ def first_weights(readings: Readings, frame: Frame, smooth: Array) -> Array:
 
 
 def fitted(readings: Readings, families: Sequence[Family] | None = None) -> TableFit:
-    """Return the posterior of readings.
-
-    Parameters
-    ----------
-    readings : Readings
-        What was read.
-    families : sequence of Family, optional
-        Laws that are compared; those of the vocabulary if not given.
-    """
+    """Return the posterior of readings: over some families, or those of the vocabulary."""
     frame = Frame.of(readings)
     grid = Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
     known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
@@ -809,6 +827,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
         posterior = Posterior(model, structures, priors, begin=begin, most=MOST if turn else FIRST)
         if not turn:
             structures, priors = _kept(posterior, priors)
+            structures, priors = _with_jumps(structures, priors, readings.rows)
         begin, before = [posterior.best], weights
         best = posterior.nodes.index(posterior.best)
         structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
@@ -878,22 +897,36 @@ def _kept(posterior: Posterior, priors: Array) -> tuple[list[Structure], Array]:
     return [posterior.structures[k] for k in kept], priors[kept]
 
 
+def _with_jumps(
+    structures: Sequence[Structure], priors: Array, rows: Rows
+) -> tuple[list[Structure], Array]:
+    """Return structures, the most likely first, and these beside a jump between two speeds."""
+    speeds = np.unique(rows.speed)
+    speeds = speeds[np.diff(np.log(speeds), prepend=-math.inf) > NEAR].tolist()
+    gaps = list(itertools.pairwise(speeds))[1:-1]
+    if not 0 < len(gaps) <= MOST_GAPS:
+        return [*structures], priors
+    prior = math.log(JUMP_PRIOR / len(gaps))
+    found = dict(zip(structures, priors.tolist(), strict=True))
+    for one, own in zip(structures[:JUMPS], priors.tolist(), strict=False):
+        found |= {tuple(sorted((*one, (JUMP, gap)))): own + prior for gap in gaps}
+    return [*found], np.array([*found.values()])
+
+
 def _curve_at(
     posterior: Posterior, model: TableModel, structure: Structure
 ) -> Callable[[Rows], Array]:
-    """Return the law with what no law says at the best node, as a function of rows."""
-    law, random = posterior.estimate(posterior.best, structure)
-    delta = np.where(model.groups == "delta", random, 0.0)
-    frame, before = model.frame, model
+    """Return the law at the best node as a function of rows; without one, the size of friction.
+
+    What no law says is left out: it follows the readings, and noise would grow with itself.
+    """
+    law, _ = posterior.estimate(posterior.best, structure)
+    frame = model.frame
 
     def curve(rows: Rows) -> Array:
-        found = np.zeros(len(rows.velocity))
-        for column, c in zip(structure, law, strict=True):
-            found += c * law_column(column, rows, frame)
-        process = frame.basis(rows) * rows.direction[:, None]
-        parts = [process]
-        if frame.loaded:
-            parts.append(0.4 * process * np.log(rows.load / frame.load)[:, None])
-        return np.asarray(found + np.hstack(parts) @ delta[before.groups == "delta"])
+        if not structure:
+            return frame.size * frame.grown(rows)
+        columns = [law_column(one, rows, frame) for one in structure]
+        return np.asarray(law @ np.array(columns))
 
     return curve

@@ -27,8 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.posterior.nodes import Array, Family, Structure
-from benchmarks.posterior.vocabulary import FAMILIES, FLOW_DIRECTIONS, NARROW, PARTS, SIGNED
+from stickslip.identify.posterior import Array, Family, Structure
+from stickslip.identify.vocabulary import FAMILIES, FLOW_DIRECTIONS, NARROW, PARTS, SIGNED
 
 TOLERANCE = 0.02
 """Share of friction by which a law may be off, if nothing else is asked for."""
@@ -172,16 +172,10 @@ def names_of(structure: Structure) -> list[str]:
 
 
 def chosen(rungs: Sequence[Rung], exact: float, tolerance: float) -> Rung:
-    """Return the named law.
+    """Return the named law of the closest of each family.
 
-    Parameters
-    ----------
-    rungs : sequence of Rung
-        The closest law of each family.
-    exact : float
-        Posterior probability that what no law says is below the noise.
-    tolerance : float
-        Share of friction by which a law may be off.
+    `exact` is the probability that what no law says is below the noise, and the tolerance the share
+    of friction by which a law may be off.
     """
     adequate = [one for one in rungs if one.adequate > 0.0]
     if exact >= EXACT and adequate:

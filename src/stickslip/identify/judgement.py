@@ -3,7 +3,7 @@ r"""The judgement: what the posterior of a measurement says, whatever was measur
 A kind of measurement is a `Problem`: rows, columns and draws. All that a verdict states is read
 here, from the same draws:
 
-* the **name** and the ladder of laws (`benchmarks.posterior.projection`);
+* the **name** and the ladder of laws (`stickslip.identify.projection`);
 * the **band** of friction and that of new readings: quantiles of draws;
 * **parameters**: draws projected on the named family, each with its own shape;
 * **friction from zero**: the odds of all that is against no law and nothing beside it;
@@ -13,15 +13,27 @@ here, from the same draws:
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.posterior.nodes import Array, Draws, Family, Structure
-from benchmarks.posterior.projection import (
+from stickslip.friction import FrictionLaw
+from stickslip.identify.bands import (
+    LEVEL,
+    Array,
+    Interval,
+    MeasuredPoints,
+    PredictionBand,
+    correlation_of,
+    quantile_band,
+)
+from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
+from stickslip.identify.posterior import Draws, Family, Structure
+from stickslip.identify.projection import (
+    PLACES,
     TOLERANCE,
     Free,
     Projection,
@@ -33,12 +45,11 @@ from benchmarks.posterior.projection import (
     is_signed,
     names_of,
 )
-from stickslip.friction import FrictionLaw
-from stickslip.identify.laws import Composition, Sliding, drawn_curve
 
+SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
+"""Terms whose shape ends in the exponent by which they fade."""
 DRAWS = 600
 """Draws from which everything is read."""
-LEVEL = 0.95
 ASSERTED = 20.0
 """Odds from which something beside the law is asserted."""
 TOLD = 100.0
@@ -51,48 +62,21 @@ NO_LAW = 0.1
 """Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PredictionBand:
-    """Limits of curves at rows (n,).
+def with_fading(structure: Structure, other: Structure) -> Structure:
+    """Return a structure that fades as another does, if that has a surplus.
 
-    Parameters
-    ----------
-    low : array (n,)
-        Lower limits [N] or [N m].
-    median : array (n,)
-        Medians.
-    high : array (n,)
-        Upper limits.
+    Examples
+    --------
+    >>> with_fading((("stribeck", (0.1, 2.0)),), (("stribeck", (0.3, 1.0)),))
+    (('stribeck', (0.1, 1.0)),)
     """
-
-    low: Array
-    median: Array
-    high: Array
-
-
-def band_of(curves: Array, level: float = LEVEL, *, all_along: bool = False) -> PredictionBand:
-    """Return quantiles of curves (k, n): point by point, or so that they hold all along."""
-    low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
-    if all_along:
-        above = (curves - median) / (high - median + 1e-300)
-        below = (median - curves) / (median - low + 1e-300)
-        times = float(np.quantile(np.max(np.maximum(above, below), axis=1), level))
-        low, high = median - times * (median - low), median + times * (high - median)
-    return PredictionBand(low=low, median=median, high=high)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Interval:
-    """A parameter and the ends of its 95 % intervals."""
-
-    path: str
-    value: float
-    low: float
-    """If the named law holds."""
-    high: float
-    low_any: float
-    """Whichever law holds."""
-    high_any: float
+    fading = [shape[1] for name, shape in other if name in SURPLUSES]
+    if not fading:
+        return structure
+    return tuple(
+        (name, (shape[0], fading[0], *shape[2:])) if name in SURPLUSES else (name, shape)
+        for name, shape in structure
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,20 +111,6 @@ class Candidates:
     parameters: int
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Points:
-    """Friction as it was measured, for a figure."""
-
-    velocity: Array
-    """Velocities (n,) [m/s]."""
-    friction: Array
-    """Friction (n,) [N], less what stands beside it."""
-    load: Array
-    """Loads (n,) [N]."""
-    weights: Array
-    """How much each counts (n,)."""
-
-
 class Weighted(Protocol):
     """What a judgement reads of a posterior."""
 
@@ -148,18 +118,25 @@ class Weighted(Protocol):
     def weights(self) -> Array:
         """Posterior probabilities of nodes and structures (k, s), in sum 1."""
 
-    def draws(self, count: int, *, seed: int = 0, only: Array | None = None) -> Sequence[Draws]:
+    def draws(
+        self, count: int, *, seed: int = 0, only: "NDArray[np.bool_] | None" = None
+    ) -> list[Draws]:
         """Return draws, those of some nodes and structures only if so asked."""
 
 
 class Problem(ABC):
     """One measurement of any kind with its posterior, as the judgement reads it."""
 
-    posterior: Weighted
+    posterior: Any
+    """The weights of structures at nodes: `Weighted`."""
     size: float
     """Root mean square of the friction [N]."""
     load: float
     """Normal force at which levels are stated [N]."""
+    restricted: bool = False
+    """Whether only laws that were asked for are compared."""
+    runs: int = 1
+    """Number of runs or specimens that were measured."""
 
     @abstractmethod
     def asked(self) -> Any:
@@ -191,6 +168,8 @@ class Problem(ABC):
 
     def design(self, structure: Shaped, rows: Any) -> Array:
         """Return the columns of a law at rows (n, p); (k, n, p) for shapes of k draws."""
+        if not structure:
+            return np.zeros((len(rows.velocity), 0))
         columns = [x for one in self.tied(structure) for x in self.columns(one, rows)]
         return np.stack(np.broadcast_arrays(*columns), axis=-1)
 
@@ -260,7 +239,7 @@ class Problem(ABC):
         """
 
     @abstractmethod
-    def points(self, rung: Rung) -> Points:
+    def points(self, rung: Rung) -> MeasuredPoints:
         """Return what a figure shows of the measurement beside a law."""
 
     @abstractmethod
@@ -298,7 +277,8 @@ class Judgement:
     @cached_property
     def draws(self) -> list[Draws]:
         """Draws from which everything is read."""
-        return self.problem.posterior.draws(DRAWS, seed=self.seed)
+        found: list[Draws] = self.problem.posterior.draws(DRAWS, seed=self.seed)
+        return found
 
     @cached_property
     def _places(self) -> Any:
@@ -328,12 +308,17 @@ class Judgement:
             if rung is not None:
                 share = masses.get(each.family, 0.0)
                 found.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
+        if not self.is_told or not found:
+            none = self._projection.rung((), np.zeros(0), np.zeros((len(self.target.middle), 0)), 0)
+            found.append(replace(none, share=masses.get((), 0.0), adequate=adequate.get((), 0.0)))
         return tuple(sorted(found, key=lambda one: (one.parameters, one.excess)))
 
     @cached_property
     def named(self) -> Rung:
         """The named law, with shapes between those of the grid."""
         rung = chosen(self.rungs, self.problem.exact(), self.tolerance)
+        if not rung.structure:
+            return rung
         coefficients, shaped = self._projected(rung, self.target.middle[None])
         structure = tuple(
             (name, tuple(float(np.ravel(x)[0]) for x in shape)) for name, shape in shaped
@@ -387,15 +372,17 @@ class Judgement:
     @cached_property
     def simpler(self) -> Rung | None:
         """The shortest law whose curve is within the tolerance of the named one's."""
-        at, size = self._places, self.target.size
-        own = self.problem.design(self.named.structure, at) @ self.named.coefficients
         for one in self.rungs:
             if one.parameters >= self.named.parameters:
                 return None
-            curve = self.problem.design(one.structure, at) @ one.coefficients
-            if float(np.quantile(np.abs(curve - own) / size, 0.95)) <= self.tolerance:
+            if self.apart(one) <= self.tolerance:
                 return one
         return None
+
+    def apart(self, rung: Rung) -> float:
+        """Return the share of friction within which a law stays of the named one at 95 %."""
+        own, other = (self.curve_of(one, self._places) for one in (self.named, rung))
+        return float(np.quantile(np.abs(other - own) / self.target.size, PLACES))
 
     @cached_property
     def odds(self) -> float:
@@ -419,6 +406,37 @@ class Judgement:
         """What stands beside a law that is not told from the named one."""
         return frozenset(name for one in self.set for name in one.family if name == "offset")
 
+    @property
+    def family(self) -> Family:
+        """Names of the terms of the named law."""
+        return self.named.family
+
+    @property
+    def families(self) -> tuple[Family, ...]:
+        """Families that are not told apart, the named one first."""
+        return tuple(one.family for one in self.set)
+
+    def measured(self) -> MeasuredPoints:
+        """Return what a figure shows of the measurement."""
+        return self.problem.points(self.named)
+
+    def acting(self, rows: Any) -> Array:
+        """Return friction of the named law and its constant offset (n,) at rows."""
+        return self.curve_of(self.named, rows)
+
+    @property
+    def outliers(self) -> Mapping[int, float]:
+        """Readings that are far from the others, with how many deviations."""
+        return self.problem.outliers
+
+    def details(self) -> Mapping[str, Any]:
+        """Return what a document has of the judgement beside the band and the parameters."""
+        return {
+            "tolerance": self.tolerance,
+            "odds_of_friction": self.odds if math.isfinite(self.odds) else None,
+            "findings": [{**asdict(one), "asserted": one.asserted} for one in self.findings],
+        }
+
     def curves(self, rows: Any, *, new: bool = False) -> Array:
         """Return draws of friction at rows (k, n)."""
         return self.problem.friction(rows, self.draws, new=new)
@@ -427,11 +445,11 @@ class Judgement:
         self, rows: Any, level: float = LEVEL, *, new: bool = False, all_along: bool = False
     ) -> PredictionBand:
         """Return the band of friction at rows."""
-        return band_of(self.curves(rows, new=new), level, all_along=all_along)
+        return quantile_band(self.curves(rows, new=new), level, all_along=all_along)
 
     def reading_band(self, rows: Any, level: float = LEVEL) -> PredictionBand:
         """Return the band of new readings at rows."""
-        return band_of(self.problem.readings(rows, self.draws), level)
+        return quantile_band(self.problem.readings(rows, self.draws), level)
 
     @cached_property
     def known(self) -> float:
@@ -452,7 +470,9 @@ class Judgement:
         )
         sliding = self.sliding(self.curve_of(rung, self._both_ways), rung)
         law = composed.law()
-        return composed, sliding, law if law is not None and sliding.is_of(law, composed) else None
+        if law is not None and not composed.text and not sliding.brakes(law, composed):
+            law = None
+        return composed, sliding, law
 
     @cached_property
     def _both_ways(self) -> Any:
@@ -471,7 +491,10 @@ class Judgement:
         """Return laws of draws: those of the named family where they are near, else curves."""
         draws = self.problem.posterior.draws(count, seed=seed)
         places = self.problem.steady(self._places, draws)
-        coefficients, shaped = self._projected(self.named, places)
+        coefficients: Array = np.zeros((len(places), 0))
+        shaped: Shaped = ()
+        if self.named.structure:
+            coefficients, shaped = self._projected(self.named, places)
         fitted = self._fitted(shaped, coefficients)
         apart = np.quantile(np.abs(fitted - places) / self.target.size, LEVEL, axis=1)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
@@ -511,35 +534,70 @@ class Judgement:
         drawn = self.problem.rig(self.draws)
         return {path: np.median(x, keepdims=True) for path, x in drawn.items()}
 
-    def values_of(self, draws: Sequence[Draws]) -> dict[str, Array]:
-        """Return parameters of the named family (k,) by path: each draw's, with its own shape."""
+    def values_of(self, draws: Sequence[Draws], rung: Rung | None = None) -> dict[str, Array]:
+        """Return parameters of a law, else the named one, (k,) by path: each draw's own.
+
+        Each draw is projected with its own best shape; entries that are no parameters, such as the
+        exponent by which a surplus fades, are those of its own structure.
+        """
+        rung = rung or self.named
+        if not rung.structure:
+            return dict(self.problem.rig(draws))
+        groups: dict[Structure, list[Draws]] = {}
+        for one in draws:
+            groups.setdefault(with_fading(rung.structure, one.structure), []).append(one)
+        parts = [
+            self._values_of(replace(rung, structure=structure), own)
+            for structure, own in groups.items()
+        ]
+        return {path: np.concatenate([one[path] for one in parts]) for path in parts[0]}
+
+    def _values_of(self, rung: Rung, draws: Sequence[Draws]) -> dict[str, Array]:
         curves = self.problem.steady(self._places, draws)
-        coefficients, shaped = self._projected(self.named, curves)
+        coefficients, shaped = self._projected(rung, curves)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
         composed = self.problem.composition(own, coefficients, offset=self.offset)
         return composed.paths() | dict(self.problem.rig(draws))
 
+    def _values_if(self, rung: Rung, count: int) -> dict[str, Array]:
+        """Return parameters (k,) by path of draws in which a law holds; {} if none is."""
+        holds = self.problem.holds(rung.family)
+        if not float(self.problem.posterior.weights[holds].sum()) > 0.0:
+            return {}
+        draws = self.problem.posterior.draws(count, seed=self.seed + 1, only=holds)
+        return self.values_of(draws, rung)
+
     @cached_property
     def named_values(self) -> dict[str, Array]:
         """Parameters (k,) by path if the named law holds."""
-        holds = self.problem.holds(self.named.family)
-        if not float(self.problem.posterior.weights[holds].sum()) > 0.0:
-            return self.values
-        return self.values_of(self.problem.posterior.draws(DRAWS, seed=self.seed + 1, only=holds))
+        return self._values_if(self.named, DRAWS) or self.values
 
     @cached_property
     def values(self) -> dict[str, Array]:
-        """Parameters (k,) by path, whichever law holds."""
+        """Parameters (k,) by path of the law that is closest to each draw."""
         return self.values_of(self.draws)
 
     @cached_property
     def intervals(self) -> tuple[Interval, ...]:
-        """Intervals of the parameters of the named law."""
-        tails = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
-        found = []
+        """Intervals of the parameters of the named law.
+
+        Whichever law holds, laws that are not told from the named one and have the parameter count
+        by the root of their odds: what is not told apart must not be left out.
+        """
+        tails, found = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)), []
+        flow = self.composition.flow
+        others = []
+        for rung in self.set[1:]:
+            composed = self.problem.composition(rung.structure, rung.coefficients[None])
+            odds = math.sqrt(rung.adequate / self.named.adequate)
+            if rung.structure and odds * DRAWS >= 1.0:
+                values = self._values_if(rung, math.ceil(odds * DRAWS))
+                others.append((composed.flow == flow, values))
         for path, value in self.composition.paths().items():
             own = self.named_values.get(path, value)
-            every = np.concatenate([own, self.values.get(path, own)])
+            same = [x[path] for alike, x in others
+                    if path in x and (alike or not path.endswith(LINEAR))]  # fmt: skip
+            every = np.concatenate([own, self.values.get(path, own), *same])
             low, high = np.quantile(own, tails).tolist()
             low_any, high_any = np.quantile(every, tails).tolist()
             found.append(
@@ -559,11 +617,7 @@ class Judgement:
         """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
         if not self.intervals:
             return np.zeros((0, 0))
-        table = np.array([self.named_values[one.path] for one in self.intervals])
-        spread = np.std(table, axis=1)
-        centred = table - table.mean(axis=1, keepdims=True)
-        centred = centred / np.where(spread > 0.0, spread, 1.0)[:, None]
-        return np.asarray(centred @ centred.T / table.shape[1])
+        return correlation_of(np.array([self.named_values[one.path] for one in self.intervals]))
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:

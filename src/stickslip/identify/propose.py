@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.posterior.nodes import Array
+from stickslip.identify.posterior import Array
 
 HALF = 0.3
 """Expected width over today's at which enough is measured: less than half is, mostly."""
-WORTH = 0.7
+WORTH = 0.95
 """Expected width over today's from which no readings are proposed."""
-MOST = 1
-"""Readings that are proposed at most, over those that were taken: as many again."""
+MOST = 60
+"""Readings that are proposed at most: no more than were taken, and than anybody takes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ def propose(
 
     start = width()
     places: list[int] = []
-    while start > 0.0 and len(places) < MOST * taken and width() > HALF * start:
+    while start > 0.0 and len(places) < min(MOST, taken) and width() > HALF * start:
         own = np.diag(covariance)[count:] + noise**2 + 1e-300
         gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
         best = int(np.argmax(gains))

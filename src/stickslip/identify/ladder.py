@@ -1,0 +1,359 @@
+"""The verdict that a posterior gives: a law of the ladder, the band, and what stands beside.
+
+1. **Which law**: the named one, by how much of friction it is off at most at 95 % of the places and
+   where it is worst, laws that are not told from it, and a shorter one that is as close.
+2. **How well friction is known**, whichever law holds; that of another specimen too.
+3. **Its parameters**, if it holds and whichever law does.
+4. **What stands beside it**, with its odds.
+5. **What is not told.**
+6. **What to measure next.**
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stickslip.data import Checks, Measurement
+from stickslip.friction import law as law_class
+from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.candidates import (
+    MOST,
+    NOT_DISTINGUISHED,
+    UNMEASURED,
+    Wording,
+    friction_of,
+    in_sentence,
+    score_text,
+)
+from stickslip.identify.fits import VARIES, measured_loads
+from stickslip.identify.judgement import Finding, Judgement
+from stickslip.identify.laws import TITLES
+from stickslip.identify.projection import MARGIN, Rung, names_of
+from stickslip.identify.propose import Proposal
+from stickslip.identify.verdict import (
+    BandVerdict,
+    LawCandidate,
+    at_usual_inputs,
+    estimates_of,
+    law_fit,
+    told_apart,
+)
+from stickslip.identify.wording import (
+    NO_FRICTION,
+    Words,
+    advice_sentence,
+    band_sentence,
+    from_zero_sentence,
+    load_sentence,
+    no_friction_sentence,
+    none_text,
+    outlier_sentence,
+    parameter_sentence,
+    relative,
+    second_sentence,
+    third_load_sentence,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.show.formatting import capital, joined, number, percent, quantity
+
+DIFFERENT = 1.2
+"""Half-width of the band of another specimen over that of those measured, from which both are
+stated."""
+LEAST = 1e-3
+"""Probability below which no number is given."""
+MOST_ODDS = 1e4
+"""Odds above which no number is given."""
+
+
+def title_of(judgement: Judgement, rung: Rung) -> str:
+    """Return what a law is called; one that is none of `stickslip.friction` by its terms."""
+    composed = judgement.problem.composition(rung.structure, rung.coefficients[None])
+    if not rung.structure:
+        title = NO_FRICTION
+    elif composed.text:
+        title = str(law_class(composed.text).title)
+    else:
+        names = dict.fromkeys(name for name in names_of(rung.structure) if name != "offset")
+        title = capital(" + ".join(judgement.problem.title(name) for name in names))
+    exponent = composed.rig.get("load_exponent")
+    if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
+        title += f" with the load to the power {number(float(exponent[0]), 2)}"
+    if "adhesion" in composed.rig:
+        title += f" with a {TITLES['adhesion']}"
+    return title
+
+
+def beside_of(rung: Rung) -> str:
+    """Return what stands beside a law, as the end of a phrase."""
+    return f" with {TITLES['offset']}" if "offset" in rung.family else ""
+
+
+def phrase_of(judgement: Judgement, rung: Rung) -> str:
+    """Return the friction of a law as one says it; terms that are no law as they are."""
+    composed = judgement.problem.composition(rung.structure, rung.coefficients[None])
+    title = title_of(judgement, rung)
+    return friction_of(title) if composed.text else in_sentence(title)
+
+
+def name_of(judgement: Judgement, rung: Rung) -> str:
+    """Return the key of a law: as `--law` takes it, then what stands beside."""
+    if not rung.structure:
+        return "none"
+    text = judgement.problem.composition(rung.structure, rung.coefficients[None]).text
+    parts = [name for name in rung.family if name != "offset"]
+    named = [law_class(text).name] if text else parts
+    return " + ".join([*named, *(name for name in rung.family if name == "offset")])
+
+
+def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
+    """Return within which share of friction a law stays, and where it is worst.
+
+    What is less than the tolerance is said to be within it.
+    """
+    within = max(rung.distance, judgement.tolerance)
+    said = percent(within)
+    if rung.worst > 1.5 * within:
+        at = quantity(abs(judgement.problem.speed_of(rung.where)), words.speed_unit, 2)
+        said += f" (worst {percent(rung.worst)} at {at})"
+    return said
+
+
+def law_sentence(judgement: Judgement, words: Words) -> str:
+    """Return which law to use, and how close it is."""
+    named = judgement.named
+    if not named.structure:
+        return no_friction_sentence(words)
+    phrase, beside = phrase_of(judgement, named), beside_of(named)
+    if not judgement.is_told:
+        return from_zero_sentence(f"{phrase}{beside}", words)
+    how = distance_text(judgement, named, words)
+    if not judgement.is_explained:
+        none = none_text(restricted=judgement.problem.restricted)
+        return (
+            f"{none} describes the {words.measured}: {phrase}{beside} is the closest, and stays"
+            f" within {how} of friction at 95 % of the places."
+        )
+    near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
+    if near:
+        said = f"Use {phrase}{beside}: it stays within {how} of friction"
+    else:
+        said = (
+            f"{capital(phrase)}{beside} describes friction to {how}; as measured it is known to"
+            f" {percent(judgement.known)}: use the measured curve where that matters"
+        )
+    others = [_other(judgement, one) for one in judgement.set[1:]]
+    if others:
+        more = others if len(others) < MOST else [others[0], f"{len(others) - 1} more"]
+        plural = words.measured.endswith("s")
+        those = f"these {words.measured} do" if plural else f"this {words.measured} does"
+        said += f"; {those} not tell it from {joined(more)}"
+    return f"{said}."
+
+
+def _other(judgement: Judgement, rung: Rung) -> str:
+    """Return a law that is not told apart, with what stands beside it where that is other."""
+    own, beside = beside_of(judgement.named), beside_of(rung)
+    title = in_sentence(title_of(judgement, rung))
+    return title + (beside or " alone") if beside != own else title
+
+
+def simpler_sentence(judgement: Judgement) -> str:
+    """Return a law of fewer parameters that is within the tolerance of the named one."""
+    shorter = judgement.simpler
+    if shorter is None or shorter.family in judgement.families:
+        return ""
+    title = capital(in_sentence(title_of(judgement, shorter))) + beside_of(shorter)
+    apart = percent(judgement.apart(shorter))
+    return f"{title} is within {apart} of it, with {shorter.parameters} parameters."
+
+
+def finding_sentence(finding: Finding) -> str:
+    """Return what stands beside the law, with its odds."""
+    odds = finding.probability / max(1.0 - finding.probability, 1e-12)
+    said = f"more than {number(MOST_ODDS)}" if odds > MOST_ODDS else number(odds, 2)
+    return f"{finding.sentence} Odds that there is any such change: {said} to 1."
+
+
+def rest_sentence(velocities: Array, unit: str) -> str:
+    """Return which readings are taken to be of a body at rest."""
+    named = joined([quantity(v, unit, 2) for v in velocities[:MOST].tolist()])
+    more = f" and {len(velocities) - MOST} more" if len(velocities) > MOST else ""
+    one = len(velocities) == 1
+    return (
+        f"The {'reading' if one else 'readings'} at {named}{more} {'is' if one else 'are'} taken to"
+        " be at rest, where friction is anything up to the break-away, and left out."
+    )
+
+
+def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int) -> str:
+    """Return how well friction of another specimen is known, where that is less; else nothing."""
+    mine, new = (float(np.median(relative(one))) for one in (own, other))
+    if new < DIFFERENT * mine:
+        return ""
+    return (
+        f"That is the mean of the {runs} runs or specimens measured: friction of another one is"
+        f" known to ± {percent(new)}."
+    )
+
+
+def ladder_texts(one: LawCandidate, unit: str) -> tuple[str, str]:
+    """Return within which share of friction a law stays, and where it is worst, for tables."""
+    assert one.distance is not None
+    assert one.worst is not None
+    assert one.worst_at is not None
+    at = quantity(one.worst_at, unit, 2)
+    return percent(one.distance), f"{percent(one.worst)} at {at}"
+
+
+def probability_text(share: float) -> str:
+    """Return the probability of a law, for tables."""
+    return percent(share) if share >= LEAST else f"below {percent(LEAST)}"
+
+
+def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the ladder, for the terminal."""
+    scale, unit = verdict.scale, verdict.measurement.unit("velocity")
+    rows = [
+        [
+            one.title,
+            str(one.count),
+            *ladder_texts(one, unit),
+            score_text(scale, one.held_out).value,
+            probability_text(one.share),
+            one.outcome,
+        ]
+        for one in sorted(verdict.candidates, key=lambda one: one.count)
+    ]
+    leaves = f"leaves, {scale.unit or verdict.score_unit}"
+    return ["law", "parameters", "stays within", "worst", leaves, "probability", ""], rows
+
+
+def candidate_of(
+    judgement: Judgement,
+    rung: Rung,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    largest_speed: float,
+) -> LawCandidate:
+    """Return a law of the ladder as a candidate of a verdict."""
+    named = rung is judgement.named
+    title = title_of(judgement, rung)
+    fit = law_fit(
+        judgement,
+        rung.structure,
+        judgement.handed_over(rung),
+        mechanism,
+        measurement,
+        title=title,
+        titles={},
+        largest_speed=largest_speed,
+        named=named,
+    )
+    alike = any(rung.family == one.family for one in judgement.set)
+    return LawCandidate(
+        name=name_of(judgement, rung),
+        title=title + beside_of(rung),
+        fit=fit,
+        outcome="named" if named else NOT_DISTINGUISHED if alike else "",
+        structure=rung.structure,
+        share=rung.share,
+        held_out=judgement.problem.scatter(rung),
+        count=rung.parameters,
+        distance=rung.distance,
+        worst=rung.worst,
+        worst_at=judgement.problem.speed_of(rung.where),
+    )
+
+
+def ladder_verdict(
+    judgement: Judgement,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    words: Words,
+    *,
+    checks: Checks,
+    proposal: Proposal,
+    places: Sequence[float],
+    largest_speed: float,
+    route: str,
+    second: Measurement | None = None,
+    inside: float = math.nan,
+    readings: int = 0,
+    remarks: Sequence[str] = (),
+) -> BandVerdict:
+    """Return the verdict of a judgement, in words."""
+    if "offset" not in mechanism.__dataclass_fields__:
+        judgement = replace(judgement, offset=True)
+    rows = judgement.problem.asked()
+    band = judgement.band(rows)
+    # laws that are not told apart stand with those of the ladder
+    shown = {one.family: one for one in (judgement.named, *judgement.set, *judgement.ladder)}
+    candidates = tuple(
+        candidate_of(judgement, one, mechanism, measurement, largest_speed)
+        for one in shown.values()
+    )
+    titles = {name: judgement.problem.title(name) for one in shown for name in one}
+    candidates = told_apart(candidates, titles)
+    first = candidates[0]
+    assert first.fit is not None
+    every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
+    phrase = phrase_of(judgement, judgement.named)
+    both = zip(first.fit.estimates, every, strict=True)
+    said = [parameter_sentence(own, other, phrase) for own, other in both]
+    other = judgement.band(rows, new=True) if judgement.problem.runs > 1 else None
+    lede = band_sentence(rows.velocity, band, words, offset="offset" in judgement.beside)
+    if other is not None:
+        lede = " ".join(
+            filter(None, (lede, specimen_sentence(band, other, judgement.problem.runs)))
+        )
+    settles = [
+        f"The law leaves {quantity(first.held_out, words.force_unit, 2)} of the {words.measured}"
+        f" (root mean square), {percent(first.held_out / judgement.problem.size)} of friction.",
+        *filter(None, (simpler_sentence(judgement),)),
+        *said,
+    ]
+    doubts = [finding_sentence(one) for one in judgement.findings if one.asserted]
+    if far := judgement.outliers:
+        doubts.append(outlier_sentence([*far], [*far.values()]))
+    if second is not None:
+        doubts.append(second_sentence(inside, readings))
+    of_load = {"load_exponent", "adhesion"} & {one.path for one in every}
+    if of_load:
+        doubts.append(load_sentence(judgement.composition.normal()))
+    doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
+    advice = []
+    loads = np.unique(measured_loads(measurement))
+    loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
+    if len(loads) == 2 and of_load:
+        advice.append(third_load_sentence(loads))
+    if proposal.places:
+        texts = [quantity(v, words.speed_unit, 2) for v in sorted(places)]
+        advice.append(advice_sentence(proposal, texts))
+    return BandVerdict(
+        mechanism=first.fit.mechanism,
+        measurement=measurement,
+        words=Wording(
+            verdict=law_sentence(judgement, words),
+            lede=lede,
+            settles=tuple(settles),
+            cannot_tell=tuple(doubts),
+            measure_next=tuple(advice),
+            no_score="",
+        ),
+        candidates=candidates,
+        best=first if judgement.is_told else None,
+        ranked=True,
+        judgement=judgement,
+        speeds=rows.velocity,
+        friction=band,
+        other_specimen=other,
+        checks=checks,
+        route_name=route,
+        second=second,
+        inside=inside,
+        shrinks=proposal.shrinks,
+        places=tuple(places),
+        intervals=every,
+    )
