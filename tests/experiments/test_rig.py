@@ -856,7 +856,7 @@ def test_a_force_is_held_unless_the_rig_says_that_its_samples_are_joined(axis):
 def test_the_schema_knows_data_and_marks():
     schema = rig_schema()
     table = schema["$defs"]["DataTable"]["properties"]
-    reading = {"columns", "units", "gain", "offset", "repair", "hold", "conditions"}
+    reading = {"columns", "units", "gain", "offset", "repair", "hold", "conditions", "tolerance"}
     reading |= {"motor_constant", "layout"}
     assert {"file", "files", "validate"} | reading == {*table}
     inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]

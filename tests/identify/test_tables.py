@@ -537,6 +537,46 @@ def test_a_tolerance_allows_a_shorter_law_and_has_a_range():
         select(AXIS, None, read, tolerance=2.0)
 
 
+@pytest.mark.parametrize(
+    ("asked", "more", "said"),
+    [
+        ([0.0], {}, "other than 0"),
+        ([np.nan], {}, "finite velocities"),
+        ([], {}, "one or more"),
+        ([[0.1, 0.2]], {}, "one or more"),
+        ("x", {}, "must be numbers"),
+        ([0.1], {"level": 95}, "probability between 0 and 1"),
+        ([0.1, 0.2], {"load": [1.0, 2.0, 3.0]}, "one for each of 2 velocities"),
+        ([0.1], {"load": -1.0}, "above 0 N"),
+    ],
+)
+def test_a_band_of_what_cannot_be_asked_is_refused(verdict, asked, more, said):
+    for method in (verdict.band, verdict.readings):
+        with pytest.raises(InputError, match=said):
+            method(asked, **more)
+
+
+def test_no_laws_are_refused():
+    with pytest.raises(InputError, match="laws is empty"):
+        select(AXIS, [], table(stribeck))
+
+
+def test_friction_in_proportion_to_the_load_is_not_said_to_be_otherwise():
+    v, load = np.tile(np.geomspace(0.01, 1.0, 8), 3), np.repeat([10.0, 20.0, 50.0], 8)
+    friction = 0.2 * load * (1.0 + 0.01 * np.random.default_rng(0).normal(size=24))
+    read = Measurement(velocity=v, friction=friction, load=load)
+    said = " ".join(select(AXIS, ["coulomb", "stribeck"], read).words.cannot_tell)
+    assert "in proportion to the load" not in said
+
+
+def test_exact_friction_at_even_speeds_is_not_rounded():
+    v = np.linspace(0.1, 1.0, 6)
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=2.0 + v))
+    assert verdict.judgement.problem.model.step == 0.0
+    for one in verdict.parameters:
+        assert one.low_any <= one.value <= one.high_any
+
+
 def test_a_tolerance_is_refused_where_nothing_has_it(tmp_path):
     t = np.arange(0.0, 4.0, 0.01)
     record = Measurement(time=t, position=np.sin(t), force=np.cos(t))

@@ -62,7 +62,7 @@ def draw_band(what: BandDrawing) -> "Draw":
     """Return a drawing of readings, the band of friction, the named law and proposed readings."""
     v, friction = what.velocity, what.friction
     sizes = np.abs(v[v != 0.0])
-    logarithmic = _by_ratios(np.unique(sizes)) and not (v.min() < 0.0 < v.max())
+    logarithmic = _by_ratios(np.unique(sizes)) and v.min() > 0.0
     factor, unit = scale_of([float(sizes.max())], what.units[0])
     force, force_unit = scale_of(np.abs(friction).tolist(), what.units[1])
     light = what.weights < 0.3 * float(np.median(what.weights))
@@ -110,7 +110,7 @@ def draw_band(what: BandDrawing) -> "Draw":
         for place in dict.fromkeys(what.places):
             axes.axvline(factor * place, color=C3, linewidth=0.8, linestyle=(0, (2, 3)))
         if logarithmic:
-            axes.set_xscale("log" if v.max() > 0.0 else "symlog")
+            axes.set_xscale("log")
             _label_speeds(axes)
         axes.grid(axis="y")
         axes.set_xlabel(f"{what.names[0]}, {unit}")

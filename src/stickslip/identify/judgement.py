@@ -58,6 +58,8 @@ RIVAL = 100.0
 """Odds against a law up to which it is not told from the named one."""
 SHOWN = 6
 """Laws of the ladder that are shown."""
+MAY_HOLD = 0.05
+"""Probability from which a law may hold, however far noise moves the curve from it."""
 NO_LAW = 0.1
 """Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
 
@@ -310,7 +312,8 @@ class Judgement:
                 found.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
         if not self.is_told or not found:
             none = self._projection.rung((), np.zeros(0), np.zeros((len(self.target.middle), 0)), 0)
-            found.append(replace(none, share=masses.get((), 0.0), adequate=adequate.get((), 0.0)))
+            share = float(self.problem.posterior.weights[self.problem.nothing()].sum())
+            found.append(replace(none, share=share, adequate=adequate.get((), 0.0)))
         return tuple(sorted(found, key=lambda one: (one.parameters, one.excess)))
 
     @cached_property
@@ -398,8 +401,9 @@ class Judgement:
 
     @property
     def is_explained(self) -> bool:
-        """Whether a law describes friction within `NO_LAW`, or as well as it is known."""
-        return self.named.distance <= max(NO_LAW, self.known)
+        """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold."""
+        near = self.named.distance <= max(NO_LAW, self.known)
+        return near or self.named.adequate >= MAY_HOLD
 
     @property
     def beside(self) -> frozenset[str]:
@@ -489,25 +493,23 @@ class Judgement:
 
     def sampled(self, count: int, seed: int) -> list[FrictionLaw]:
         """Return laws of draws: those of the named family where they are near, else curves."""
-        draws = self.problem.posterior.draws(count, seed=seed)
+        draws = self.problem.posterior.draws(DRAWS, seed=seed)
         places = self.problem.steady(self._places, draws)
         coefficients: Array = np.zeros((len(places), 0))
         shaped: Shaped = ()
         if self.named.structure:
             coefficients, shaped = self._projected(self.named, places)
         fitted = self._fitted(shaped, coefficients)
-        apart = np.quantile(np.abs(fitted - places) / self.target.size, LEVEL, axis=1)
+        apart = np.quantile(np.abs(fitted - places) / self.target.size, PLACES, axis=1)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
         composed = self.problem.composition(own, coefficients, offset=self.offset)
-        curves = self.problem.steady(self._both_ways, draws)
-        load = composed.normal()
+        curves, load = self.problem.steady(self._both_ways, draws), composed.normal()
         found: list[FrictionLaw] = []
-        for k in range(len(places)):
+        for k in np.resize(np.random.default_rng(seed).permutation(len(places)), count).tolist():
             law = composed.law(k) if apart[k] <= self.tolerance else None
             rung = replace(self.named, coefficients=coefficients[k])
             found.append(drawn_curve(self.sliding(curves[k], rung), load) if law is None else law)
-        order = np.random.default_rng(seed).permutation(len(found))
-        return [found[k] for k in order]
+        return found
 
     def _fitted(self, shaped: Shaped, coefficients: Array) -> Array:
         """Return curves (k, n) of laws with shapes and coefficients (k, p) of their own."""
@@ -604,10 +606,10 @@ class Judgement:
                 Interval(
                     path=path,
                     value=float(value[0]),
-                    low=low,
-                    high=high,
-                    low_any=min(low, low_any),
-                    high_any=max(high, high_any),
+                    low=min(low, float(value[0])),
+                    high=max(high, float(value[0])),
+                    low_any=min(low, low_any, float(value[0])),
+                    high_any=max(high, high_any, float(value[0])),
                 )
             )
         return tuple(found)

@@ -136,7 +136,12 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
             f" within {how} of friction at 95 % of the places."
         )
     near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
-    if near:
+    if near and judgement.known > max(named.distance, judgement.tolerance):
+        said = (
+            f"Use {phrase}{beside}: it is within {how} of the most probable curve, and friction is"
+            f" known to {percent(judgement.known)}"
+        )
+    elif near:
         said = f"Use {phrase}{beside}: it stays within {how} of friction"
     else:
         said = (

@@ -107,6 +107,8 @@ def select_table(
     families = None
     if laws is not None:
         families = families_of(laws, known_terms(readings_of(mechanism, measurement)))
+        if not families:
+            raise InputError("laws is empty: name at least one law, or leave it out.")
     problem = TableProblem.of(mechanism, measurement, families)
     judgement = Judgement(problem, tolerance=TOLERANCE if tolerance is None else tolerance)
     words = Words(

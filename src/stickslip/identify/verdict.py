@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
+from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.friction import law as law_class
 from stickslip.identify.bands import Interval, PredictionBand
@@ -347,7 +348,7 @@ class BandVerdict(Verdict[LawCandidate]):
         >>> bool(band.low[0] < 2.25 < band.high[0])
         True
         """
-        rows = self.judgement.problem.at(velocity, load, inputs)
+        rows = self._asked(velocity, load, inputs, level)
         return self.judgement.band(rows, level, all_along=all_along)
 
     def readings(
@@ -379,8 +380,37 @@ class BandVerdict(Verdict[LawCandidate]):
         PredictionBand
             Limits and median (n,) [N] or [N m].
         """
-        rows = self.judgement.problem.at(velocity, load, inputs)
+        rows = self._asked(velocity, load, inputs, level)
         return self.judgement.reading_band(rows, level)
+
+    def _asked(
+        self,
+        velocity: Array | Sequence[float] | float,
+        load: Array | float | None,
+        inputs: Mapping[str, Array | float] | None,
+        level: float,
+    ) -> Any:
+        """Return rows at what was asked for, with a probability, if they can be."""
+        try:
+            v = np.atleast_1d(np.asarray(velocity, dtype=float))
+        except (TypeError, ValueError):
+            raise InputError(f"velocity must be numbers, got {velocity!r}.") from None
+        if v.ndim != 1 or not v.size or not np.all(np.isfinite(v)) or np.any(v == 0.0):
+            raise InputError(
+                "velocity must be one or more finite velocities other than 0 [m/s] or [rad/s], got"
+                f" {velocity!r}: friction at rest is what acts, up to the break-away."
+            )
+        if not 0.0 < level < 1.0:
+            raise InputError(f"level must be a probability between 0 and 1, got {level!r}.")
+        for name, value in {"load": load, **(inputs or {})}.items():
+            if value is not None and np.shape(value) not in ((), (1,), v.shape):
+                raise InputError(
+                    f"{name} must be a number, or one for each of {v.size} velocities, got"
+                    f" {np.size(value)}."
+                )
+        if load is not None and not np.all(np.asarray(load) > 0.0):
+            raise InputError(f"load must be above 0 N, got {load!r}.")
+        return self.judgement.problem.at(v, load, inputs)
 
     def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
         """Return laws drawn over the set with their covariances, for ensembles of runs.

@@ -462,6 +462,40 @@ def finer(
 
 
 @dataclass(frozen=True, eq=False)
+class SmoothCurve:
+    """Friction by the speed, as running medians have it."""
+
+    frame: Frame
+    logs: Array
+    friction: Array
+    """Friction at rising logarithms of the speed (n,), over how it grows with the load."""
+
+    def __call__(self, rows: Rows) -> Array:
+        """Return the curve at rows (n,)."""
+        over = np.interp(np.log(rows.speed), self.logs, self.friction)
+        return np.asarray(over * self.frame.grown(rows))
+
+
+@dataclass(frozen=True, eq=False)
+class LawCurve:
+    """A law; without one, the size of friction.
+
+    What no law says is left out: it follows the readings, and noise would grow with itself.
+    """
+
+    frame: Frame
+    structure: Structure
+    coefficients: Array
+
+    def __call__(self, rows: Rows) -> Array:
+        """Return the curve at rows (n,)."""
+        if not self.structure:
+            return self.frame.size * self.frame.grown(rows)
+        columns = [law_column(one, rows, self.frame) for one in self.structure]
+        return np.asarray(self.coefficients @ np.array(columns))
+
+
+@dataclass(frozen=True, eq=False)
 class Reference:
     """The size of friction at rows, with which drift, runs and noise grow."""
 
@@ -759,7 +793,8 @@ def step_of(readings: Readings, frame: Frame) -> float:
     0.1
     """
     gaps = np.diff(np.unique(readings.friction))
-    if len(gaps) < 4 or np.any(readings.count > 1.0):
+    # exact friction in proportion to even speeds has even gaps too, and they are all alike
+    if len(gaps) < 4 or np.any(readings.count > 1.0) or np.ptp(gaps) < 1e-3 * gaps.min():
         return 0.0
     least = float(gaps.min())
     steps = gaps / least
@@ -806,9 +841,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
     order = np.argsort(readings.rows.speed, kind="stable")
     logs = np.log(readings.rows.speed[order])
     over = (smooth / frame.grown(readings.rows))[order]
-    reference = Reference(
-        frame, lambda rows: np.interp(np.log(rows.speed), logs, over) * frame.grown(rows)
-    )
+    reference = Reference(frame, SmoothCurve(frame, logs, over))
     weights = first_weights(readings, frame, smooth)
     model = TableModel(readings, frame, weights, reference)
     structures, priors = structures_of(frame, grid, known)
@@ -834,7 +867,9 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
         far = model.left_out(posterior.best, structure)
         bound = SUSPECT[0] + SUSPECT[1] / max(len(far) - 3, 1)
         weights = np.where(far > bound, (FREEDOM + 1.0) / (FREEDOM + far**2), 1.0)
-        reference = Reference(frame, _curve_at(posterior, model, structure))
+        reference = Reference(
+            frame, LawCurve(frame, structure, posterior.estimate(posterior.best, structure)[0])
+        )
         if turn and np.allclose(before, weights, atol=0.15):
             break
     return TableFit(model, posterior, far)
@@ -911,22 +946,3 @@ def _with_jumps(
     for one, own in zip(structures[:JUMPS], priors.tolist(), strict=False):
         found |= {tuple(sorted((*one, (JUMP, gap)))): own + prior for gap in gaps}
     return [*found], np.array([*found.values()])
-
-
-def _curve_at(
-    posterior: Posterior, model: TableModel, structure: Structure
-) -> Callable[[Rows], Array]:
-    """Return the law at the best node as a function of rows; without one, the size of friction.
-
-    What no law says is left out: it follows the readings, and noise would grow with itself.
-    """
-    law, _ = posterior.estimate(posterior.best, structure)
-    frame = model.frame
-
-    def curve(rows: Rows) -> Array:
-        if not structure:
-            return frame.size * frame.grown(rows)
-        columns = [law_column(one, rows, frame) for one in structure]
-        return np.asarray(law @ np.array(columns))
-
-    return curve

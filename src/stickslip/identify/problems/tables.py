@@ -381,7 +381,7 @@ class TableProblem(Problem):
             own, at = coefficients[:, at : at + size], at + size
             part = PARTS.get(name)
             entries = len(part.shapes) if part else len(shape)
-            if part is not None and len(shape) > entries:
+            if part is not None and len(shape) > entries and np.any(shape[entries] != 1.0):
                 rig["load_exponent"] = np.broadcast_to(shape[entries], len(own)).astype(float)
             flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
             if name == "offset":
