@@ -46,45 +46,6 @@ def test_intervals_and_bands_hold_the_truth_of_a_law_that_is_named():
     assert np.mean(inside) >= 0.85
 
 
-def test_the_band_opens_beyond_the_measured_speeds(judgement):
-    near, far = (judgement.band(judgement.problem.at(x)) for x in ([0.1, 1.0], [0.002, 4.0]))
-    assert np.all(far.high - far.low > 2.0 * (near.high - near.low))
-
-
-def test_a_curve_that_no_law_has_lies_in_the_band():
-    def bowl(v):
-        return 1.0 + 0.2 * np.log(v / 0.1) ** 2
-
-    found = judged(bowl, seed=1)
-    v = np.geomspace(0.01, 1.0, 60)
-    band = found.band(found.problem.at(v))
-    assert np.mean((band.low <= bowl(v)) & (bowl(v) <= band.high)) >= 0.9
-
-
-def test_a_mirrored_table_has_the_mirrored_band():
-    v = np.concatenate([-SPEEDS[::-1], SPEEDS[::2]])
-    read = stribeck(v) + 0.3 + 0.02 * np.random.default_rng(4).normal(size=len(v))
-    one, other = (
-        Judgement(TableProblem.of(AXIS, Measurement(velocity=u, friction=f)))
-        for u, f in ((v, read), (-v[::-1], -read[::-1]))
-    )
-    band = one.band(one.problem.at([0.05, 0.5]))
-    back = other.band(other.problem.at([-0.05, -0.5]))
-    # the same weights and other random numbers: 600 draws tell medians to a twentieth of the band
-    width = band.high - band.low
-    assert np.all(np.abs(back.median + band.median) < 0.1 * width)
-    assert np.all(np.abs(back.high - back.low - width) < 0.2 * width)
-
-
-def test_friction_in_other_units_scales_all_that_is_said(judgement):
-    read = stribeck(SPEEDS) + 0.02 * np.random.default_rng(0).normal(size=len(SPEEDS))
-    table = Measurement(velocity=SPEEDS, friction=1000.0 * read)
-    other = Judgement(TableProblem.of(AXIS, table))
-    rows = judgement.problem.at([0.05, 0.4])
-    np.testing.assert_allclose(other.band(rows).low, 1000.0 * judgement.band(rows).low, rtol=1e-6)
-    assert other.named.family == judgement.named.family
-
-
 def test_a_jump_between_two_speeds_lies_in_the_band_wherever_it_is():
     def jumping(v):
         return 2.0 + 0.5 * v + 1.0 * (v > 0.11)
@@ -107,18 +68,6 @@ def test_intervals_whichever_law_holds_have_the_laws_that_are_not_told_apart():
     assert len(found.set) > 1
     assert exponent.low_any <= 0.52 <= exponent.high_any
     assert exponent.high_any - exponent.low_any > exponent.high - exponent.low
-
-
-def test_noise_alone_does_not_tell_friction_from_zero():
-    v = np.geomspace(0.002, 0.4, 15)
-    for seed in range(3):
-        noise = 0.05 * np.random.default_rng(seed).normal(size=15)
-        none, some = (
-            Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=noise + level)))
-            for level in (0.0, 0.2)
-        )
-        assert not none.is_told
-        assert some.is_told  # 15 readings of four times their noise
 
 
 def test_a_joint_with_rows_at_rest_is_named_as_its_publishers_name_it():

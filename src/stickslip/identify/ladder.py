@@ -49,6 +49,7 @@ from stickslip.identify.wording import (
     load_sentence,
     no_friction_sentence,
     none_text,
+    of_load_text,
     outlier_sentence,
     parameter_sentence,
     relative,
@@ -77,12 +78,7 @@ def title_of(judgement: Judgement, rung: Rung) -> str:
     else:
         names = dict.fromkeys(name for name in names_of(rung.structure) if name != "offset")
         title = capital(" + ".join(judgement.problem.title(name) for name in names))
-    exponent = composed.rig.get("load_exponent")
-    if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
-        title += f" with the load to the power {number(float(exponent[0]), 2)}"
-    if "adhesion" in composed.rig:
-        title += f" with a {TITLES['adhesion']}"
-    return title
+    return title + of_load_text(composed)
 
 
 def beside_of(rung: Rung) -> str:
@@ -113,7 +109,7 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
     What is less than the tolerance is said to be within it.
     """
     within = max(rung.distance, judgement.tolerance)
-    said = percent(within)
+    said = f"{percent(within)} of friction"
     if rung.worst > 1.5 * within:
         at = quantity(abs(judgement.problem.speed_of(rung.where)), words.speed_unit, 2)
         said += f" (worst {percent(rung.worst)} at {at})"
@@ -123,7 +119,7 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
 def law_sentence(judgement: Judgement, words: Words) -> str:
     """Return which law to use, and how close it is."""
     named = judgement.named
-    if not named.structure:
+    if not named.structure and not judgement.is_told:
         return no_friction_sentence(words)
     phrase, beside = phrase_of(judgement, named), beside_of(named)
     if not judgement.is_told:
@@ -132,21 +128,21 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     if not judgement.is_explained:
         none = none_text(restricted=judgement.problem.restricted)
         return (
-            f"{none} describes the {words.measured}: {phrase}{beside} is the closest, and stays"
-            f" within {how} of friction at 95 % of the places."
+            f"{none} describes the {words.measured}: {phrase}{beside} is the closest, and at 95 %"
+            f" of the places stays within {how}."
         )
     near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
     if near and judgement.known > max(named.distance, judgement.tolerance):
         said = (
-            f"Use {phrase}{beside}: it is within {how} of the most probable curve, and friction is"
-            f" known to {percent(judgement.known)}"
+            f"Use {phrase}{beside}: it follows the most probable curve to {how}, which is known to"
+            f" ± {percent(judgement.known)}"
         )
     elif near:
-        said = f"Use {phrase}{beside}: it stays within {how} of friction"
+        said = f"Use {phrase}{beside}: it stays within {how}"
     else:
         said = (
-            f"{capital(phrase)}{beside} describes friction to {how}; as measured it is known to"
-            f" {percent(judgement.known)}: use the measured curve where that matters"
+            f"{capital(phrase)}{beside} stays within {how}; as measured, friction is known to"
+            f" ± {percent(judgement.known)}: use the measured curve where that matters"
         )
     others = [_other(judgement, one) for one in judgement.set[1:]]
     if others:

@@ -138,7 +138,6 @@ TITLES: Mapping[str, str] = {
     "offset": "constant offset",
     "adhesion": "level that no load changes",
     "curve": "curve as measured",
-    "jump": "jump at a speed",
 }
 """What terms are called that several kinds of measurements have."""
 CHANGING: Mapping[str, str] = {

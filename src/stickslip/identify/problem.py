@@ -91,8 +91,6 @@ class Term:
     """Parameters that the coefficients count."""
     doubt: float = 0.0
     """Standard uncertainty of a coefficient that is stated and not fitted: 0, give or take it."""
-    contrasts: int = 0
-    """Those of them that differences between rows of a block tell: directions, temperatures."""
 
     def parameters(self, shape: Shape) -> int:
         """Return the number of parameters: coefficients, and entries of the shape that are fitted.

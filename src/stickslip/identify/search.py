@@ -149,11 +149,10 @@ class Search:
         """
         problem, blocks = self.problem, len(self.problem.blocks)
         laws = tuple(one for one in structure if problem.terms[one[0]].role == "law")
-        contrasts = sum(problem.terms[name].contrasts for name, _ in laws)
         most = blocks - 1 if usual else max(2, min(2 * blocks // 3, blocks - 2))
         spare = 1 if usual else 3
         return (
-            problem.parameters(laws) - contrasts <= most
+            problem.parameters(laws) <= most
             and problem.parameters(structure) <= len(problem.response) - spare
         )
 

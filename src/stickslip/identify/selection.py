@@ -38,7 +38,7 @@ from stickslip.identify.problems.records import (
 )
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import Proposal, propose
+from stickslip.identify.propose import propose
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
 from stickslip.identify.wording import (
@@ -365,9 +365,6 @@ def record_verdict(
         checks=checks,
         speeds=steady.velocity,
         band=band_of(judgement.ensemble.curves(steady)),
-        proposal=Proposal(places=(), shrinks=1.0),
-        places=(),
-        place_text=(),
         largest_speed=problem.frame.top,
         route=route,
         second=second,

@@ -40,12 +40,10 @@ from stickslip.identify.judgement import Judgement as PosteriorJudgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding
 from stickslip.identify.posterior import family_of
 from stickslip.identify.problem import Array, Family, Structure
-from stickslip.identify.propose import Proposal
 from stickslip.identify.regression import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
     Words,
-    advice_sentence,
     band_sentence,
     beside_of,
     cause_sentence,
@@ -561,9 +559,6 @@ def verdict_on(
     checks: Checks,
     speeds: Array,
     band: PredictionBand,
-    proposal: Proposal,
-    places: Sequence[float],
-    place_text: Sequence[str],
     largest_speed: float,
     route: str,
     second: Measurement | None = None,
@@ -625,9 +620,6 @@ def verdict_on(
     loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
     if len(loads) == 2 and {"load_exponent", "adhesion"} & {x for one in shown for x, _ in one}:
         advice.append(third_load_sentence(loads))
-    if proposal.places:
-        by_speed = np.argsort(places, kind="stable")
-        advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
     return BandVerdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,
@@ -654,8 +646,6 @@ def verdict_on(
         route_name=route,
         second=second,
         inside=inside,
-        shrinks=proposal.shrinks,
-        places=tuple(places),
         intervals=every,
     )
 

@@ -19,7 +19,7 @@ from stickslip.identify.candidates import MOST, friction_of, in_sentence
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
 from stickslip.identify.judge import Cause, Judgement
-from stickslip.identify.laws import RATIOS
+from stickslip.identify.laws import RATIOS, TITLES, Composition
 from stickslip.identify.posterior import family_of
 from stickslip.identify.problem import ALIKE, Array, Structure
 from stickslip.identify.propose import Proposal
@@ -72,7 +72,23 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     title = capital(" + ".join(parts)) or NO_FRICTION
     if composed.text and parts:
         title = str(law_class(composed.text).title)
-    return title
+    return title + of_load_text(composed)
+
+
+def of_load_text(composed: Composition) -> str:
+    """Return how friction depends on the load, as the end of a title; nothing if in proportion.
+
+    Examples
+    --------
+    >>> rig = {"load_exponent": np.array([0.5]), "adhesion": np.array([2.0])}
+    >>> of_load_text(Composition(text="", values={}, rig=rig))
+    ' with the load to the power 0.5 with a level that no load changes'
+    """
+    exponent = composed.rig.get("load_exponent")
+    said = ""
+    if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
+        said = f" with the load to the power {number(float(exponent[0]), 2)}"
+    return said + (f" with a {TITLES['adhesion']}" if "adhesion" in composed.rig else "")
 
 
 def phrase_of(judgement: Judgement, structure: Structure) -> str:
