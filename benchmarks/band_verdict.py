@@ -1,6 +1,5 @@
 """What the study of bands asks of a verdict: the one place that knows the public API."""
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +11,6 @@ from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.tables import readings_of
-from stickslip.identify.verdict import groups_of
 
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
@@ -34,30 +32,36 @@ def judged(rig: Rig) -> "Judged":
     return KINDS.get(rig.kind, Judged)(rig)
 
 
+ALIKE: Mapping[str, frozenset[str]] = {
+    "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance"}),
+    "force": frozenset({"force", "spring", "ripple", "offset_drift"}),
+    "place": frozenset({"place", "level_ripple"}),
+    "relaxing": frozenset({"hose"}),
+    "temperature": frozenset({"level*temperature", "viscous*temperature"}),
+    "inertia_given": frozenset({"inertia_error", "force_gain", "position_scale"}),
+    "mechanism_given": frozenset({"mechanism", "force_gain"}),
+}
+"""What findings are called in the truths, and what they say they are not told from."""
+
+
 class Judged:
     """The verdict of `select`."""
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
         self.verdict = self._selected()
-        judgement = self.verdict.judgement
-        # the route of records marks the family of laws with a memory, and always has an inertia
-        self.family = tuple(x for x in self.verdict.family if x != "inertia")
-        self.set = [tuple(x for x in one if x != "inertia") for one in self.verdict.set]
-        self.gain = judgement.comparison.curve_gain
+        told = [one.term for one in self.verdict.findings if one.asserted]
+        own = told if rig.kind == "tables" else []
+        memory = ["memory"] if getattr(self.verdict.judgement.problem, "memory", "") else []
+        self.family = (*self.verdict.family, *own, *memory)
+        self.set = [(*one, *own, *memory) for one in self.verdict.set]
+        self.gain = self.verdict.judgement.named.distance
         self.parameters = self.verdict.parameters
-        terms = judgement.problem.terms
         self.faults = [
-            Fault(
-                kind=one.term,
-                instead=frozenset({one.term, *one.instead}),
-                fault=terms[one.term].role == "fault",
-            )
-            for one in self.verdict.causes
-            if one.asserted and one.needed
+            Fault(kind=one, instead=ALIKE.get(one, frozenset()) | {one}, fault=rig.kind != "tables")
+            for one in told
         ]
-        self.doubts = any(not one.asserted for one in self.verdict.causes)
-        self.hidden = " ".join(itertools.chain(*groups_of(judgement)))
+        self.doubts, self.hidden = False, " ".join(self.verdict.words.cannot_tell)
 
     def _selected(self, validate: Measurement | None = None) -> Any:
         rig = self.rig
@@ -94,53 +98,23 @@ class Judged:
 
     def shown(self, record: Measurement, levels: Sequence[float]) -> list[float]:
         """Return the shares of what another record shows that lie in the bands of levels."""
-        judgement = self.verdict.judgement
-        other = judgement.problem.of(records_of(self.rig.mechanism, record, offset=True))
-        bands = [judgement.reading_band(other.rows, level) for level in levels]
-        return [float(np.mean((b.low <= other.response) & (other.response <= b.high)))
-                for b in bands]  # fmt: skip
-
-    def advised(self) -> Points | None:
-        """Return no places: records have no advice."""
-        return None
-
-
-class JudgedTable(Judged):
-    """The verdict of `select` on a table."""
-
-    def __init__(self, rig: Rig) -> None:
-        self.rig = rig
-        self.verdict = self._selected()
-        beside = [one.term for one in self.verdict.findings if one.asserted]
-        self.family = (*self.verdict.family, *beside)
-        self.set = [(*one, *beside) for one in self.verdict.set]
-        self.gain = self.verdict.judgement.named.distance
-        self.parameters = self.verdict.parameters
-        self.faults = [
-            Fault(kind=one.term, instead=frozenset({one.term}), fault=False)
-            for one in self.verdict.findings
-            if one.asserted
-        ]
-        self.doubts, self.hidden = False, ""
-
-    @override
-    def shown(self, record: Measurement, levels: Sequence[float]) -> list[float]:
-        """Return the shares of the readings of another table in the bands of levels."""
-        judgement = self.verdict.judgement
-        other = readings_of(self.rig.mechanism, record)
-        rows = judgement.problem.like(other.rows)
+        judgement, mechanism = self.verdict.judgement, self.rig.mechanism
+        if self.rig.kind == "tables":
+            table = readings_of(mechanism, record)
+            rows, shown = judgement.problem.like(table.rows), table.friction
+        else:
+            rows = judgement.problem.like(records_of(mechanism, record, offset=True))
+            shown = rows.response
         bands = [judgement.reading_band(rows, level) for level in levels]
-        return [float(np.mean((b.low <= other.friction) & (other.friction <= b.high)))
-                for b in bands]  # fmt: skip
+        return [float(np.mean((b.low <= shown) & (shown <= b.high))) for b in bands]
 
-    @override
     def advised(self) -> Points | None:
         """Return where readings are proposed."""
         places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
         if not len(places):
             return None
         rows = problem.at(places)
-        loaded = problem.model.frame.loaded
+        loaded = self.rig.kind == "tables" and problem.model.frame.loaded
         return Points(velocity=places, load=rows.load if loaded else None, inputs=rows.inputs)
 
 
@@ -185,8 +159,8 @@ class Travelled(Judged):
         return None
 
 
-KINDS: Mapping[str, type[Judged]] = {"tables": JudgedTable, "travels": Travelled}
-"""Verdicts of kinds that are no records."""
+KINDS: Mapping[str, type[Judged]] = {"travels": Travelled}
+"""Verdicts of kinds that are no friction over the speed."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,9 +63,11 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
     try:
         verdict = judged(rig)
         row["seconds"] = time.process_time() - began
+        if rig.second is not None:
+            row["second"] = verdict.inside(rig.second)
     except StickslipError as error:
-        # a refusal is right where something is wrong that no band can hold
-        row |= {"refused": str(error), "seconds": time.process_time() - began}
+        # a refusal, of the second record too, is right where something is wrong that no band holds
+        row |= {"seconds": time.process_time() - began} | row | {"refused": str(error)}
         if rig.inside:
             row["false"] = [f"refused: {error}"]
         return row
@@ -88,8 +90,6 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
     row["doubts"] = verdict.doubts
     row["hidden"] = bool(rig.hidden) and rig.hidden in verdict.hidden
     row["intervals"] = _intervals(rig, verdict)
-    if rig.second is not None:
-        row["second"] = verdict.inside(rig.second)
     if rig.more is not None and rig.curves and rig.asked is not None:
         row |= _advised(rig, verdict, seed)
     row["false"] = list(_false(rig, row))

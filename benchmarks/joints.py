@@ -308,7 +308,7 @@ def _of_joint(verdict: BandVerdict, true: FrictionLaw, text: str) -> dict[str, A
         "covered": covered,
         "half": float(np.mean(band.high - band.low) / np.mean(np.abs(band.median)) / 2.0),
         "inside": verdict.inside,
-        "said": [one.term for one in verdict.causes],
+        "said": [one.term for one in verdict.findings if one.asserted],
     }
 
 

@@ -231,34 +231,36 @@ ARROWS = (
 
 
 JUDGED = (
-    (130, 40, "measurement and mechanism:\nrows, blocks, terms", False),
-    (130, 130, "Search: structures by their\nheld-out losses, block by block", False),
-    (130, 220, "Weights from what the most\nevident family leaves", False),
-    (430, 40, "Scores bounded by block; shares by\nbootstrap and likelihood;\n"
-     "the measured curve has a tenth", False),
-    (430, 145, "Named: the family with the most\nevidence; not told apart: odds\n"
-     "of less than 100", False),
-    (430, 240, "Does the measured curve predict\nbetter than every law?\nThen no law explains",
-     True),
-    (733, 40, "Ensemble: structures by share,\ncoefficients by covariance", False),
-    (733, 130, "Band, samples, intervals\nwhichever law holds", False),
-    (733, 220, "Measure next: readings that take\nmost off the variance of the band", False),
-)  # fmt: skip
+    (130, 40, "Measurement and mechanism:\nrows, columns of all laws", False),
+    (
+        130,
+        130,
+        "Beside every law, with priors:\ndrift, runs, delay, turns, ...;\nwhat no law says",
+        False,
+    ),
+    (130, 230, "Is nothing driven? Then runs of\neach law, with start and length free", True),
+    (430, 40, "Scales on a grid, best first:\none factor for all laws", False),
+    (430, 130, "Probabilities of\nlaws and scales", False),
+    (430, 230, "Odds of friction below 100 : 1?\nThen it is not told from zero", True),
+    (733, 40, "600 draws: the band, readings,\nanother run or specimen", False),
+    (733, 130, "Each draw on each law: ladder,\nname, parameters", False),
+    (733, 230, "Measure next: what takes most\noff the variance of the band", False),
+)
 JUDGED_ARROWS = (
-    (0, 1, ""), (1, 2, "until weights stay"), (1, 3, ""), (3, 4, ""), (4, 5, ""), (3, 6, ""),
-    (6, 7, ""), (7, 8, ""),
+    (0, 1, ""), (1, 2, ""), (2, 3, ""), (3, 4, ""), (4, 5, ""), (4, 6, ""), (6, 7, ""), (7, 8, ""),
 )  # fmt: skip
 
 
 def judge() -> None:
-    """How a law is chosen and a band is made of tables."""
+    """How a law is chosen and a band is made."""
     chart(
         "judge.svg",
         JUDGED,
         JUDGED_ARROWS,
         275,
-        "Flow chart: a measurement becomes rows, blocks and terms; a search finds structures by"
-        " held-out losses; scores give shares; evidence names a law; an ensemble gives the band",
+        "Flow chart: a measurement becomes columns of laws and of what every experiment may have;"
+        " scales are visited best first; probabilities of laws give draws, which give band, ladder,"
+        " parameters and advice",
     )
 
 

@@ -21,16 +21,17 @@ from numpy.typing import NDArray
 
 from benchmarks.band_truths import tables as truths
 from benchmarks.band_truths.rig import Rig
-from benchmarks.posterior.free_motion import FreeMotionProblem
-from benchmarks.posterior.record_problem import RecordProblem
 from benchmarks.second_records import Pair, pairs
 from stickslip import Axis, CoulombViscous, Measurement, Pendulum, QuadraticDrag, simulate
 from stickslip.identify.fits import goes_straight, load_of
-from stickslip.identify.forces import load_slopes, with_gear
+from stickslip.identify.forces import with_gear
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Family
+from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem
+from stickslip.identify.selection import problem_of_records
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
@@ -50,29 +51,6 @@ def records_for(
     """Return the records of a measurement, with what is looked for."""
     held = all(not goes_straight(one, "zero") for one in measurement.records())
     return records_of(mechanism, with_gear(mechanism, measurement), unknown=unknown, held=held)
-
-
-def record_problem(
-    mechanism: Mechanism,
-    records: Sequence[Record],
-    unknown: Sequence[str] = (),
-    families: Sequence[Family] | None = None,
-) -> RecordProblem:
-    """Return driven records of one coordinate as a problem of the posterior."""
-    loads = [one.load for one in records if one.load is not None]
-    normal, slopes = load_of(mechanism), dict[str, tuple[float, float]]()
-    if loads:
-        normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
-    else:
-        slopes = load_slopes(mechanism, unknown, {})
-    inertias = [path for path in unknown if path not in records[0].unknown]
-    return RecordProblem(
-        records,
-        normal=normal,
-        inertia_path=inertias[0] if inertias else "",
-        load_slopes=slopes,
-        families=families,
-    )
 
 
 # ---- tables whose truth is known
@@ -216,12 +194,12 @@ def of_pair(pair: Pair) -> Iterator[str]:
     """Yield how another record of a machine lies in the band of its first."""
     first = records_for(pair.mechanism, pair.first, pair.unknown)
     began = time.process_time()
-    judgement = Judgement(record_problem(pair.mechanism, first, pair.unknown))
+    judgement = Judgement(problem_of_records(pair.mechanism, first, vary=pair.unknown))
     problem = judgement.problem
     assert isinstance(problem, RecordProblem)
     law = "+".join(judgement.named.family)
     seconds = time.process_time() - began
-    plain = record_problem(pair.mechanism, first, pair.unknown, PLAIN)
+    plain = problem_of_records(pair.mechanism, first, vary=pair.unknown, families=PLAIN)
     yield (
         f"{pair.name}: {law} within {judgement.named.distance:.1%}, steady ±{judgement.known:.1%},"
         f" {seconds:.1f} s"
@@ -273,7 +251,8 @@ def of_swings(seed: int, count: int) -> Iterator[str]:
         given = replace(arm, length=length * (1.0 + 0.002 * random.choice([-1.0, 1.0])))
         records = records_of(given, Measurement(time=t, position=read, turning=True))
         began = time.process_time()
-        problem = FreeMotionProblem(given, records, normal=load_of(given))
+        problem = problem_of_records(given, records)
+        assert isinstance(problem, FreeMotionProblem)
         judgement = Judgement(problem)
         rows = problem.asked()
         band = judgement.band(rows)

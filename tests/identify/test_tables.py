@@ -190,7 +190,7 @@ def test_a_reading_in_another_unit_changes_no_law_and_no_error(row, value):
     assert verdict.family == ("level", "viscous")
     assert [*verdict.judgement.outliers] == [row]
     # the noise of the others, of which a far one adds three at most
-    assert verdict.closest.held_out < 0.3
+    assert verdict.closest.left < 0.3
     for estimate, true in zip(verdict.parameters, (4.0, 3.0), strict=True):
         assert estimate.low_any <= true <= estimate.high_any
     band = verdict.band([0.03])
@@ -577,11 +577,14 @@ def test_exact_friction_at_even_speeds_is_not_rounded():
         assert one.low_any <= one.value <= one.high_any
 
 
-def test_a_tolerance_is_refused_where_nothing_has_it(tmp_path):
-    t = np.arange(0.0, 4.0, 0.01)
-    record = Measurement(time=t, position=np.sin(t), force=np.cos(t))
-    with pytest.raises(InputError, match="tolerance applies to tables of friction"):
-        select(AXIS, None, record, tolerance=0.05)
+def test_a_tolerance_is_refused_where_nothing_has_it():
+    trials = tuple(
+        Measurement(travel=x, uncertainty=0.001, overrides={"mechanism.compression": x})
+        for x in (0.05, 0.1)
+    )
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.05)
+    with pytest.raises(InputError, match="tolerance applies to"):
+        select(rig, None, Measurement(trials=trials), tolerance=0.05)
 
 
 def test_a_verdict_on_specimens_states_that_of_another_one():

@@ -301,7 +301,7 @@ class SelectOptions(MeasuredOptions, DemoOptions):
     """Options of `stickslip select`."""
 
     tolerance: Annotated[str | None, typer.Option(metavar="2%")] = None
-    """Share of friction by which a law that is named for a table may be off (default 2 %)."""
+    """Share of friction by which the law that is named may be off (default 2 %)."""
 
 
 @dataclass(frozen=True, kw_only=True)

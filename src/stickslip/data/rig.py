@@ -207,7 +207,7 @@ class Rig(metaclass=Described):
         estimated from the record if not given. As `RecordSettings.hold`, to which `stickslip
         fit` and `select` hand it.
     tolerance : float, optional
-        Share of friction by which a law that is named for a table may be off.
+        Share of friction by which the law that is named may be off.
     t_end : float
         Last time of runs [s].
     initial : mapping of str to float

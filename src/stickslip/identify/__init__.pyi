@@ -5,7 +5,6 @@ from stickslip.identify import kinds as kinds
 from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import PredictionBand as PredictionBand
 from stickslip.identify.candidates import Verdict as Verdict
-from stickslip.identify.ensemble import band_of as band_of
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
 from stickslip.identify.figures import plot_band as plot_band
@@ -24,6 +23,7 @@ from stickslip.identify.kinds import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
 from stickslip.identify.ladder import ladder_rows as ladder_rows
+from stickslip.identify.ladder import probability_text as probability_text
 from stickslip.identify.laws import CurvePoint as CurvePoint
 from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import MeasuredCurves as MeasuredCurves
@@ -32,6 +32,7 @@ from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section
 from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import verdict_sections as verdict_sections
+from stickslip.identify.problems.travel_shares import band_of as band_of
 from stickslip.identify.problems.travels import INSENSITIVE as INSENSITIVE
 from stickslip.identify.problems.travels import TravelJudgement as TravelJudgement
 from stickslip.identify.problems.travels import USUAL_LAWS as USUAL_LAWS

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 LEVEL = 0.95
 """Probability of a band, and of an interval."""
+ALIKE = 0.02
+"""Difference of logarithms up to which speeds, or loads, are the same."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,16 +10,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.special import stdtrit
 
 from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at, volts_sentence
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
-from stickslip.identify.bands import PredictionBand
+from stickslip.identify.bands import Array, PredictionBand
 from stickslip.identify.candidates import Candidate, Verdict, Wording, in_sentence
 from stickslip.identify.fits import (
     JOINTS,
@@ -30,13 +30,14 @@ from stickslip.identify.fits import (
     estimates_for,
     joint_record,
 )
-from stickslip.identify.judge import Judgement
 from stickslip.identify.page import figure_section, laws_section, parameters_section
-from stickslip.identify.problem import Array
 from stickslip.identify.problems.joints import JointRecords, Links, links_of
-from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.problems.records import RecordsProblem, with_hold
-from stickslip.identify.selection import checked, record_verdict, refined, restrict
+from stickslip.identify.selection import (
+    checked,
+    families_for,
+    problem_of_records,
+    record_verdict,
+)
 from stickslip.identify.verdict import BandVerdict
 from stickslip.mechanisms import Axis, Mechanism, as_rotary
 from stickslip.quantities import parameters, vary
@@ -54,9 +55,6 @@ from stickslip.show.report import (
 
 if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
-
-WHOLE = ("inertia_error",)
-"""Terms of a single inertia, which a joint of several does not have."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -228,6 +226,7 @@ def select_joints(
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
     validate: Measurement | None = None,
+    tolerance: float | None = None,
     settings: RecordSettings | None = None,
 ) -> JointVerdict:
     """Judge records of several joints: which law each has, and what its friction is."""
@@ -245,50 +244,33 @@ def select_joints(
     records = made(measurement)
     if not records.records:
         raise InputError("no joint moves in these records: nothing tells friction.")
-    links, own = None, records.at({})
-    problems = partial(_problems, widest=records.widest, hold=settings.hold)
-    if paths or zeros:  # they were found, and are not wrong once more
-        problems = partial(problems, without=(*WHOLE, "mechanism"))
-        links = links_of(problems(own), records)
-        own = records.at(links.change)
-    others = {} if validate is None else made(validate).at(links.change if links else {})
+    held = settings.hold != "first"
+    links = links_of(records, held) if paths or zeros else Links(change={}, errors={})
+    others = {} if validate is None else made(validate).at(links, held=held)
     joints = dict[str, BandVerdict]()
-    for name, judged in problems(own).items():
-        contact = records.contacts[name]
-        if laws is not None and not said:  # forces of another joint may follow none of them
-            restrict(judged, laws)
+    for name, own in records.at(links, held=held).items():
+        contact, alone = records.contacts[name], _alone(rig, name, records.inertias[name])
+        # forces of another joint may follow none of the laws
+        families = None if said else families_for(laws, own)
+        judged = problem_of_records(
+            alone, own, families=families, turning=measurement.turning, highest=records.widest,
+            timed=settings.hold is not None,
+        )  # fmt: skip
         volts = volts_sentence(f"force.{name}")
         findings = (x for x in checks.findings if x.kind != "volts" or x.sentence == volts)
         joints[contact] = record_verdict(
             judged,
-            replace(refined(Judgement.of(judged)), offset=True),  # joints have no constant force
-            _alone(rig, name, records.inertias[name]),
+            alone,
             joint_record(mechanism, measurement, name),
+            offset=True,  # joints have no constant force
+            tolerance=tolerance,
             checks=replace(checks, findings=tuple(findings)),
             route=JOINTS,
             second=validate and joint_record(mechanism, validate, name),
             others=others.get(name),
         )
-    values = _values(rig, links, paths) if links else ()
+    values = _values(rig, links, paths)
     return _verdict(mechanism, rig, measurement, joints, values, records, checks)
-
-
-def _problems(
-    records: Mapping[str, list[Record]],
-    *,
-    widest: float,
-    hold: str | None,
-    without: Sequence[str] = WHOLE,
-) -> dict[str, RecordsProblem]:
-    """Return the balances of the joints, whose forces run between samples as said, or as shown."""
-
-    def made(own: Sequence[Record]) -> RecordsProblem:
-        loads = [one.load for one in own if one.load is not None]
-        normal = float(np.exp(np.mean(np.log(np.concatenate(loads))))) if loads else 1.0
-        return RecordsProblem(own, normal=normal, widest=widest, without=without)
-
-    held = [[replace(one, held=True) for one in own] for own in records.values()]
-    return dict(zip(records, with_hold(made, held, hold), strict=True))
 
 
 def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
@@ -306,7 +288,8 @@ def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[E
     found = []
     for path in paths:
         q, given = known[path]
-        value, half = given + links.change[path], NormalDist().inv_cdf(0.975) * links.errors[path]
+        value = given + links.change[path]
+        half = float(stdtrit(links.freedom, 0.975)) * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
         told = math.isfinite(half)
         found.append(

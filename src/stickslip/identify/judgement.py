@@ -60,6 +60,10 @@ SHOWN = 6
 """Laws of the ladder that are shown."""
 MAY_HOLD = 0.05
 """Probability from which a law may hold, however far noise moves the curve from it."""
+OF_FRICTION = ("drift", "place", "run")
+"""Findings that say how friction changes, where there is some."""
+UNSEEN = 0.5
+"""Friction over the scatter about its law below which nothing is seen of it."""
 NO_LAW = 0.1
 """Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
 
@@ -139,6 +143,8 @@ class Problem(ABC):
     """Whether only laws that were asked for are compared."""
     runs: int = 1
     """Number of runs or specimens that were measured."""
+    looked_for: frozenset[str] = frozenset()
+    """Terms beside every law that a user looks for."""
 
     @abstractmethod
     def asked(self) -> Any:
@@ -232,12 +238,18 @@ class Problem(ABC):
 
     @abstractmethod
     def composition(
-        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+        self,
+        structure: Shaped,
+        coefficients: Array,
+        draws: Sequence[Draws] | None = None,
+        *,
+        offset: bool = False,
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is.
 
-        Entries of shapes may be arrays (k,): each draw has its own. With `offset` its levels hold
-        the constant offset.
+        Entries of shapes may be arrays (k,): each draw has its own. Coefficients are those of
+        `draws` in their order; of one law alone what else it needs is that in their middle. With
+        `offset` its levels hold the constant offset.
         """
 
     @abstractmethod
@@ -263,6 +275,10 @@ class Problem(ABC):
 
     def findings(self, draws: Sequence[Draws]) -> Sequence[Finding]:
         """Return what may stand beside the law."""
+        return ()
+
+    def untold(self) -> Sequence[str]:
+        """Return sentences on what the design does not tell apart, and what would."""
         return ()
 
 
@@ -320,6 +336,8 @@ class Judgement:
     def named(self) -> Rung:
         """The named law, with shapes between those of the grid."""
         rung = chosen(self.rungs, self.problem.exact(), self.tolerance)
+        if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(rung):
+            rung = next((one for one in self.rungs if not one.structure), rung)
         if not rung.structure:
             return rung
         coefficients, shaped = self._projected(rung, self.target.middle[None])
@@ -408,7 +426,12 @@ class Judgement:
     @property
     def beside(self) -> frozenset[str]:
         """What stands beside a law that is not told from the named one."""
-        return frozenset(name for one in self.set for name in one.family if name == "offset")
+        return frozenset(name for one in self.set for name in self.beside_of(one))
+
+    def beside_of(self, rung: Rung) -> tuple[str, ...]:
+        """Return what stands beside a law and no level of it holds, but for what is sought."""
+        held = self.problem.looked_for | {"offset"} if self.offset else self.problem.looked_for
+        return tuple(name for name in rung.family if name == "offset" and name not in held)
 
     @property
     def family(self) -> Family:
@@ -472,6 +495,7 @@ class Judgement:
         composed = self.problem.composition(
             rung.structure, rung.coefficients[None], offset=self.offset
         )
+        composed = replace(composed, rig={**composed.rig, **self.rig})
         sliding = self.sliding(self.curve_of(rung, self._both_ways), rung)
         law = composed.law()
         if law is not None and not composed.text and not sliding.brakes(law, composed):
@@ -502,7 +526,7 @@ class Judgement:
         fitted = self._fitted(shaped, coefficients)
         apart = np.quantile(np.abs(fitted - places) / self.target.size, PLACES, axis=1)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
-        composed = self.problem.composition(own, coefficients, offset=self.offset)
+        composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
         curves, load = self.problem.steady(self._both_ways, draws), composed.normal()
         found: list[FrictionLaw] = []
         for k in np.resize(np.random.default_rng(seed).permutation(len(places)), count).tolist():
@@ -552,13 +576,14 @@ class Judgement:
             self._values_of(replace(rung, structure=structure), own)
             for structure, own in groups.items()
         ]
-        return {path: np.concatenate([one[path] for one in parts]) for path in parts[0]}
+        shared = [path for path in parts[0] if all(path in one for one in parts)]
+        return {path: np.concatenate([one[path] for one in parts]) for path in shared}
 
     def _values_of(self, rung: Rung, draws: Sequence[Draws]) -> dict[str, Array]:
         curves = self.problem.steady(self._places, draws)
         coefficients, shaped = self._projected(rung, curves)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
-        composed = self.problem.composition(own, coefficients, offset=self.offset)
+        composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
         return composed.paths() | dict(self.problem.rig(draws))
 
     def _values_if(self, rung: Rung, count: int) -> dict[str, Array]:
@@ -591,7 +616,7 @@ class Judgement:
         others = []
         for rung in self.set[1:]:
             composed = self.problem.composition(rung.structure, rung.coefficients[None])
-            odds = math.sqrt(rung.adequate / self.named.adequate)
+            odds = min(math.sqrt(rung.adequate / self.named.adequate), 1.0)
             if rung.structure and odds * DRAWS >= 1.0:
                 values = self._values_if(rung, math.ceil(odds * DRAWS))
                 others.append((composed.flow == flow, values))
@@ -624,4 +649,6 @@ class Judgement:
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """What may stand beside the law."""
-        return tuple(self.problem.findings(self.draws))
+        found = self.problem.findings(self.draws)
+        friction = bool(self.named.structure)
+        return tuple(one for one in found if friction or one.term not in OF_FRICTION)

@@ -81,9 +81,9 @@ def title_of(judgement: Judgement, rung: Rung) -> str:
     return title + of_load_text(composed)
 
 
-def beside_of(rung: Rung) -> str:
+def beside_of(judgement: Judgement, rung: Rung) -> str:
     """Return what stands beside a law, as the end of a phrase."""
-    return f" with {TITLES['offset']}" if "offset" in rung.family else ""
+    return f" with {TITLES['offset']}" if judgement.beside_of(rung) else ""
 
 
 def phrase_of(judgement: Judgement, rung: Rung) -> str:
@@ -100,7 +100,7 @@ def name_of(judgement: Judgement, rung: Rung) -> str:
     text = judgement.problem.composition(rung.structure, rung.coefficients[None]).text
     parts = [name for name in rung.family if name != "offset"]
     named = [law_class(text).name] if text else parts
-    return " + ".join([*named, *(name for name in rung.family if name == "offset")])
+    return " + ".join([*named, *judgement.beside_of(rung)])
 
 
 def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
@@ -121,7 +121,7 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     named = judgement.named
     if not named.structure and not judgement.is_told:
         return no_friction_sentence(words)
-    phrase, beside = phrase_of(judgement, named), beside_of(named)
+    phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
     if not judgement.is_told:
         return from_zero_sentence(f"{phrase}{beside}", words)
     how = distance_text(judgement, named, words)
@@ -155,8 +155,16 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
 
 def _other(judgement: Judgement, rung: Rung) -> str:
     """Return a law that is not told apart, with what stands beside it where that is other."""
-    own, beside = beside_of(judgement.named), beside_of(rung)
+    own, beside = beside_of(judgement, judgement.named), beside_of(judgement, rung)
     title = in_sentence(title_of(judgement, rung))
+    if title == in_sentence(title_of(judgement, judgement.named)):  # a part more, or less
+        for word, some, others in (
+            ("with", rung.family, judgement.named.family),
+            ("without", judgement.named.family, rung.family),
+        ):
+            parts = [judgement.problem.title(x) for x in some if x not in others]
+            title += f" {word} {joined(parts)}" * bool(parts)
+        return title
     return title + (beside or " alone") if beside != own else title
 
 
@@ -165,7 +173,7 @@ def simpler_sentence(judgement: Judgement) -> str:
     shorter = judgement.simpler
     if shorter is None or shorter.family in judgement.families:
         return ""
-    title = capital(in_sentence(title_of(judgement, shorter))) + beside_of(shorter)
+    title = capital(in_sentence(title_of(judgement, shorter))) + beside_of(judgement, shorter)
     apart = percent(judgement.apart(shorter))
     return f"{title} is within {apart} of it, with {shorter.parameters} parameters."
 
@@ -201,9 +209,6 @@ def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int) -> 
 
 def ladder_texts(one: LawCandidate, unit: str) -> tuple[str, str]:
     """Return within which share of friction a law stays, and where it is worst, for tables."""
-    assert one.distance is not None
-    assert one.worst is not None
-    assert one.worst_at is not None
     at = quantity(one.worst_at, unit, 2)
     return percent(one.distance), f"{percent(one.worst)} at {at}"
 
@@ -221,7 +226,7 @@ def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
             one.title,
             str(one.count),
             *ladder_texts(one, unit),
-            score_text(scale, one.held_out).value,
+            score_text(scale, one.left).value,
             probability_text(one.share),
             one.outcome,
         ]
@@ -248,19 +253,18 @@ def candidate_of(
         mechanism,
         measurement,
         title=title,
-        titles={},
         largest_speed=largest_speed,
         named=named,
     )
     alike = any(rung.family == one.family for one in judgement.set)
     return LawCandidate(
         name=name_of(judgement, rung),
-        title=title + beside_of(rung),
+        title=title + beside_of(judgement, rung),
         fit=fit,
         outcome="named" if named else NOT_DISTINGUISHED if alike else "",
         structure=rung.structure,
         share=rung.share,
-        held_out=judgement.problem.scatter(rung),
+        left=judgement.problem.scatter(rung),
         count=rung.parameters,
         distance=rung.distance,
         worst=rung.worst,
@@ -277,6 +281,7 @@ def ladder_verdict(
     checks: Checks,
     proposal: Proposal,
     places: Sequence[float],
+    advice: Sequence[str] = (),
     largest_speed: float,
     route: str,
     second: Measurement | None = None,
@@ -310,12 +315,13 @@ def ladder_verdict(
             filter(None, (lede, specimen_sentence(band, other, judgement.problem.runs)))
         )
     settles = [
-        f"The law leaves {quantity(first.held_out, words.force_unit, 2)} of the {words.measured}"
-        f" (root mean square), {percent(first.held_out / judgement.problem.size)} of friction.",
+        f"The law leaves {quantity(first.left, words.force_unit, 2)} of the {words.measured}"
+        f" (root mean square), {percent(first.left / judgement.problem.size)} of friction.",
         *filter(None, (simpler_sentence(judgement),)),
         *said,
     ]
     doubts = [finding_sentence(one) for one in judgement.findings if one.asserted]
+    doubts += judgement.problem.untold()
     if far := judgement.outliers:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
@@ -324,14 +330,15 @@ def ladder_verdict(
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
     doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
-    advice = []
+    said_next = []
     loads = np.unique(measured_loads(measurement))
     loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
     if len(loads) == 2 and of_load:
-        advice.append(third_load_sentence(loads))
+        said_next.append(third_load_sentence(loads))
     if proposal.places:
         texts = [quantity(v, words.speed_unit, 2) for v in sorted(places)]
-        advice.append(advice_sentence(proposal, texts))
+        said_next.append(advice_sentence(proposal, texts, words))
+    said_next += advice
     return BandVerdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,
@@ -340,7 +347,7 @@ def ladder_verdict(
             lede=lede,
             settles=tuple(settles),
             cannot_tell=tuple(doubts),
-            measure_next=tuple(advice),
+            measure_next=tuple(said_next),
             no_score="",
         ),
         candidates=candidates,

@@ -73,15 +73,13 @@ class Composition:
     """Part that has the viscous coefficient: of other parts, it is another quantity."""
     instead: str = ""
     """Notation of a law that slides as the terms do where `text` is none of them all: one whose
-    linear part may fall, or that lacks what steady sliding does not show."""
+    linear part may fall."""
     load: Array | float = 1.0
     """Normal force (d,) over which its levels are [N]."""
     inputs: Mapping[str, float] = field(default_factory=dict)
     """Means of the inputs that its terms depend on."""
     memory: str = ""
     """Notation of the memory around its levels; empty without any."""
-    lacks: tuple[str, ...] = ()
-    """Terms that no law has, and steady sliding does not show."""
 
     def normal(self) -> float:
         """Return the normal force of the first draw [N]."""
@@ -132,14 +130,19 @@ TITLES: Mapping[str, str] = {
     "level_direction": "level that differs by direction",
     "viscous_direction": "viscous friction that differs by direction",
     "stribeck": "static surplus that fades (Stribeck)",
-    "stribeck_direction": "static surplus that differs by direction",
+    "stribeck_sides": "static surplus that differs by direction",
+    "hersey": "static surplus that fades with speed over load (Hersey number)",
     "power": "power of the speed",
+    "power_direction": "power of the speed that differs by direction",
+    "tanh": "level that is smooth in the velocity (tanh)",
+    "logarithmic": "logarithm of the speed",
+    "gear": "share of what the gear transmits",
     "drag": "drag with the square of the speed",
     "offset": "constant offset",
     "adhesion": "level that no load changes",
     "curve": "curve as measured",
 }
-"""What terms are called that several kinds of measurements have."""
+"""What terms are called."""
 CHANGING: Mapping[str, str] = {
     "level": "level that changes with the {}",
     "viscous": "viscous friction that changes with the {}",
@@ -486,32 +489,7 @@ def curve_law(sliding: Sliding, load: float, memory: str = "{}") -> type[Frictio
 
 RIG_QUANTITIES: Mapping[str, Quantity] = {
     "offset": Quantity("F_0", "N"),
-    "drift": Quantity("d", "N"),
     "load_exponent": Quantity("a", "1"),
     "adhesion": Quantity("F_a", "N"),
-    "offset_drift": Quantity("d_0", "N"),
-    "viscous_drift": Quantity("d_2", "N s/m"),
-    "spring": Quantity("k", "N/m"),
-    "bow": Quantity("b", "N/m^2"),
-    "ripple": Quantity("F_r", "N"),
-    "mechanism": Quantity("g", "1"),
-    "lag": Quantity("t_l", "s"),
-    "delay": Quantity("t_d", "s"),
-    "latency": Quantity("t_l", "s"),
-    "hose": Quantity("k_h", "N/m"),
-    "clip": Quantity("F_max", "N"),
-    "backlash": Quantity("x_b", "m"),
-    "flexible": Quantity("f_0", "Hz"),
-    "inertia_error": Quantity("Delta_J", "kg"),
-    "force_gain": Quantity("g", "1"),
-    "position_scale": Quantity("g", "1"),
-    "dead_zone": Quantity("F_d", "N"),
-    "gear_direction": Quantity("mu_d", "1"),
 }
 """Symbols and units of what is no parameter of a law or mechanism."""
-RATIOS: Mapping[str, str] = {
-    "mechanism": "they are {} times those given",
-    "force_gain": "force and friction as recorded are {} times what acts",
-    "position_scale": "ways and speeds are {} times those recorded, by which friction is stated",
-}
-"""Terms whose size is a ratio, 1 where what is given is right: what it is, in words."""

@@ -1,20 +1,13 @@
 """The page of a verdict: law, band and figure on the first screen; then what they rest on."""
 
-import math
 from functools import partial
 
 from stickslip.identify.figures import draw_band
 from stickslip.identify.fits import Estimate
-from stickslip.identify.judge import Judgement
 from stickslip.identify.ladder import ladder_texts, probability_text
-from stickslip.identify.laws import TITLES
-from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, importance
 from stickslip.show.formatting import (
-    NO_VALUE,
-    capital,
     interval,
-    number,
     parameter_words,
     percent,
     significant,
@@ -84,19 +77,15 @@ def facts(verdict: BandVerdict) -> list[Fact]:
     found = []
     for own, every in _estimates(verdict):
         value = with_unit(within(own.value, every.low, every.high), own.quantity.unit)
-        what = f"{_words_of(verdict, own)} ${own.quantity.symbol}$, 95 % over all laws"
+        what = f"{_words_of(own)} ${own.quantity.symbol}$, 95 % over all laws"
         aside = interval(every.low, every.high)
         found.append(Fact(value=value, what=what, aside=aside))
     return found[:MOST]
 
 
-def _words_of(verdict: BandVerdict, one: Estimate) -> str:
+def _words_of(one: Estimate) -> str:
     """Return what a parameter is called: beside a law as its term is."""
-    if "." in one.path:  # of the law, or the mechanism
-        return parameter_words(one.path)
-    judgement = verdict.judgement
-    terms = judgement.problem.terms if isinstance(judgement, Judgement) else {}
-    return terms[one.path].title if one.path in terms else parameter_words(one.path)
+    return parameter_words(one.path)
 
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
@@ -119,77 +108,16 @@ def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
 
 
 def laws_section(verdict: BandVerdict) -> Section:
-    """Return the table of the laws."""
-    judgement = verdict.judgement
-    if not isinstance(judgement, Judgement):
-        return _ladder_section(verdict, judgement.tolerance)
-    scale = verdict.scale
-    rows = tuple(
-        Row(
-            cells=(
-                Name(text=one.title, aside=one.outcome),
-                str(one.count),
-                Number(value=significant(scale.factor * one.held_out), unit=scale.unit),
-                _share(one.share),
-                NO_VALUE if one.evidence is None else number(one.evidence, 2),
-            )
-        )
-        for one in verdict.candidates
-    )
-    curve = judgement.comparison.curve
-    error = scale.factor * judgement.held_out_error(curve)
-    rows += (
-        Row(
-            cells=(
-                Name(text=capital(TITLES["curve"]), aside="no law"),
-                NO_VALUE,
-                Number(value=significant(error), unit=scale.unit),
-                _share(verdict.curve_share),
-                NO_VALUE,
-            )
-        ),
-    )
-    columns = (
-        Column(head="law"),
-        Column(head="parameters", numeric=True, phone="label"),
-        Column(head="held-out error", numeric=True, phone="label"),
-        Column(head="share of the band", numeric=True, phone="label"),
-        Column(head="evidence", numeric=True, phone="label"),
-    )
-    # on dense records everything is significant: what more parameters say is no rival
-    dense = not judgement.problem.worth
-    named = "The law with the most evidence is named"
-    if not dense:
-        named = "Named is the law with the most evidence less its mean loss where another holds"
-    rivals = " that have no more parameters" if dense else ""
-    caption = (
-        "Evidence: logarithm of how probable the measurement is if the law holds, less that of the"
-        f" best one. {named}: it fits with few and usual parts. Laws within"
-        f" {math.log(THRESHOLDS.odds):.1f} of the most evidence{rivals} are not told apart. The"
-        " band is made of all laws, by how well they predict, and of the curve as measured, which"
-        f" always has {percent(judgement.problem.curve_share)} at least."
-    )
-    table = Table(columns=columns, rows=rows, caption=caption)
-    count = len(verdict.set)
-    heading = f"{count} laws are not told apart by this measurement"
-    if count == 1:
-        heading = "No law with as few parameters predicts as well" if dense else "One law is left"
-    if not verdict.explained:
-        none = "None of these laws" if judgement.problem.only else "No law"
-        heading = f"{none} predicts as well as the measured curve"
-    return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
-
-
-def _ladder_section(verdict: BandVerdict, tolerance: float) -> Section:
     """Return the ladder: laws by their parameters, with how close each is to friction."""
     scale, unit = verdict.scale, verdict.measurement.unit("velocity")
+    tolerance = verdict.judgement.tolerance
     rows = tuple(
         Row(
             cells=(
                 Name(text=one.title, aside=one.outcome),
                 str(one.count),
                 *ladder_texts(one, unit),
-                Number(value=significant(scale.factor * one.held_out), unit=scale.unit),
+                Number(value=significant(scale.factor * one.left), unit=scale.unit),
                 probability_text(one.share),
             )
         )
@@ -219,12 +147,6 @@ def _ladder_section(verdict: BandVerdict, tolerance: float) -> Section:
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
-def _share(share: float) -> str:
-    """Return a share of the band."""
-    least = 1.0 / THRESHOLDS.ensemble  # no draw is of a law with less
-    return percent(share) if share >= least else f"below {percent(least)}"
-
-
 def parameters_section(verdict: BandVerdict) -> Section | None:
     """Return the parameters: under the named law, and whichever law has them."""
     fit = verdict.closest.fit
@@ -238,7 +160,7 @@ def parameters_section(verdict: BandVerdict) -> Section | None:
         rows.append(
             Row(
                 cells=(
-                    Name(text=f"${own.quantity.symbol}$", aside=_words_of(verdict, own)),
+                    Name(text=f"${own.quantity.symbol}$", aside=_words_of(own)),
                     Number(value=value, doubt=doubt, unit=unit),
                     with_unit(interval(every.low, every.high), unit),
                 )

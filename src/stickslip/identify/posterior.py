@@ -282,10 +282,7 @@ class Posterior:
     ) -> list[Draws]:
         """Return `count` draws, in the order of nodes and structures, of those in `only` (k, s)."""
         weights = self.weights if only is None else np.where(only, self.weights, 0.0)
-        flat = weights.ravel()
-        # systematic sampling: a weight that differs by rounding moves one draw, and no other
-        ends = np.floor(np.cumsum(flat) / flat.sum() * count + 0.5 - 1e-9)
-        numbers = np.diff(ends, prepend=0.0).astype(int)
+        numbers = allotted(weights.ravel(), count)
         found = []
         for pair in np.flatnonzero(numbers):
             a, k = divmod(int(pair), len(self.structures))
@@ -347,6 +344,15 @@ class Posterior:
         mean, _ = self._moments(system, structure)
         m = len(system.deviations)
         return mean[m:] * system.sizes[[self.columns.index(one) for one in structure]], mean[:m]
+
+
+def allotted(weights: Array, count: int) -> Places:
+    """Return how many of `count` draws each weight (n,) gets, without chance.
+
+    By systematic sampling: a weight that differs by rounding moves one draw, and no other.
+    """
+    ends = np.floor(np.cumsum(weights) / weights.sum() * count + 0.5 - 1e-9)
+    return np.asarray(np.diff(ends, prepend=0.0), dtype=np.intp)
 
 
 def eliminated(system: System) -> tuple[float, Array]:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -21,42 +20,30 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.bands import PredictionBand
-from stickslip.identify.ensemble import band_of
 from stickslip.identify.fits import goes_straight, inside, load_of
-from stickslip.identify.forces import doubts_of, load_slopes, with_gear
-from stickslip.identify.judge import Judgement as RecordJudgement
+from stickslip.identify.forces import TRANSMITTED, doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
-from stickslip.identify.observer import Observer
-from stickslip.identify.problem import MEMORY, Array, Family
+from stickslip.identify.posterior import Array, Family
+from stickslip.identify.problems.free_balance import free_form
+from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
+from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_columns import through_gear
 from stickslip.identify.problems.record_signals import Record, records_of
-from stickslip.identify.problems.records import (
-    RecordsProblem,
-    chance_of_records,
-    unseen_length,
-    with_hold,
-)
+from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import propose
-from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.identify.verdict import BandVerdict, verdict_on
-from stickslip.identify.wording import (
-    DIFFER,
-    ORDERED,
-    OTHERS,
-    SCALED,
-    UNDAMPED,
-    Words,
-    hold_sentence,
-    presliding_sentence,
-    start_sentence,
-    widened_sentence,
-)
+from stickslip.identify.propose import Proposal, propose
+from stickslip.identify.verdict import BandVerdict
+from stickslip.identify.vocabulary import PARTS as PARTS_OF_LAWS
+from stickslip.identify.wording import ORDERED, SCALED, Words, again_sentence, start_sentence
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import joined, quantity
+
+STRETCHES_TO_MAKE = 6
+"""Stretches of steady motion that are proposed at most."""
 
 
 def checked(
@@ -107,14 +94,10 @@ def select_table(
     families = None
     if laws is not None:
         families = families_of(laws, known_terms(readings_of(mechanism, measurement)))
-        if not families:
-            raise InputError("laws is empty: name at least one law, or leave it out.")
     problem = TableProblem.of(mechanism, measurement, families)
     judgement = Judgement(problem, tolerance=TOLERANCE if tolerance is None else tolerance)
     words = Words(
         measured="readings",
-        held_out="speeds",
-        response="friction",
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
@@ -159,121 +142,71 @@ def _inside(band: PredictionBand, values: Array) -> float:
     return float(np.mean((band.low <= values) & (values <= band.high)))
 
 
-def of_volts(checks: Checks) -> Iterable[str]:
-    """Return what forces that were recorded in volts leave open."""
-    return (one.sentence for one in checks.of("volts"))
-
-
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
 
 
-def _remarks(
-    problem: RecordsProblem, judgement: RecordJudgement, validate: Measurement | None, unit: str
-) -> list[str]:
-    """Return what the number of records, a free motion and a balance leave to say.
+def problem_of_records(
+    mechanism: Mechanism,
+    records: Sequence[Record],
+    *,
+    vary: Sequence[str] = (),
+    offset: bool = True,
+    families: Sequence[Family] | None = None,
+    turning: bool = False,
+    highest: float = math.inf,
+    timed: bool = False,
+) -> RecordProblem | FreeMotionProblem:
+    """Return records with the normal force, and the parameters that are looked for.
 
-    Places are said in their unit.
+    A constant force is among these with `offset`. What nothing drives is a free motion. It may be
+    known how forces run between samples (`timed`).
     """
-    if len(problem.records) > 1:
-        found = (DIFFER,) if chance_of_records(problem) <= THRESHOLDS.differ_chance else ()
-    else:
-        found = (OTHERS,) if validate is None else ()
-    if judgement.ensemble.wider > THRESHOLDS.no_law_ratio:
-        found = (widened_sentence(judgement.ensemble.wider),)
-    said = [SCALED] if problem.free else []
-    said += found
-    if MEMORY in problem.family(judgement.named) and problem.memory == "lugre":
-        said.append(UNDAMPED)
-    first = problem.records[0]
-    if begun := [one.began for one in problem.records if one.began is not None]:
-        said.append(start_sentence([quantity(x, unit) for x in begun]))
-    if first.hold_doubt and not problem.free:
-        said.append(hold_sentence(held=first.held, doubt=first.hold_doubt))
-    return said
-
-
-def _problem(
-    mechanism: Mechanism, records: Sequence[Record], *, vary: Sequence[str], offset: bool
-) -> RecordsProblem:
-    """Return records with the normal force, and the parameters that are looked for."""
     loads = [one.load for one in records if one.load is not None]
     slopes: dict[str, tuple[float, float]] = {}
+    doubts = {path: one.doubt for path, one in records[0].unknown.items() if one.doubt}
     if loads:
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
-        doubts = {path: one.doubt for path, one in records[0].unknown.items() if one.doubt}
         normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)
     constant = next((path for path in vary if path.endswith(".offset")), "offset" * offset)
-    inertias = [path for path in vary if path not in records[0].unknown and path != constant]
-    return RecordsProblem(
+    sought = [path for path in vary if path != constant]
+    if free_form(records):
+        return FreeMotionProblem(
+            records,
+            normal=normal,
+            sought=sought,
+            load_slopes=slopes,
+            deviations=doubts,
+            families=families,
+        )
+    inertias = [path for path in sought if path not in records[0].unknown]
+    return RecordProblem(
         records,
         normal=normal,
         inertia_path=inertias[0] if inertias else "",
         load_slopes=slopes,
         offset=constant,
+        families=families,
+        turning=turning,
+        highest=highest,
+        timed=timed,
     )
 
 
-def only_laws(problem: RecordsProblem, families: Sequence[Family]) -> None:
-    """Compare only laws of some families, with a memory or without as each says."""
-    own = [tuple(name for name in one if name not in REMEMBERED) for one in families]
-    problem.only = [tuple(sorted({*problem.always, *one})) for one in own]
-    laws = [frozenset(name for name in one if problem.terms[name].role == "law") for one in own]
-    named = {name for one in families for name in one if name in REMEMBERED}
-    problem.memory = named.pop() if len(named) == 1 else problem.memory
-    problem.remembering = {
-        (law, one != family) for law, one, family in zip(laws, own, families, strict=True)
-    }
-
-
-def found_values(judgement: RecordJudgement) -> dict[str, float]:
-    """Return parameters of the mechanism as they were found, by path."""
-    rig = judgement.composition.rig
-    return {path: float(x[0]) for path, x in rig.items() if path.startswith("mechanism.")}
-
-
-def _judged(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    *,
-    rig: Mechanism,
-    laws: Any,
-    vary: Sequence[str],
-    offset: bool,
-    hold: str | None,
-) -> tuple[RecordsProblem, RecordJudgement]:
-    """Return records as a problem and its judgement, with the torques that the gear of a rig has.
-
-    Forces run between samples as `hold` says, or as the record shows.
-    """
-    seen = with_gear(rig, measurement)
-    doubts = doubts_of(mechanism, measurement, vary)
-    held = _is_held(measurement)
-    records = records_of(mechanism, seen, unknown=vary, offset=offset, held=held, doubts=doubts)
-    make = partial(_problem, mechanism, vary=vary, offset=offset)
-    (problem,) = with_hold(make, [records], hold)
-    if laws is not None:
-        restrict(problem, laws)
-    return problem, refined(RecordJudgement.of(problem))
-
-
-def restrict(problem: RecordsProblem, laws: Any) -> None:
-    """Compare only laws that a user asks for."""
-    known = [
-        name
-        for name, term in problem.terms.items()
-        if (term.role == "law" or name == "offset")
-        # without a memory, a level that differs by direction is an offset
-        and (name != "level_direction" or any(not any(shape[:1]) for shape in term.shapes))
-    ]
-    only_laws(problem, families_of(laws, [*known, *REMEMBERED]))
-
-
-def refined(judgement: RecordJudgement) -> RecordJudgement:
-    """Return a judgement of records refined by simulation."""
-    return replace(judgement, ensemble=Observer(judgement.ensemble).refined())
+def families_for(laws: Any, records: Sequence[Record]) -> tuple[Family, ...] | None:
+    """Return the families of laws that a user asks to compare; None of all."""
+    if laws is None:
+        return None
+    known = [*PARTS_OF_LAWS, "offset", "viscous_direction", *REMEMBERED]
+    if any(one.load is not None for one in records):
+        known.append("level_direction")
+    if any(through_gear(one) is not None for one in records):
+        known.append("gear")
+    inputs = {name for one in records for name in one.inputs if name != TRANSMITTED}
+    known += [f"{part}*{name}" for name in sorted(inputs) for part in ("level", "viscous")]
+    return families_of(laws, known)
 
 
 def select_record(
@@ -285,39 +218,42 @@ def select_record(
     offset: bool = True,
     hold: str | None = None,
     validate: Measurement | None = None,
+    tolerance: float | None = None,
     route: str = "balance",
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is whichever law holds.
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
-    samples, as in `RecordSettings`, and None that the record is to tell it.
+    samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
     """
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)
-    judged = partial(
-        _judged, mechanism, measurement, laws=laws, vary=vary, offset=offset, hold=hold
-    )
-    problem, judgement = judged(rig=mechanism)
-    rig = mechanism
-    if vary and "gear" in problem.terms:  # what a gear transmits follows from what was found
-        rig = with_values(mechanism, "mechanism", found_values(judgement))
-        problem, judgement = judged(rig=rig)
-    others: list[Record] | None = None
-    if validate is not None:
-        again = with_gear(rig, validate)
-        others = records_of(
-            mechanism,
-            again,
-            unknown=vary,
-            offset=offset,
-            held=problem.records[0].held,
-            doubts=doubts_of(mechanism, measurement, vary),
-        )
+    held = hold != "first" and _is_held(measurement)
+    made = partial(
+        records_of, mechanism, unknown=vary, offset=offset, held=held,
+        doubts=doubts_of(mechanism, measurement, vary),
+    )  # fmt: skip
+    problem_of = partial(
+        problem_of_records, mechanism, vary=vary, offset=offset, turning=measurement.turning,
+        timed=hold is not None,
+    )  # fmt: skip
+    records = made(with_gear(mechanism, measurement))
+    refuse_wrong_signs(records)
+    families = families_for(laws, records)
+    problem, rig = problem_of(records, families=families), mechanism
+    if vary and isinstance(problem, RecordProblem) and problem.model.frame.transmitted:
+        # what a gear transmits follows from what the balance says of the mechanism
+        drawn = problem.rig(problem.posterior.draws(MIDDLE))
+        values = {path: float(np.median(x)) for path, x in drawn.items() if "." in path}
+        rig = with_values(mechanism, "mechanism", values)
+        problem = problem_of(made(with_gear(rig, measurement)), families=families)
+    others = None if validate is None else made(with_gear(rig, validate))
     return record_verdict(
         problem,
-        judgement,
         mechanism,
         measurement,
+        offset=not offset,
+        tolerance=tolerance,
         checks=checks,
         route=route,
         second=validate,
@@ -327,51 +263,86 @@ def select_record(
 
 
 def record_verdict(
-    problem: RecordsProblem,
-    judgement: RecordJudgement,
+    problem: RecordProblem | FreeMotionProblem,
     mechanism: Mechanism,
     measurement: Measurement,
     *,
+    offset: bool,
+    tolerance: float | None,
     checks: Checks,
     route: str,
     second: Measurement | None,
     others: Sequence[Record] | None,
     remarks: Iterable[str] = (),
 ) -> BandVerdict:
-    """Return the verdict on records of one coordinate, with what other records say of it."""
+    """Return the verdict on records of one coordinate, with what other records say of it.
+
+    Levels hold a constant `offset` where the mechanism has none.
+    """
+    judgement = Judgement(
+        problem, tolerance=TOLERANCE if tolerance is None else tolerance, offset=offset
+    )
     first = problem.records[0]
     words = Words(
-        measured="record",
-        held_out="stretches",
-        response="force" if problem.finds_inertia else "friction",
+        measured="records" if len(problem.records) > 1 else "record",
         force_unit=measurement.unit("friction" if first.friction else "force"),
         speed_unit=measurement.unit("velocity"),
     )
-    steady = problem.asked()
     inside, count = math.nan, 0
     if others is not None:
-        other = problem.of(others)
-        inside = _inside(judgement.reading_band(other.rows), other.response)
-        count = len(other.response)
-        judgement = judgement.widened_by(other)
-    unseen = unseen_length(judgement.regression, judgement.named)
-    unit = turned("m", measurement.turning)
-    said = [presliding_sentence(quantity(unseen, unit, 2))] if unseen > 0.0 else []
-    return verdict_on(
+        other = problem.like(others)
+        inside, count = _inside(judgement.reading_band(other), other.response), len(other.response)
+    said = [*remarks, *(one.sentence for one in checks.of("volts"))]
+    if isinstance(problem, FreeMotionProblem):
+        said.append(SCALED)
+        said += run_sentences(problem, judgement, measurement)
+    if begun := [one.began for one in problem.records if one.began is not None]:
+        unit = turned("m", measurement.turning)
+        said.append(start_sentence([quantity(x, unit) for x in begun]))
+    rows, offered = problem.asked(), problem.offered()
+    proposal = Proposal(places=(), shrinks=1.0)
+    if isinstance(problem, RecordProblem):
+        proposal = propose(
+            judgement.curves(rows),
+            judgement.curves(offered),
+            problem.noise_of_stretch(offered),
+            taken=STRETCHES_TO_MAKE,
+        )
+    next_ = []
+    if problem.runs < 2 and second is None:
+        next_.append(again_sentence(judgement.band(rows), judgement.band(rows, new=True)))
+    return ladder_verdict(
         judgement,
         mechanism,
         measurement,
         words,
         checks=checks,
-        speeds=steady.velocity,
-        band=band_of(judgement.ensemble.curves(steady)),
-        largest_speed=problem.frame.top,
+        proposal=proposal,
+        places=tuple(float(offered.velocity[k]) for k in proposal.places),
+        advice=next_,
+        largest_speed=float(np.max(np.abs(rows.velocity))),
         route=route,
         second=second,
         inside=inside,
         readings=count,
-        remarks=(*remarks, *said, *of_volts(checks), *_remarks(problem, judgement, second, unit)),
+        remarks=said,
     )
+
+
+def run_sentences(
+    problem: FreeMotionProblem, judgement: Judgement, measurement: Measurement
+) -> list[str]:
+    """Return how closely a run of the law that is handed over follows a free motion."""
+    if not judgement.named.structure:
+        return []
+    left = problem.followed(judgement.named)
+    unit = measurement.unit("position" if problem.balance.each[0].record.located else "velocity")
+    if not math.isfinite(left.typical):
+        return ["A run of the law does not follow the motion."]
+    return [
+        f"A run of the law leaves {quantity(left.typical, unit, 2)} of the motion (root mean"
+        f" square); a reading has an error of {quantity(left.error, unit, 2)}."
+    ]
 
 
 # Laws that a user asks to compare, as families of terms.
@@ -456,4 +427,7 @@ def families_of(
 ) -> tuple[Family, ...]:
     """Return the families of laws, each once."""
     given = laws.values() if isinstance(laws, Mapping) else laws
-    return tuple(dict.fromkeys(family_of_law(law, known) for law in given))
+    found = tuple(dict.fromkeys(family_of_law(law, known) for law in given))
+    if not found:
+        raise InputError("laws is empty: name at least one law, or leave it out.")
+    return found

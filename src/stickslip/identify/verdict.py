@@ -2,64 +2,38 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.friction import law as law_class
 from stickslip.identify.bands import Interval, PredictionBand
 from stickslip.identify.candidates import (
-    NOT_DISTINGUISHED,
-    UNMEASURED,
     Candidate,
     Verdict,
-    Wording,
     score_scale,
 )
-from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import (
-    VARIES,
     Estimate,
     Fit,
     as_informed,
     as_loaded,
     estimates_for,
     inputs_text,
-    measured_loads,
     typical_inputs,
 )
-from stickslip.identify.judge import Cause, Judgement
-from stickslip.identify.judgement import Finding
-from stickslip.identify.judgement import Judgement as PosteriorJudgement
+from stickslip.identify.judgement import Finding, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding
-from stickslip.identify.posterior import family_of
-from stickslip.identify.problem import Array, Family, Structure
-from stickslip.identify.regression import same_span
-from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.identify.posterior import Array, Family, Structure, family_of
 from stickslip.identify.wording import (
-    Words,
-    band_sentence,
-    beside_of,
-    cause_sentence,
-    error_sentence,
-    group_sentence,
     lacking_sentences,
-    law_sentence,
     load_sentence,
-    parameter_sentence,
-    pattern_sentence,
-    phrase_of,
-    second_sentence,
-    tells_friction,
-    third_load_sentence,
-    title_of,
-    untold_sentence,
+    unphysical_sentence,
     usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
@@ -71,15 +45,11 @@ if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
 
-Judged: TypeAlias = Judgement | PosteriorJudgement
-"""Records are judged by held-out errors, tables by their posterior."""
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawFit(Fit[FrictionLaw]):
     """A law of the set with its parameters and their intervals."""
 
-    judgement: Judged
+    judgement: Judgement
     measurement: Measurement
     structure: Structure
     largest_speed: float
@@ -125,18 +95,16 @@ class LawCandidate(Candidate[LawFit]):
     structure: Structure
     """The best structure of the family."""
     share: float
-    """Share of the ensemble; of a table, probability of the family."""
-    held_out: float
-    """Root mean square of the held-out residuals; of a table, of what the law leaves [N]."""
+    """Probability of the family."""
+    left: float
+    """Root mean square of what the law leaves [N]."""
     count: int
     """Number of parameters."""
-    evidence: float | None = None
-    """Evidence less the most of all families; None of tables."""
-    distance: float | None = None
-    """Share of friction within which the law stays at 95 % of the places; None of records."""
-    worst: float | None = None
+    distance: float
+    """Share of friction within which the law stays at 95 % of the places."""
+    worst: float
     """Largest share of friction by which it is off ..."""
-    worst_at: float | None = None
+    worst_at: float
     """... and the velocity there [m/s] or [rad/s]."""
 
     @property
@@ -155,16 +123,15 @@ class LawCandidate(Candidate[LawFit]):
 
     @property
     def score(self) -> float | None:
-        return self.held_out
+        return self.left
 
     def to_row(self) -> Mapping[str, Any]:
         return {
             "law": self.name,
             "title": self.title,
             "parameters": self.count,
-            "held_out_error": self.held_out,
+            "leaves": self.left,
             "share": self.share,
-            "evidence": self.evidence,
             "within": self.distance,
             "worst": self.worst,
             "worst_at": self.worst_at,
@@ -176,7 +143,7 @@ class LawCandidate(Candidate[LawFit]):
 class BandVerdict(Verdict[LawCandidate]):
     """Which law to use, and what friction is whichever law holds."""
 
-    judgement: Judged
+    judgement: Judgement
     """What the verdict is read from."""
     speeds: Array
     """Velocities (n,) over which the verdict states the band [m/s] or [rad/s]."""
@@ -209,8 +176,8 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @property
     def scale(self) -> Scale:
-        """Multiple of the unit in which held-out errors are shown."""
-        return score_scale([one.held_out for one in self.candidates], self.score_unit)
+        """Multiple of the unit in which what laws leave is shown."""
+        return score_scale([one.left for one in self.candidates], self.score_unit)
 
     def named_curve(
         self,
@@ -265,42 +232,18 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @property
     def ladder(self) -> tuple["LawCandidate", ...]:
-        """Laws by their number of parameters, each with how far it is from what friction is.
-
-        Of records in time it is empty: their laws are compared by held-out errors.
-        """
-        steps = [one for one in self.candidates if one.distance is not None]
-        return tuple(sorted(steps, key=lambda one: (one.count, one.distance)))
-
-    @property
-    def causes(self) -> tuple[Cause, ...]:
-        """Properties of the rig and faults beside the law of a record, the largest first."""
-        judgement = self.judgement
-        return judgement.causes if isinstance(judgement, Judgement) else ()
-
-    @property
-    def patterns(self) -> tuple[Pattern, ...]:
-        """What the residuals of the law of a record follow, and their scatter, stated or not."""
-        judgement = self.judgement
-        return judgement.patterns if isinstance(judgement, Judgement) else ()
+        """Laws by their number of parameters, each with how far it is from what friction is."""
+        return tuple(sorted(self.candidates, key=lambda one: (one.count, one.distance)))
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What may stand beside the law of a table, with its probability."""
-        judgement = self.judgement
-        return () if isinstance(judgement, Judgement) else judgement.findings
+        """What may stand beside the law, with its probability."""
+        return self.judgement.findings
 
     @property
     def outliers(self) -> Mapping[int, float]:
         """Readings of a table that are far from the others, with how many deviations."""
-        judgement = self.judgement
-        return {} if isinstance(judgement, Judgement) else judgement.outliers
-
-    @property
-    def curve_share(self) -> float:
-        """Share of the curve as measured, which is no law, in the band; 0 of tables."""
-        judgement = self.judgement
-        return judgement.curve_share if isinstance(judgement, Judgement) else 0.0
+        return self.judgement.outliers
 
     @property
     def explained(self) -> bool:
@@ -359,8 +302,7 @@ class BandVerdict(Verdict[LawCandidate]):
     ) -> PredictionBand:
         """Return the band of new readings: friction and the noise of a reading.
 
-        Of records it is a single sample of the force in steady motion, with what laws leave of one
-        part of the record that is predicted from the others.
+        Of records it is the force in steady motion of another run.
 
         Parameters
         ----------
@@ -442,7 +384,7 @@ class BandVerdict(Verdict[LawCandidate]):
         return {
             "explained": self.explained,
             "set": [list(one) for one in self.set],
-            "curve_share": self.curve_share,
+            "curve_share": None,
             "units": {kind: self.measurement.unit(kind) for kind in ("velocity", "friction")},
             "band": {
                 "velocity": self.speeds.tolist(),
@@ -469,8 +411,6 @@ class BandVerdict(Verdict[LawCandidate]):
                 }
                 for one in self.parameters
             ],
-            **{"causes": [], "patterns": [], "findings": []},
-            **{"tolerance": None, "odds_of_friction": None},
             **self.judgement.details(),
             "outliers": {str(row + 1): z for row, z in self.outliers.items()},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
@@ -515,7 +455,7 @@ class BandVerdict(Verdict[LawCandidate]):
 
 
 def drawing_of(
-    judgement: Judged,
+    judgement: Judgement,
     measurement: Measurement,
     title: str,
     *,
@@ -547,106 +487,6 @@ def drawing_of(
         title=title,
         places=tuple(places),
         units=(measurement.unit("velocity"), measurement.unit("friction")),
-    )
-
-
-def verdict_on(
-    judgement: Judgement,
-    mechanism: Mechanism,
-    measurement: Measurement,
-    words: Words,
-    *,
-    checks: Checks,
-    speeds: Array,
-    band: PredictionBand,
-    largest_speed: float,
-    route: str,
-    second: Measurement | None = None,
-    inside: float = math.nan,
-    readings: int = 0,
-    remarks: Sequence[str] = (),
-) -> BandVerdict:
-    """Return the verdict of a judgement, in words."""
-    if "offset" not in mechanism.__dataclass_fields__:
-        judgement = replace(judgement, offset=True)
-    comparison, family = judgement.comparison, judgement.problem.family
-    together = set(comparison.set)
-    # all that are counted as not told apart are shown
-    shown = [
-        one
-        for place, one in enumerate(comparison.evidence)
-        if place < THRESHOLDS.families or one in together
-    ]
-    error = {one: judgement.held_out_error(one) for one in shown}
-    order = [comparison.named, *(one for one in error if one != comparison.named)]
-    most = max(comparison.evidence.values())
-    candidates = tuple(
-        LawCandidate(
-            name=name_of(judgement, one),
-            title=title_of(judgement, one) + beside_of(judgement, one),
-            fit=fit_of(judgement, one, mechanism, measurement, largest_speed),
-            outcome=_outcome(one, comparison.named, together),
-            structure=one,
-            share=judgement.ensemble.comparison.share_of(family(one)),
-            evidence=comparison.evidence[one] - most,
-            held_out=error[one],
-            count=judgement.problem.parameters(one),
-        )
-        for one in order
-    )
-    titles = {name: term.title for name, term in judgement.problem.terms.items()}
-    candidates = told_apart(candidates, titles)
-    first = candidates[0]
-    assert first.fit is not None
-    phrase = phrase_of(judgement, comparison.named)
-    told = tells_friction(judgement, band)
-    every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
-    own = first.fit.estimates
-    settles = [error_sentence(judgement, words)]
-    said = [parameter_sentence(a, b, phrase) for a, b in zip(own, every, strict=True)]
-    sizes = {one.path: one for one in every}
-    doubts = [
-        cause_sentence(one, sizes.get(one.term), words, told=told) for one in judgement.causes
-    ]
-    doubts += [group_sentence(group, words) for group in groups_of(judgement)]
-    doubts += [pattern_sentence(one, words) for one in judgement.patterns if one.stated]
-    if second is not None:
-        doubts.append(second_sentence(inside, readings))
-    if {"load_exponent", "adhesion"} & {one.path for one in own}:
-        doubts.append(load_sentence(judgement.composition.normal()))
-    doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
-    advice = []
-    loads = np.unique(measured_loads(measurement))
-    loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
-    if len(loads) == 2 and {"load_exponent", "adhesion"} & {x for one in shown for x, _ in one}:
-        advice.append(third_load_sentence(loads))
-    return BandVerdict(
-        mechanism=first.fit.mechanism,
-        measurement=measurement,
-        words=Wording(
-            verdict=law_sentence(judgement, words) if told else untold_sentence(judgement, words),
-            lede=band_sentence(
-                speeds,
-                band,
-                words,
-                offset=_holds_offset(judgement, speeds),
-            ),
-            settles=(*settles, *said),
-            cannot_tell=tuple(doubts),
-            measure_next=tuple(advice),
-            no_score="",
-        ),
-        candidates=candidates,
-        best=first if told and judgement.is_explained else None,
-        ranked=True,
-        judgement=judgement,
-        speeds=speeds,
-        friction=band,
-        checks=checks,
-        route_name=route,
-        second=second,
-        inside=inside,
-        intervals=every,
     )
 
 
@@ -685,89 +525,20 @@ def told_apart(
     return tuple(found)
 
 
-def name_of(judgement: Judgement, structure: Structure) -> str:
-    """Return the key of a structure: its law as `--law` takes it, then what it holds beside."""
-    problem, fit = judgement.problem, judgement.ensemble.fit(structure)
-    text = problem.composition(structure, fit.coefficients[None]).text
-    parts, beside = list[str](), list[str]()
-    for name in problem.family(structure):
-        if name not in problem.always:
-            of_law = name not in problem.terms or problem.terms[name].role == "law"
-            (parts if of_law else beside).append(name)
-    named = [law_class(text).name] if text and parts else parts
-    return " + ".join([*named, *beside]) or "none"
-
-
-def groups_of(judgement: Judgement) -> list[list[str]]:
-    """Return titles of what stands beside the law with what could stand in its place."""
-    terms = judgement.problem.terms
-    spans = same_span(judgement.regression, judgement.named)
-    found = {
-        name: [terms[name].title, *(terms[other].title for other, _ in others)]
-        for name, others in spans.instead.items()
-        if terms[name].role != "law" and not terms[name].doubt  # which is stated, not told
-    }
-    for name in {name for name, _ in judgement.named} & {*judgement.problem.instead}:
-        found.setdefault(name, [terms[name].title, judgement.problem.instead[name]])
-    return [*found.values()]
-
-
-def _holds_offset(judgement: Judgement, speeds: Array) -> bool:
-    """Return whether a law that is not told apart has a constant offset which the band holds.
-
-    What does no work in a swing is no friction, and in no band.
-    """
-    if all(name != "offset" for one in judgement.comparison.set for name, _ in one):
-        return False
-    problem = judgement.problem
-    return bool(np.any(problem.terms["offset"].columns(problem.at(speeds), ())))
-
-
-def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:
-    if structure == named:
-        return "named"
-    return NOT_DISTINGUISHED if structure in together else ""
-
-
-def fit_of(
-    judgement: Judgement,
-    structure: Structure,
-    mechanism: Mechanism,
-    measurement: Measurement,
-    largest_speed: float,
-) -> LawFit:
-    """Return the best structure of a family as a fit: the named one with its intervals."""
-    if structure == judgement.named:
-        structure = judgement.estimated
-    fit = judgement.ensemble.fit(structure)
-    return law_fit(
-        judgement,
-        structure,
-        judgement.handed_over(structure, fit.coefficients),
-        mechanism,
-        measurement,
-        title=title_of(judgement, structure),
-        titles={name: term.title for name, term in judgement.problem.terms.items()},
-        largest_speed=largest_speed,
-        named=structure == judgement.estimated,
-    )
-
-
 def law_fit(
-    judgement: Judged,
+    judgement: Judgement,
     structure: Structure,
     handed_over: tuple[Composition, Sliding, FrictionLaw | None],
     mechanism: Mechanism,
     measurement: Measurement,
     *,
     title: str,
-    titles: Mapping[str, str],
     largest_speed: float,
     named: bool,
 ) -> LawFit:
     """Return a structure as a fit, of which it was said what is handed over.
 
-    The named one has its intervals. Its `title` and those of terms that laws lack are in words.
+    The named one has its intervals. Its `title` is in words.
     """
     composed, sliding, own = handed_over
     law = composed.through(sliding) if own is None else own
@@ -784,7 +555,6 @@ def law_fit(
     drives = bool(np.any(sliding.friction * sliding.velocity < 0.0))
     lacking = lacking_sentences(
         title,
-        [titles[name] for name in composed.lacks],
         off=quantity(sliding.off(law, composed), measurement.unit("friction"), 2) if drives else "",
         table=own is None,
         at=inputs_text(composed.inputs, turning=measurement.turning),
@@ -821,10 +591,14 @@ def _rig_of(
     own = {path: x for path, x in found.items() if path.startswith("mechanism.")}
     if offset and "offset" in found:
         own["mechanism.offset"] = found["offset"]
+    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    wrong = [path for path, x in own.items() if not known[path].allows(x)]
+    remarks = [unphysical_sentence(known[path], own[path]) for path in wrong]
+    own = {path: x for path, x in own.items() if path not in wrong}
     mechanism = vary(mechanism, "mechanism", own) if own else mechanism
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, of_inputs = as_informed(law, mechanism, measurement)
-    return mechanism, [one for one in (said, *of_inputs) if one]
+    return mechanism, [one for one in (*remarks, said, *of_inputs) if one]
 
 
 def _estimate(
@@ -878,7 +652,7 @@ def importance(estimate: Estimate) -> int:
 
 
 def estimates_of(
-    judgement: Judged,
+    judgement: Judgement,
     law: FrictionLaw,
     mechanism: Mechanism,
     measurement: Measurement,

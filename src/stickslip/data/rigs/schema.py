@@ -175,8 +175,8 @@ class DataTable(ReadTable):
     )
     tolerance: float | str | None = Field(
         default=None,
-        description="share of friction by which a law that is named for a table may be off, such as"
-        ' "5 %"; 2 % if not given',
+        description='share of friction by which the law that is named may be off, such as "5 %";'
+        " 2 % if not given",
     )
     conditions: list[str] = Field(
         default=[], min_length=1, description="columns with a condition, one value per trial"

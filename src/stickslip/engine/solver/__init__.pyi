@@ -10,7 +10,6 @@ from stickslip.engine.solver.compile.modules import WarmUp as WarmUp
 from stickslip.engine.solver.compile.modules import notice as notice
 from stickslip.engine.solver.compile.modules import object_files as object_files
 from stickslip.engine.solver.compile.modules import warm_up as warm_up
-from stickslip.engine.solver.compile.states import observe as observe
 from stickslip.engine.solver.compile.states import states_along as states_along
 from stickslip.engine.solver.ensembles import as_numbers as as_numbers
 from stickslip.engine.solver.ensembles import check_columns as check_columns

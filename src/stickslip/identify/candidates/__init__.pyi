@@ -17,7 +17,6 @@ from stickslip.identify.candidates.criteria import limits_of as limits_of
 from stickslip.identify.candidates.cross_validation import CrossValidated as CrossValidated
 from stickslip.identify.candidates.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
 from stickslip.identify.candidates.cross_validation import CrossValidation as CrossValidation
-from stickslip.identify.candidates.cross_validation import DIGITS as DIGITS
 from stickslip.identify.candidates.cross_validation import held_out as held_out
 from stickslip.identify.candidates.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.identify.candidates.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from stickslip.data import Measurement
-from stickslip.identify import JointVerdict, joint_sections, select_joints
+from stickslip.identify import JointVerdict, joint_sections, probability_text, select_joints
 from stickslip.identify.candidates import limits_of
 from stickslip.identify.fits import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
@@ -20,7 +20,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
     routes = (JOINTS,)
     measured = "records of several joints"
     content = "joints"
-    uses = frozenset({"validate"})
+    uses = frozenset({"validate", "tolerance"})
     settings = frozenset({"hold", "starts", "seed", "position_zeros"})
     by_contact = True
 
@@ -55,6 +55,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             vary=request.vary,
             fixed=request.fixed,
             validate=request.validate,
+            tolerance=request.tolerance,
             settings=request.settings,
         )
 
@@ -64,8 +65,9 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
                 name,
                 one.title,
                 str(one.count),
-                own.scale.error(one.held_out),
-                percent(one.share),
+                percent(one.distance),
+                own.scale.error(one.left),
+                probability_text(one.share),
                 one.outcome,
             ]
             for name, own in verdict.joints.items()
@@ -73,7 +75,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
         ]
         fit = verdict.closest.fit
         return Comparison(
-            heads=["joint", "law", "parameters", "held-out error", "share", ""],
+            heads=["joint", "law", "parameters", "stays within", "leaves", "probability", ""],
             rows=rows,
             checks=verdict.checks,
             fitted=None if fit is None else (verdict.closest.title, fit.shown),

@@ -14,7 +14,7 @@ from stickslip.identify import (
     select_table,
     verdict_sections,
 )
-from stickslip.identify.candidates import limits_of, score_text
+from stickslip.identify.candidates import limits_of
 from stickslip.identify.fits import (
     LAW,
     ROUTES,
@@ -29,12 +29,10 @@ from stickslip.identify.fits import (
     names_of,
     route_of,
 )
-from stickslip.identify.judge import Judgement as RecordJudgement
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
-from stickslip.identify.laws import TITLES
 from stickslip.quantities import turned
 from stickslip.show import formatting
-from stickslip.show.formatting import NO_VALUE, capital, joined, percent
+from stickslip.show.formatting import joined, percent
 from stickslip.show.report import Origin, SectionMaker
 
 WITHOUT_EFFECT = {
@@ -134,7 +132,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         closest = verdict.closest
         assert closest.fit is not None
         values = sorted(closest.fit.estimates, key=importance)
-        heads, rows = (ladder_rows if verdict.ladder else _compared_rows)(verdict)
+        heads, rows = ladder_rows(verdict)
         return Comparison(
             heads=heads,
             rows=rows,
@@ -176,7 +174,7 @@ class RecordKind(BandKind):
     routes = (BALANCE, *ROUTES)
     measured = "records of motion or friction"
     content = "records"
-    uses = frozenset({"route", "validate", "horizon"})
+    uses = frozenset({"route", "validate", "horizon", "tolerance"})
     settings = frozenset(field.name for field in fields(RecordSettings))
     compared = frozenset({"hold"})
 
@@ -192,29 +190,9 @@ class RecordKind(BandKind):
             offset="mechanism.offset" not in chosen.held,
             hold=request.settings.hold if request.settings else None,
             validate=request.validate,
+            tolerance=request.tolerance,
             route=BALANCE,
         )
-
-
-def _compared_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the table of the laws of a record."""
-    judgement, scale = verdict.judgement, verdict.scale
-    assert isinstance(judgement, RecordJudgement)
-    rows = [
-        [
-            one.title,
-            str(one.count),
-            score_text(scale, one.held_out).value,
-            percent(one.share) if one.share >= 0.005 else NO_VALUE,
-            one.outcome,
-        ]
-        for one in verdict.candidates
-    ]
-    curve = judgement.held_out_error(judgement.comparison.curve)
-    error = score_text(scale, curve).value
-    rows.append([capital(TITLES["curve"]), NO_VALUE, error, percent(verdict.curve_share), ""])
-    error_head = f"held-out error, {scale.unit or verdict.score_unit}"
-    return ["law", "parameters", error_head, "share", ""], rows
 
 
 def _holds(request: Request) -> bool:

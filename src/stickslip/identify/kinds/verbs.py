@@ -223,7 +223,7 @@ def select(
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
     tolerance : float, optional
-        Share of friction by which a law that is named for a table may be off, such as 0.05; 0.02 if
+        Share of friction by which the law that is named may be off, such as 0.05; 0.02 if
         not given.
     progress : callable, optional
         Called with the name of a law and the number of its runs, or the least residual so far. For

@@ -23,7 +23,7 @@ r"""Records of several joints: the balance of each is a record of one coordinate
    .. math:: p - p_0 = \Big(\sum_i U_i^T P_i U_i / \sigma_i^2\Big)^{-1}
                        \sum_i U_i^T P_i y_i / \sigma_i^2 .
 
-   Their covariance is that of stretches, times as much as another record differs.
+   Their errors are twice those that stretches show.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 """
@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
+from stickslip.identify.bands import Array
 from stickslip.identify.fits import (
     FilteredMotion,
     check_joints,
@@ -46,10 +47,15 @@ from stickslip.identify.fits import (
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
-from stickslip.identify.problem import Array
-from stickslip.identify.problems.record_frame import band_for, mean_frequency
-from stickslip.identify.problems.record_signals import FEWEST, Along, Filter, Record, noise_of
-from stickslip.identify.problems.records import RecordsProblem, by_curve
+from stickslip.identify.problems.record_columns import Balance
+from stickslip.identify.problems.record_rows import MIDDLE, cutoff_of, even, mean_frequency, moves
+from stickslip.identify.problems.record_signals import (
+    FEWEST,
+    STRETCHES,
+    Filter,
+    Record,
+    noise_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -58,6 +64,10 @@ AHEAD = 2.0
 ROBOTS = 5.0
 """Band of the balances over the mean frequency of the fastest joint, at most: beyond it gears make
 accelerations that no torque of a motor goes with (decision 0114)."""
+SEEN = 20.0
+"""Range of the positions of a joint that moves, over their noise."""
+UNSHOWN = 2.0
+"""Errors of links over those that stretches show: a filter or a delay is the same in all."""
 SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
@@ -100,14 +110,19 @@ class JointRecords:
         ]
         return cls._made(torques, mechanism, pieces, resting)
 
-    def at(self, change: Mapping[str, float]) -> dict[str, list[Record]]:
-        """Return the records with parameters changed by so much, and none unknown."""
+    def at(self, links: "Links", *, held: bool) -> dict[str, list[Record]]:
+        """Return the records with parameters changed, and as uncertain as they are.
+
+        Forces may be `held` until the next sample.
+        """
+        told = {path: x for path, x in links.errors.items() if 0.0 < x < math.inf}
 
         def moved(one: Record) -> Record:
             assert one.mechanism is not None
-            forces = [x * one.unknown[path].force for path, x in change.items()]
+            forces = [x * one.unknown[path].force for path, x in links.change.items()]
             mechanism = np.sum([one.mechanism, *forces], axis=0)
-            return replace(one, mechanism=mechanism, unknown={})
+            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in told.items()}
+            return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
         return {name: [moved(one) for one in own] for name, own in self.records.items()}
 
@@ -137,9 +152,9 @@ class JointRecords:
                 continue
             gain = float(np.linalg.norm(mass[i] * noise) / (inertia * noise[i])) if inertia else 1.0
             noisy = [replace(one, gain=gain) for one in own]
-            if Along(noisy, None, widest).count < FEWEST:  # it moves less than its sensor misses
+            if not any(map(_is_seen, noisy)):  # it moves less than its sensor misses
                 continue
-            band = min(band_for(noisy), widest)
+            band = min(*(cutoff_of(even(one)) for one in noisy if moves(one)), widest)
             records[name] = [
                 one.along(i, record, torques, band)
                 for one, record in zip(pieces, noisy, strict=True)
@@ -161,46 +176,64 @@ class Links:
     """By path, the change from the values that the records were made with."""
     errors: Mapping[str, float]
     """Standard errors; infinite where the motion does not tell a parameter from others."""
+    freedom: float = math.inf
+    """Degrees of freedom of these."""
 
 
-def links_of(problems: Mapping[str, RecordsProblem], records: JointRecords) -> Links:
+def _is_seen(record: Record) -> bool:
+    """Return whether a record moves by more than its sensor misses."""
+    return bool(np.ptp(record.position) > SEEN * record.position_noise)
+
+
+def links_of(records: JointRecords, held: bool) -> Links:
     """Return parameters from the balances of all joints at once, with their curves as friction."""
     paths = [*next(iter(records.records.values()))[0].unknown]
-    parts = [_reduced(problem, records.records[name], paths) for name, problem in problems.items()]
+    parts = [
+        _reduced([replace(one, held=held) for one in own], paths, records.widest)
+        for own in records.records.values()
+    ]
     gram = np.sum([slopes.T @ slopes for slopes, _, _ in parts], axis=0)
     scale = np.sqrt(np.diagonal(gram)) + 1e-300
     sizes, basis = np.linalg.eigh(gram / np.outer(scale, scale))
     kept = sizes > SAME * sizes[-1]
     inverse = (basis[:, kept] / sizes[kept]) @ basis[:, kept].T / np.outer(scale, scale)
     change = inverse @ np.sum([slopes.T @ left for slopes, left, _ in parts], axis=0)
-    meat = np.zeros_like(gram)
+    meat, count = np.zeros_like(gram), sum(int(one.max()) + 1 for _, _, one in parts)
     for slopes, left, stretches in parts:
         sums = np.zeros((int(stretches.max()) + 1, len(paths)))
         np.add.at(sums, stretches, slopes * (left - slopes @ change)[:, None])
         meat += sums.T @ sums
-    spread = max(one.spread for one in problems.values())
-    errors = np.sqrt(np.maximum(np.diagonal(inverse @ meat @ inverse), 0.0) * spread)
+    freedom = max(count - (len(parts) + 1) * len(paths), 1)  # each balance fits its own, too
+    meat *= count / freedom
+    errors = UNSHOWN * np.sqrt(np.maximum(np.diagonal(inverse @ meat @ inverse), 0.0))
     errors[np.sum(basis[:, ~kept] ** 2, axis=1) > SAME] = math.inf
     return Links(
         change=dict(zip(paths, change.tolist(), strict=True)),
         errors=dict(zip(paths, errors.tolist(), strict=True)),
+        freedom=float(freedom),
     )
 
 
 def _reduced(
-    problem: RecordsProblem, records: Sequence[Record], paths: Sequence[str]
+    records: Sequence[Record], paths: Sequence[str], highest: float
 ) -> tuple[Array, Array, NDArray[np.intp]]:
     """Return slopes (n, k) and the response (n,) less what its curve explains, and stretches."""
-    rows = problem.rows
-    full = Along(records, problem.frame, rows.band)
-    curve, _ = by_curve(problem)
-    basis = np.linalg.qr(np.column_stack([curve, np.ones(rows.count)]))[0]
-    slopes = np.column_stack([full.taken(path) for path in paths])
-    both = np.column_stack([slopes, problem.response])
-    both = both - basis @ (basis.T @ both)
+    balance = Balance(records, highest=highest)
+    rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
+    sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
+    hats = [balance.frame.hats(one.velocity) for one in balance.pieces]
+    each = [np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)]
+    curve = rows.seen(each)
+    beside = [fixed[name] for name in ("slope", "delay")]
+    x = np.column_stack([curve, *beside, np.ones(rows.count)])
+    x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+    gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
+    both = np.column_stack([*(fixed[path] for path in paths), rows.response])
+    both = both - x @ np.linalg.solve(gram, x.T @ both)
     left = both[:, -1] - both[:, :-1] @ np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=1e-8)[0]
     size = float(np.sqrt(np.mean(left**2))) + 1e-300
-    return both[:, :-1] / size, both[:, -1] / size, problem.stretches
+    stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
+    return both[:, :-1] / size, both[:, -1] / size, stretches
 
 
 def _mass(torques: JointTorques, mechanism: Mechanism, q: Array) -> Array:
@@ -265,7 +298,11 @@ class _Piece:
     def plain(self, i: int, inertia: float) -> Record:
         """Return the record of a joint without what others do to it."""
         return Record(
-            time=self.time, position=self.position[:, i], force=self.force[:, i], inertia=inertia
+            time=self.time,
+            position=self.position[:, i],
+            force=self.force[:, i],
+            inertia=inertia,
+            joint=True,
         )
 
     def along(self, i: int, record: Record, torques: JointTorques, band: float) -> Record:

@@ -6,39 +6,62 @@ any other number does, it changes there. Where the friction that explains most o
 leaves gives energy to the motion, the force is that of the other sign.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.identify.problem import Array
-from stickslip.identify.problems.record_signals import Along
-from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.identify.posterior import Array
+from stickslip.identify.problems.free_balance import free_form
+from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows, moves, pieces_of
+from stickslip.identify.problems.record_signals import STRETCHES, Record
 from stickslip.show.formatting import percent
 
+EXPLAINED = 0.5
+"""Part of what a plain balance leaves that another sign takes off, at least."""
+SAME_SPAN = 0.01
+"""Part of a column outside a span from which it is told from that."""
 
-def refuse_wrong_signs(
-    rows: Along, response: Array, stretches: NDArray[np.intp], *, inertia: bool
-) -> None:
-    """Refuse records whose force has the other sign, or one that changes.
 
-    Taken are signals at the rows, their balance (n,) [N], the number of the stretch of each (n,),
-    and whether the inertia is not known.
-    """
-    direction = rows.seen(rows.direction * rows.load)
-    speed = rows.seen(rows.velocity)
+def _is_told(column: Array, beside: Array) -> bool:
+    """Return whether a column (n,) is none of those beside (n, p)."""
+    size = np.sqrt(np.mean(beside * beside, axis=0)) + 1e-300
+    apart = column - beside / size @ np.linalg.lstsq(beside / size, column, rcond=1e-9)[0]
+    return bool(np.linalg.norm(apart) > SAME_SPAN * np.linalg.norm(column))
+
+
+def _is_driven(record: Record) -> bool:
+    return bool(np.any(record.force))
+
+
+def refuse_wrong_signs(records: Sequence[Record]) -> None:
+    """Refuse records whose force has the other sign, or one that changes."""
+    first, moving = records[0], [one for one in records if moves(one)]
+    if first.friction or not moving or free_form(moving) or not any(map(_is_driven, moving)):
+        return
+    pieces, every = pieces_of(moving)
+    rows, inertia = BalanceRows(pieces, MIDDLE, every), first.inertia is None
+    response = rows.response
+    stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
+    direction = rows.seen(
+        [p.direction * (1.0 if p.record.load is None else p.record.load) for p in pieces]
+    )
+    speed = rows.seen([p.velocity for p in pieces])
     rig = [np.ones(rows.count), *([rows.acceleration] if inertia else [])]
-    rig += [rows.taken(path) for path in rows.records[0].unknown]
+    for path, one in first.unknown.items():
+        force = rows.seen([p.record.unknown[path].force for p in pieces])
+        rig.append(one.inertia * rows.acceleration - force)
     beside = np.column_stack(rig)
-    apart = direction - beside @ np.linalg.lstsq(beside, direction, rcond=1e-9)[0]
-    # of a motion in one direction a level is an offset, which may drive
-    told = np.linalg.norm(apart) > THRESHOLDS.same_span * np.linalg.norm(direction)
-    laws = [direction, speed] if told else [speed]
+    # of a motion in one direction a level is an offset, and damping may be sought: these may drive
+    laws = [one for one in (direction, speed) if _is_told(one, beside)]
+    if not laws:
+        return
     n = len(laws)
     x = np.column_stack([*laws, *rig])
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     x = x / size
     gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
-    driven = rows.seen(rows.raw)
+    driven = rows.seen([p.record.force for p in pieces])
     other = response - driven
     count = int(stretches.max()) + 1
     moments = np.array([x[stretches == k].T @ driven[stretches == k] for k in range(count)])
@@ -50,11 +73,11 @@ def refuse_wrong_signs(
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
     best = int(np.argmin(left))
-    most = 1.0 - THRESHOLDS.explained
+    most = 1.0 - EXPLAINED
     if left[best] < most * left[0]:
-        first = int(np.argmax(stretches == best))
+        begin = int(np.argmax(stretches == best))
         raise InputError(
-            f"the sign of the force changes at about t = {rows.times[first]:.3g} s: turned before"
+            f"the sign of the force changes at about t = {rows.time[begin]:.3g} s: turned before"
             f" it, the force leaves {percent(left[best] / left[0])} of the squared error of a plain"
             " balance. Give the force the sign of the position all along."
         )

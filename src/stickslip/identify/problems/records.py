@@ -1,784 +1,760 @@
-r"""Records of one coordinate in time: the force balance along the measured motion.
-
-1. **Balance.** What drives the coordinate, :math:`F`, and all other known forces of the mechanism,
-   :math:`F_k(x, v)` (gravity, springs, dampers), move an inertia against friction,
-
-   .. math:: F + F_k(x, v) - J \ddot x = \sum_j c_j\, X_j(x, v, z, t).
-
-   Both sides pass the same filter :math:`B` without phase, so that it biases nothing that is linear
-   in the coefficients: the response is :math:`y = B[F + F_k]` less :math:`J B[\ddot x]` where the
-   inertia is known, and a column is :math:`B[X_j]`. Velocities that enter :math:`X_j` in other ways
-   than linearly have a band twice as wide. Where friction was measured, :math:`y` is its own
-   :math:`B[F]`; where nothing drives the motion (decays, coast-downs), :math:`F = 0`.
-2. **Band.** Noise :math:`\sigma` of the position, sampled every :math:`h`, has accelerations
-   of variance :math:`2 h \sigma^2 (2\pi)^4 f^5 / 5` up to :math:`f`. The band :math:`f_c` is that
-   at which they cost 1 % of the force, within bounds of the mean frequency of the motion: no time
-   scale is one in seconds. Rows are kept six for each :math:`1/f_c`, none at rest.
-3. **Memory.** A bristle of length :math:`r` follows the way: with :math:`u = 1 - s z` for the
-   direction :math:`s`, :math:`du/d|x| = -u^n / r`. The exponent :math:`n` is 0 for an elastic
-   bristle that yields at once, 1 for Dahl's. Without memory :math:`z` is the direction of motion.
-   The length of each exponent that alone explains most goes into the vocabulary.
-4. **Terms** are functions of signals (`Signals`), whether along a record (`Along`), or in steady
-   motion at asked velocities (`Steady`), where bristles are stretched and nothing accelerates.
-5. **Blocks** are stretches of all records, and each record where there are several. Rows within
-   :math:`3/f_c` of a block are not learned from while it is left out.
-6. **Twins** are the same records in a band of .6 and 1.5 times the width: the bias of the balance
-   becomes spread. The covariance counts single stretches (`SPREAD`), as another record differs by
-   as much; where there are several records it is theirs that counts.
-   A new reading is a draw of the laws and of what they leave of a record predicted from the others,
-   or of a quarter of a single one from its other three, at rows of like speed.
-7. **Free motions** (decays, coast-downs) are integrated once more, as the noise of accelerations
-   hides a small friction, and what it takes in all the time of a record is large. Where the motion
-   comes back, it is the energy that friction takes,
-
-   .. math:: \int F_k\, dx - \tfrac12 J v^2 = E_0 + \sum_j c_j \int X_j\, dx ,
-
-   where it goes on in one direction the momentum, or :math:`J x` where places were measured: as
-   recorded, in means over the samples of a row, up to both ends.
-   :math:`E_0` (and the speed at the start) is projected out of both sides by record. Noise is then
-   nearly white, that of the energy grows as its root. Energy hardly tells what friction is at low
-   speeds: there the curve bends by its prior, and friction never drives.
-
-Source of the parallel filter: M. Gautier, "Dynamic identification of robots with power model",
-1997; of the bristle: P. R. Dahl, "A solid friction model", 1968.
-"""
+"""Records of one coordinate as a problem of the judgement: curves, readings, laws, findings."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.identify.bands import MeasuredPoints
+from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.judgement import Candidates, Finding, Problem
 from stickslip.identify.laws import (
+    CHANGING,
+    DIRECTIONS,
     FLOWS,
     POINTS,
-    RATIOS,
     TITLES,
     Composition,
     bounds_of,
     compose,
 )
-from stickslip.identify.problem import (
-    ASKED,
-    BENDING,
-    MEMORY,
-    STRETCHES,
-    Array,
-    Column,
-    Mask,
-    Points,
-    Problem,
-    Shape,
-    Structure,
-    Term,
+from stickslip.identify.posterior import Array, Column, Draws, Family, Structure
+from stickslip.identify.problems.record_columns import (
+    GEAR,
+    LEVELS,
+    LUGRE,
+    RESOLVED,
+    Memory,
+    law_column,
 )
-from stickslip.identify.problems.features import features_along, features_in_steady_motion
-from stickslip.identify.problems.record_checks import refuse_wrong_signs
-from stickslip.identify.problems.record_frame import (
-    APART,
-    SLOW,
-    alike,
-    balanced_band,
-    band_for,
-    before_rest,
-    by_best_sensor,
-    frame_of,
-    free_form,
+from stickslip.identify.problems.record_curves import (
+    OtherRows,
+    RestRows,
+    SteadyRows,
+    beyond,
+    of_another_run,
+    readings,
+    resolved_speeds,
+    steady_curves,
 )
-from stickslip.identify.problems.record_signals import Along, Frame, Record, Steady
-from stickslip.identify.problems.record_terms import DEAD_ZONE, EXPONENTS, GRID, screened, terms_of
-from stickslip.identify.regression import BlockRegression
-from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.identify.problems.record_model import SCALES, STRETCHES, RecordModel, laws_of
+from stickslip.identify.problems.record_rows import MIDDLE, SHORT
+from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.vocabulary import (
+    FLOW_DIRECTIONS,
+    PARTS,
+    Grid,
+    flow_direction,
+    parameters_of,
+)
+from stickslip.show.formatting import percent, quantity
 
-WHITE = 0.65
-"""Width of the noise of the work of a swing over its band, if it were white (study: decays)."""
-FREE_SPREAD = 3.0
-"""What a free motion counts of the covariance of its stretches, instead of `SPREAD` (study:
-decays)."""
-SPREAD = 20.0
-"""Another record differs as single stretches do: covariance of their mean times their number."""
-LATE = frozenset({"latency", "backlash", "flexible"})
-"""Terms of a load that does not follow at once ..."""
-LOW_TWIN = 0.2
-"""... and the band, over the usual one, in which it does nearly (study: faults)."""
-TWINS = (0.6, 1.5)
-"""Bands of the same record, over the usual one, whose differences count as uncertainty."""
-SOFT = 0.5
-"""Rows far out lose weight softly: they hold the slow motion that tells a Stribeck step."""
-LIKELY = 3.0
-"""Records that the usual spread of records is worth, where it is estimated."""
-QUARTERS = 4
-"""Parts of a record that are as far apart as records are (halves: .91 in the 80 % band)."""
-CLEAN = 20.0
-"""Force over its noise from which parameters have the full price."""
-FREE_BENDING = (0.12, 0.4)
-"""Bendings of the curve of a free motion, over its friction: its prior (study: decays)."""
-DRAWN = 600
-"""Points of a figure, about."""
-PATHS = (
-    "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
-    "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia", "gear_direction",
-    "adhesion",
-)  # fmt: skip
-"""Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
-UNLIKE = ("stribeck_direction", "curve")
-"""Terms that no law of `stickslip.friction` has in steady sliding ..."""
-UNSEEN = ("place", "level_ripple", "gear_direction")
-"""... those that do not show there ..."""
-LEVELS = {"level": "level", "second": "level", "adhesion": "level"}
-"""... and those that are a part of the level there, or of another term."""
-DEALS = 199
-"""Times that stretches are dealt to records at random."""
-HOLD = "hold"
-"""Term of when forces act that may hold between samples, or go straight."""
-HOLD_DOUBT = 0.5
-"""Its standard deviation, over half a sample: a force that goes straight is two from one held."""
-DELAYS = ("delay", "latency")
-"""Those whose size is the product of both."""
-SHAPED = ("clip", "dead_zone", "backlash", "flexible")
-"""Those whose shape is their size."""
+PLACES, ASKED = 25, 40
+"""Speeds of each direction at which laws are compared, and at which the band is stated."""
+OFFERED, FARTHER = 8, (0.3, 0.6, 1.5, 2.0)
+"""Speeds of each direction at which a stretch of steady motion may be proposed, and those beyond
+them over the slowest and the fastest."""
+DRAWN = 400
+"""Rows that a figure shows."""
+EXACT = 0.02
+"""Size of what no law says up to which a law is exact: the usual tolerance."""
+MEMORIES = ("dahl", "lugre")
+"""Laws with bristles."""
+SEEN, SURE, ROWS = 0.05, 20.0, 7
+"""Root mean square of what bristles lack of being stretched, odds against none, and rows in which
+they lack as much, from which presliding is named: fewer rows may be those of one turn."""
+DAMPED = 0.03
+"""Damping of bristles over the critical one of the inertia on them, from which they have one."""
+VARIES = 0.1
+"""Range of the length of bristles, over that at one speed, from which it follows the level."""
+FINDINGS: Mapping[str, str] = {
+    "drift": "drift over the record",
+    "place": "level that changes with the place",
+    "force": "force that changes with the place or in time",
+    "relaxing": "spring that relaxes",
+    "run": "differences between runs",
+}
+"""What may stand beside a law, as scales of the posterior."""
+GIVEN: Mapping[str, str] = {
+    "inertia": "inertia larger or smaller than given",
+    "mechanism": "known forces larger or smaller than given",
+    "body": "rigid body heavier or lighter than given",
+}
+"""What may be given wrong."""
+NEGLIGIBLE = 0.01
+"""Size over friction below which what stands beside a law is negligible."""
 
 
-class RecordsProblem(Problem):
-    """Records of one coordinate, as the judge sees them."""
+@dataclass(eq=False)
+class RecordProblem(Problem):
+    """Records of one coordinate with their posterior.
 
-    softness = SOFT
-    curved = frozenset(
-        {"level", "viscous", "stribeck", "drag", "power", "saturating", "viscous_direction",
-         "stribeck_direction"}
-    )  # fmt: skip
+    Parameters
+    ----------
+    records : sequence of Record
+        What was measured.
+    normal : float
+        Normal force at which levels are stated [N].
+    inertia_path : str
+        Path of the inertia, if it is looked for.
+    load_slopes : mapping of str to pair of float
+        By how much parameters change the normal force, and their values.
+    offset : str
+        Path of the constant force; empty if it is known.
+    families : sequence of Family, optional
+        Families of laws that are compared.
+    turning : bool
+        Whether the coordinate is an angle.
+    highest : float
+        Largest cutoff [Hz].
+    timed : bool
+        Whether it is known how forces run between samples.
+    """
 
-    def __init__(
-        self,
-        records: Sequence[Record],
-        *,
-        like: "RecordsProblem | None" = None,
-        band: float = 1.0,
-        normal: float = 1.0,
-        inertia_path: str = "mechanism.inertia",
-        load_slopes: Mapping[str, tuple[float, float]] | None = None,
-        offset: str = "offset",
-        widest: float = math.inf,
-        without: Collection[str] = (),
-    ) -> None:
-        self._made_of = (
-            records, like, band, normal, inertia_path, load_slopes, offset, widest, without
-        )  # fmt: skip
-        self.records: list[Record] = (
-            by_best_sensor(records) if like is None else alike(records, like.records[0])
+    records: Sequence[Record]
+    normal: float = 1.0
+    inertia_path: str = ""
+    load_slopes: Mapping[str, tuple[float, float]] | None = None
+    offset: str = "offset"
+    families: Sequence[Family] | None = None
+    turning: bool = False
+    highest: float = math.inf
+    timed: bool = False
+
+    def __post_init__(self) -> None:
+        known = None
+        if self.families is not None:
+            known = [*dict.fromkeys(map(parts_of, self.families))]
+        self.model = RecordModel(
+            self.records, families=known, highest=self.highest, timed=self.timed
         )
-        self.free: str = free_form(self.records) if like is None else like.free
-        if self.free:
-            self.curve_share = THRESHOLDS.free_curve_share
-            self.records = [before_rest(one) for one in self.records]
-        first = self.records[0]
-        self.finds_inertia = first.inertia is None and not first.friction
-        base = min(band_for(self.records), widest) if like is None else like.frame.band
-        frame = None if like is None else like.frame
-        self.rows = Along(self.records, frame, band * base, free=self.free)
-        self.frame: Frame = frame_of(self.rows, base) if like is None else like.frame
-        self.rows._frame = self.frame
-        self._widths: dict[Column, int] = {}
-        self.normal: float = normal if like is None else like.normal
-        self.inertia_path: str = inertia_path if like is None else like.inertia_path
-        self.load_slopes: Mapping[str, tuple[float, float]] = (
-            dict(load_slopes or {}) if like is None else like.load_slopes
-        )
-        self.offset: str = offset if like is None else like.offset
-        known = 0.0 if first.inertia is None else first.inertia
-        self.response = (
-            self.rows.lost if self.free else self.rows.force - known * self.rows.acceleration
-        )
-        self.stretches, self.blocks, self.excluded = _blocks(self.rows)
-        filt = self.rows.filters[0]
-        # the noise of what is integrated is white up to here, that of forces is not
-        width = WHITE * self.rows.band if self.free == "work" else 0.0
-        self.worth = min(2.0 * width * filt.every * filt.step, 1.0)
-        if self.free == "momentum":
-            self.worth = min(filt.every / self.rows.records[0].rarer, 1.0)
-        doubts = {path: one.doubt for path, one in first.unknown.items() if one.doubt}
-        if first.hold_doubt and not self.free:
-            doubts[HOLD] = first.hold_doubt
-        sought = frozenset(first.unknown.keys() - doubts.keys()) | {
-            *(["inertia"] if self.finds_inertia else []),
-            *(["offset"] if self.offset.startswith("mechanism.") else []),
-        }
-        self.always = sought | doubts.keys()
-        if like is None and not (self.free or first.friction):
-            refuse_wrong_signs(self.rows, self.response, self.stretches, inertia=self.finds_inertia)
-        if like is None:
-            found = screened(self.rows, self.response, finds_inertia=self.finds_inertia)
-            self.terms = terms_of(
-                self.rows,
-                *found,
-                finds_inertia=self.finds_inertia,
-                always=sought,
-                constant=bool(self.offset),
-            )
-            self.terms = {name: one for name, one in self.terms.items() if name not in without}
-            self.terms |= {path: _doubtful(path, doubt) for path, doubt in doubts.items()}
-            self.references = _references(self, found[0][:2])
-        else:
-            self.terms, self.references = like.terms, like.references
-        self.usual = [
-            tuple(sorted(self.always.union(names)))
-            for names in (
-                ("level",), ("level", "offset"), ("level", "viscous"), ("viscous",),
-                ("level", "offset", "viscous"), ("level", "stribeck", "viscous"),
-                ("level", "offset", "stribeck", "viscous"), ("drag", "level"),
-                ("drag", "level", "viscous"), ("drag", "viscous"), ("drag",), ("level", "power"),
-                ("adhesion", "level"), ("adhesion", "level", "viscous"),
-                ("hose", "level", "offset", "viscous"),
-                ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),
-            )
-        ]  # fmt: skip
-        self.instead = {"offset": TITLES["level_direction"]} if self.offset else {}
-        if "clip" in self.terms and "dead_zone" not in self.terms:
-            self.instead["level"] = DEAD_ZONE
-        self.remembering: set[tuple[frozenset[str], bool]] = set()
-        self.memory: str = "dahl"
-        """Which law a memory is said to be: its damping is in no balance."""
-        self.between: float = _between(self) if like is None else like.between
-        self.spread = _spread(self) if like is None else like.spread
+        self.posterior = self.model.posterior()
+        self.size = self.model.size
+        self.load = self.normal
+        self.runs = self.model.balance.runs
+        self.restricted = known is not None
+        if self.offset.startswith("mechanism."):
+            self.looked_for = frozenset({"offset"})
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Return what makes it again in another process: its terms are functions."""
-        own = {"only": self.only, "remembering": self.remembering, "memory": self.memory}
-        return _made, self._made_of, own
-
-    def allowed(self, structure: Structure) -> bool:
-        """Return whether terms may stand together, and a law is one that is compared."""
-        if not super().allowed(structure):
-            return False
-        memories = {self._memory(column) for column in structure if self._memory(column)}
-        if self.memory == "lugre" and any(one[0] and one[1] != EXPONENTS[1] for one in memories):
-            return False
-        if not self.remembering or not self.is_law(structure):
-            return True
-        names = frozenset(name for name, _ in structure if self.terms[name].role == "law")
-        return (names, MEMORY in self.family(structure)) in self.remembering
-
-    def price(self, size: float) -> float:
-        """Return the share of the error that a parameter must save: 6 %, less where noise is large.
-
-        Where noise is small beside the force everything is significant, and what counts is whether
-        it is material; where it is large a parameter must only be significant.
-        """
-        if self.free:
-            return 0.0
-        filt = self.rows.filters[0]
-        independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
-        material = THRESHOLDS.material * min(size / CLEAN, 1.0)
-        return float(min(max(THRESHOLDS.price / independent, material), THRESHOLDS.material))
-
-    def features(self, rows: Any) -> Mapping[str, Array]:
-        """Return what rows may be told apart by; the work of free motions has none."""
-        if self.free:
-            return {}
-        steady = isinstance(rows, Steady)
-        return features_in_steady_motion(rows) if steady else features_along(rows)
-
-    def scales(self, fitted: Array) -> Sequence[Array]:
-        """Return the speed, with which noise grows or falls, or the root of the energy."""
-        if self.free:
-            return [np.sqrt(self.rows.energy)] if self.free == "work" else []
-        # what is badly known about a turn stands out at low speeds
-        speed = np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)
-        return [speed, 1.0 / speed]
-
-    def parts(self) -> Sequence[Mask]:
-        """Return the records, or the quarters of a single one."""
-        if len(self.records) > 1:
-            each = [self.rows.record == k for k in range(len(self.records))]
-            return [rows for rows in each if np.any(rows)]
-        quarter = np.arange(self.rows.count) * QUARTERS // self.rows.count
-        return [quarter == k for k in range(QUARTERS)]
-
-    def beside(self, rows: Any) -> Array:
-        """Return what readings in steady motion show beside the response, at measured rows (n,).
-
-        These are single samples: they have what the filter takes off the force.
-        """
-        if self.free or not isinstance(rows, Steady):
-            return np.zeros(self.rows.count)
-        along: Along = self.rows
-        both = zip(along.records, along.filters, strict=True)
-        samples = along.rows_of([one.force[:: filt.every] for one, filt in both])
-        return np.asarray(samples - (along.force - along.mechanism))
-
-    def physical(self, structure: Structure, coefficients: Array) -> Mask:
-        """Return which friction (d,) takes energy at all speeds of a free motion."""
-        if not self.free:
-            return super().physical(structure, coefficients)
-        at, force = 0, np.zeros((len(coefficients), len(self._moved.velocity)))
-        found = np.ones(len(coefficients), dtype=bool)
-        for name, shape in structure:
-            size, term = self.width(name, shape), self.terms[name]
-            own = coefficients[:, at : at + size]
-            if term.nonnegative:
-                found &= np.all(own >= 0.0, axis=1)
-            if term.role in ("law", "curve"):
-                x = np.reshape(term.columns(self._moved, shape), (force.shape[1], -1))
-                force += own @ x.T
-            at += size
-        found &= np.all(force * np.sign(self._moved.velocity) >= 0.0, axis=1)
-        return found
-
-    def noise_floor(self, structure: Structure, coefficients: Array) -> float:
-        """Return what white noise of the recorded force and positions is after the filter."""
-        if self.free:
-            return 0.0
-        inertia = self.records[0].inertia or 0.0
-        at = 0
-        for name, shape in structure:
-            inertia += float(coefficients[at]) if name == "inertia" else 0.0
-            at += self.width(name, shape)
-        return float(self.rows.white(inertia))
-
-    @cached_property
-    def _moved(self) -> Steady:
-        return self.asked()
-
-    @cached_property
-    def _twins(self) -> list["RecordsProblem"]:
-        bands = (*TWINS, LOW_TWIN) if LATE & self.terms.keys() else TWINS
-        return [RecordsProblem(self.records, like=self, band=one) for one in bands]
-
-    def serves(self, structure: Structure) -> bool:
-        """Return whether it is a twin for a structure: the low one is where a load lags behind."""
-        low = self.rows.band < 0.5 * (LOW_TWIN + TWINS[0]) * self.frame.band
-        return not low or bool(LATE & {name for name, _ in structure})
-
-    @property
-    def twins(self) -> Sequence[Problem]:
-        """The same records in other bands."""
-        return (
-            self._twins
-            if not self.free and abs(self.rows.band / self.frame.band - 1.0) < 1e-9
-            else ()
-        )
-
-    def of(self, records: Sequence[Record]) -> "RecordsProblem":
-        """Return other records of the same rig, in the same band and terms."""
-        return RecordsProblem(records, like=self)
+    # ---- rows -------------------------------------------------------------------------------
 
     def at(
-        self,
-        velocity: Any,
-        load: Any = None,
-        inputs: Mapping[str, Any] | None = None,
-    ) -> Steady:
-        """Return rows of steady motion at velocities (n,) [m/s] and the mean of time."""
-        over = 1.0 if load is None else np.asarray(load, dtype=float) / self.normal
+        self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None
+    ) -> SteadyRows:
+        """Return rows of steady sliding at velocities (n,); the rest is usual if not given."""
+        frame = self.model.frame
         v = np.atleast_1d(np.asarray(velocity, dtype=float))
-        return Steady(frame=self.frame, velocity=v, over=over, inputs=inputs or {})
-
-    def speeds(self, rows: Any) -> Array:
-        """Return the speeds of rows (n,), of swings the largest: noise of their energy grows so."""
-        if self.free == "work" and isinstance(rows, Along):
-            return np.asarray(np.maximum(rows.swing, 1e-3 * self.frame.low))
-        speed = np.abs(rows.seen(rows.velocity))
-        return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
-
-    def speeds_of_curve(self) -> Array:
-        """Return rising speeds (n,) through which a curve is drawn as a law."""
-        return np.geomspace(self.frame.low, self.frame.top, POINTS)
-
-    def points(self, structure: Structure, coefficients: Array) -> Points:
-        """Return the response less what a structure says of the rig, thinned out."""
-        rows: Along = self.shown
-        inertia = self.records[0].inertia or 0.0
-        at, friction = 0, rows.force - inertia * rows.acceleration
-        for name, shape in structure:
-            size = self.width(name, shape)
-            if self.terms[name].role in ("rig", "fault"):
-                x = np.reshape(self.terms[name].columns(rows, shape), (rows.count, -1))
-                friction -= x @ coefficients[at : at + size]
-            at += size
-        few = np.arange(0, rows.count, max(rows.count // DRAWN, 1))
-        velocity = rows.seen(rows.velocity)
-        load = np.ones(len(few))
-        return Points(
-            velocity=velocity[few],
-            friction=friction[few],
-            load=load,
-            rows=None if self.free else few,
+        ones, given = np.ones(len(v)), inputs or {}
+        usual = frame.load if frame.load != 1.0 else self.normal
+        ratio = ones * (1.0 if load is None else np.asarray(load, dtype=float) / usual)
+        through = given.get(TRANSMITTED, sum(frame.transmitted[1:2])) if frame.transmitted else 0.0
+        return SteadyRows(
+            velocity=v,
+            load=usual * ratio,
+            ratio=ratio,
+            transmitted=np.abs(through) / ratio,
+            inputs={
+                name: ones * (given.get(name, mean) - mean) / size
+                for name, (mean, size) in frame.inputs.items()
+            },
         )
+
+    def asked(self) -> SteadyRows:
+        """Return the speeds over which the band is stated: those resolved in each direction."""
+        return self.at(resolved_speeds(self.model, ASKED))
+
+    def places(self) -> SteadyRows:
+        """Return the speeds at which curves are projected."""
+        return self._places
 
     @cached_property
-    def shown(self) -> Along:
-        """Rows at which friction itself is shown: of a free motion those of its force balance."""
-        if not self.free:
-            rows: Along = self.rows
-            return rows
-        band = balanced_band(self.records, self.records[0].inertia or 1.0)
-        return Along(self.records, self.frame, band)
+    def _places(self) -> SteadyRows:
+        v, frame = resolved_speeds(self.model, PLACES), self.model.frame
+        changing = {one.partition("*")[2] for one in self.changing}
+        points: list[dict[str, float]] = [{}]
+        if frame.transmitted:
+            points = [{TRANSMITTED: x} for x in frame.transmitted]
+        for name in changing:
+            mean, size = frame.inputs[name]
+            points = [{**one, name: mean + k * size} for one in points for k in (-1.0, 1.0)]
+        each = {name: np.repeat([x[name] for x in points], len(v)) for name in points[0]}
+        return self.at(np.tile(v, len(points)), inputs=each)
 
-    def asked(self) -> Steady:
-        """Return the rows over which the band is stated: each direction as it was moved in."""
-        v, grids = self.rows.seen(self.rows.velocity), []
-        for side in (-1.0, 1.0):
-            moved = side * v[side * v > self.frame.low]
-            if len(moved) > SLOW * len(v):
-                top = min(float(moved.max()), self.frame.top)
-                # a motion passes all speeds up to its largest
-                grids.append(side * np.geomspace(self.frame.low, top, ASKED))
-        return self.at(np.sort(np.concatenate(grids)))
+    def speed_of(self, place: int) -> float:
+        """Return the velocity of a place at which laws are compared [m/s]."""
+        return float(self._places.velocity[place])
 
-    def composition(
-        self, structure: Structure, coefficients: Array, *, offset: bool = False
-    ) -> Composition:
-        """Return the law that a structure with coefficients (d, p) is, at the usual load."""
-        rig = dict[str, Array]()
-        memory: Shape = (0.0, 0.0)
-        terms: dict[str, tuple[Shape, Array]] = {}
-        names = {name for name, _ in structure}
-        doubts = {path for path, one in self.records[0].unknown.items() if one.doubt}
-        parts = {**LEVELS, "offset": "level_direction"} if offset else LEVELS
-        at = 0
-        for name, shape in structure:
-            size = self.width(name, shape)
-            own, at = coefficients[:, at : at + size], at + size
-            rig |= self._of_rig(name, shape, own)
-            entries = shape[self.terms[name].shared :]
-            if name == "level":
-                memory = shape[:2] if shape[0] else memory
-                rig |= {"load_exponent": np.full(len(own), entries[0])} if entries else {}
-            part = parts.get(name, name if self.terms[name].role == "law" else "")
-            if part and name not in (*UNLIKE, *UNSEEN):
-                shown = () if part in parts.values() else entries
-                terms[part] = shown, own + terms.get(part, ((), 0.0))[1]
-        normal = self._normals(rig, len(coefficients))
-        # what is stated is no estimate
-        rig = {path: x for path, x in rig.items() if path not in doubts}
-        for name, (entries, own) in terms.items():
-            if name not in FLOWS and "viscous" not in name:
-                terms[name] = entries, own / normal[:, None]
-        values = {}
-        if memory[0]:
-            level = terms.get("level", ((), np.zeros((len(coefficients), 1))))[1][:, 0]
-            values = {"bristle_stiffness": level / memory[0]}
-            if self.memory == "lugre":
-                values |= {"bristle_damping": np.zeros(len(coefficients))}
-            else:
-                # bristles that yield at once have the least that laws have
-                least, _ = bounds_of("dahl(level)", "yield_exponent")
-                exponent = max(memory[1], least)
-                values |= {"yield_exponent": np.full(len(coefficients), exponent)}
-        found = compose(
-            terms,
-            self.frame.inputs,
-            len(coefficients),
-            memory=self.memory if memory[0] else "",
-            memory_values=values,
-            memory_fixed=("yield_exponent", "bristle_damping"),
-        )
-        text, instead = found.text, found.instead
-        lacks = tuple(name for name in (*UNSEEN, "second") if name in names)
-        if lacks:  # titles are those of the terms
-            text, instead = "", text or instead
-        if names & {*UNLIKE}:
-            text = instead = ""
-        return replace(found, rig=rig, text=text, instead=instead, load=normal, lacks=lacks)
+    def like(self, records: Sequence[Record]) -> OtherRows:
+        """Return the rows of other records, which are another run."""
+        return OtherRows.of(self.model, records)
 
-    def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array]:
-        """Return the property of rig or record (d,) that a term is, by path; none of others."""
-        unknown = self.records[0].unknown
-        if name in DELAYS:
-            return {name: shape[0] * own[:, 0]}
-        if name in SHAPED:
-            return {name: np.full(len(own), shape[0])}
-        if name in unknown:
-            return {name: unknown[name].given + own[:, 0]}
-        if name in PATHS:
-            path = {"inertia": self.inertia_path, "offset": self.offset}.get(name, name)
-            size = own[:, 0] if own.shape[1] == 1 else np.linalg.norm(own, axis=1)
-            if name in RATIOS:  # known forces stand on the side of the response
-                size = 1.0 - size if name == "mechanism" else 1.0 + size
-            return {path: size + self.records[0].constant if name == "offset" else size}
-        return {}
+    def at_rest(self, records: Sequence[Record]) -> RestRows:
+        """Return the rows of other records at rest, where friction is up to its level."""
+        return RestRows.of(self.model, records)
 
-    def _normals(self, rig: Mapping[str, Array], count: int) -> Array:
-        """Return the normal forces (d,) of draws, which parameters that were found may change."""
-        found = np.full(count, self.normal)
-        for path, (slope, given) in self.load_slopes.items():
-            found = found + slope * (rig.get(path, given) - given)
-        return np.asarray(np.maximum(found, 1e-9 * self.normal))
+    def curve_rows(self) -> SteadyRows:
+        """Return rows through which a curve is drawn as a law."""
+        v = self.asked().velocity
+        side = 1.0 if (v > 0.0).any() else -1.0
+        moved = side * v[side * v > 0.0]
+        return self.at(side * np.geomspace(moved.min(), moved.max(), POINTS))
+
+    def offered(self) -> SteadyRows:
+        """Return the stretches of steady motion that may be proposed: about the resolved speeds."""
+        v = resolved_speeds(self.model, OFFERED)
+        sides = [v[v * side > 0.0] for side in (-1.0, 1.0)]
+        ends = [
+            factor * one[np.argmax(np.abs(one)) if factor > 1.0 else np.argmin(np.abs(one))]
+            for one in sides
+            if len(one)
+            for factor in FARTHER
+        ]
+        return self.at(np.sort(np.concatenate([v, ends])))
+
+    def noise_of_stretch(self, rows: SteadyRows) -> Array:
+        """Return the deviation of the mean of a stretch of another run at rows (n,).
+
+        It is as long as a twentieth of the record.
+        """
+        count = self.model.kappa * self.model.balance.rows(MIDDLE).count / STRETCHES
+        sizes, shares = SCALES["run"]
+        run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
+        return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
+
+    def scale(self, rows: SteadyRows) -> Array:
+        """Return how friction grows with the load at rows (n,)."""
+        return rows.ratio
+
+    # ---- laws -------------------------------------------------------------------------------
+
+    def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
+        """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
+        name, shape = column
+        side = np.sign(rows.velocity)
+        state, speed = side * rows.ratio, np.abs(rows.velocity)
+        if name == "offset":
+            return [np.ones(len(speed))]
+        if name in FLOW_DIRECTIONS:
+            return [speed ** (shape[0] if shape else 1.0)]
+        if name == "stribeck_sides":
+            surplus = law_column(("stribeck", shape), rows.velocity, state)
+            return [surplus, side * surplus]
+        if "*" in name:
+            part, _, of = name.partition("*")
+            size = self.model.frame.inputs[of][1]
+            return [law_column((part, ()), rows.velocity, state) * rows.inputs[of] * size]
+        return [law_column(column, rows.velocity, state, 0.0, rows.transmitted)]
 
     @cached_property
-    def _rest(self) -> Steady:
-        return self.at(self.frame.low)
+    def changing(self) -> tuple[str, ...]:
+        """Terms by which friction changes with an input of the contact, beside every law."""
+        asked = {name for one in self.families or () for name in one if "*" in name}
+        if asked or self.families is not None:
+            return tuple(sorted(asked))
+        draws, found = self.posterior.draws(DRAWN, seed=5), list[str]()
+        for name in (f"{part}*{of}" for of in self.model.frame.inputs for part in CHANGING):
+            c = np.concatenate([self.model.split(x.node, x.random)[name][0] for x in draws])
+            low, high = np.quantile(c, (0.025, 0.975))
+            if not low <= 0.0 <= high and abs(float(np.median(c))) > 0.5 * TOLERANCE * self.size:
+                found.append(name)
+        return tuple(found)
 
-    def width(self, name: str, shape: Shape) -> int:
-        """Return the number of coefficients of a term."""
-        if (name, shape) not in self._widths:
-            one = np.reshape(self.terms[name].columns(self._rest, shape), (1, -1))
-            self._widths[name, shape] = one.shape[1]
-        return self._widths[name, shape]
+    @cached_property
+    def beside(self) -> tuple[str, ...]:
+        """What stands beside every law: what draws say of the directions."""
+        frame = self.model.frame
+        if len(frame.sides) < 2:
+            return ()
+        draws = self.posterior.draws(DRAWN, seed=5)
+        v = resolved_speeds(self.model, PLACES)
+        top = min(v.max(), -v.min())
+        low = min(max(v[v > 0.0].min(), -v[v < 0.0].max()), 0.5 * top)
+        u = np.geomspace(low, top, PLACES)
+        both = [steady_curves(self.model, draws, self.at(side * u)) for side in (1.0, -1.0)]
+        odd = 0.5 * (both[0] + both[1])
+        x = np.column_stack([np.ones_like(u), u / top])
+        b = odd @ np.linalg.pinv(x).T / self.size
+        found = []
+        for name, c in zip(("offset", "viscous_direction"), b.T, strict=True):
+            low_, high = np.quantile(c, (0.025, 0.975))
+            if not low_ <= 0.0 <= high and abs(float(np.median(c))) > 0.5 * TOLERANCE:
+                found.append(name)
+        if self.families is not None and not any("viscous_direction" in x for x in self.families):
+            found = [name for name in found if name != "viscous_direction"]
+        if self.looked_for or found == ["viscous_direction"]:
+            found = list(dict.fromkeys(["offset", *found]))
+        return tuple(found)
 
+    def _with_beside(self, structure: Structure) -> Structure:
+        """Return a law with what stands beside it, in the order of names."""
+        shapes = dict(structure)
+        more: list[Column] = [(one, ()) for one in self.beside if one == "offset"]
+        if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
+            more.append((flow_direction(shapes), shapes.get("power", ())))
+        more += [(one, ()) for one in self.changing if one.partition("*")[0] in shapes]
+        return tuple(sorted([*structure, *more], key=lambda one: one[0]))
 
-def _doubtful(path: str, doubt: float) -> Term:
-    """Return the term of a parameter of the mechanism whose uncertainty is stated."""
-    return Term(
-        name=path,
-        role="rig",
-        columns=lambda r, _: r.half_sample if path == HOLD else r.taken(path),
-        doubt=doubt,
-        cost=0,
-        title="hold of the force" if path == HOLD else path.rpartition(".")[2].replace("_", " "),
-    )
+    @cached_property
+    def _grid(self) -> Grid:
+        """Shapes of laws that the places tell apart."""
+        speed = np.abs(self._places.velocity)
+        slowest = max(float(speed.min()), self.model.frame.shaped)
+        return Grid(slowest=slowest, fastest=float(speed.max()), fine=2.0)
 
+    def candidates(self) -> list[Candidates]:
+        """Return the families on which curves are projected, with their structures."""
+        known = self.model.families
+        laws: dict[Family, list[Structure]] = {}
+        for law, _ in laws_of(self._grid, [one for one in known if one]):
+            laws.setdefault(tuple(name for name, _ in law), []).append(law)
+        found = []
+        for family, structures in laws.items():
+            if self.presliding is not None and "tanh" in family:
+                continue  # bristles are what smooths the level
+            every = [self._with_beside(one) for one in structures]
+            names = tuple(name for name, _ in every[0])
+            count = parameters_of(family) + (GEAR in family) + len(names) - len(family)
+            found.append(Candidates(family=names, structures=every, parameters=count))
+        return found
 
-def _made(
-    records: Sequence[Record],
-    like: RecordsProblem | None,
-    band: float,
-    normal: float,
-    inertia_path: str,
-    load_slopes: Mapping[str, tuple[float, float]] | None,
-    offset: str,
-    widest: float,
-    without: Collection[str],
-) -> RecordsProblem:
-    return RecordsProblem(
-        records, like=like, band=band, normal=normal, inertia_path=inertia_path,
-        load_slopes=load_slopes, offset=offset, widest=widest, without=without,
-    )  # fmt: skip
+    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
+        """Return the entries of shapes that draws have of their own, and structures to begin at."""
+        return shapes_to_draw(rung.structure, self._grid.slowest, self._grid.fastest)
 
+    def title(self, term: str) -> str:
+        """Return what a term is called in a sentence."""
+        if "*" in term:
+            part, _, of = term.partition("*")
+            return CHANGING[part].format(of)
+        return FINDINGS.get(term) or TITLES[term]
 
-def unseen_length(regression: BlockRegression, named: Structure) -> float:
-    """Return the longest bristle that a law without one may have and predict as well [m].
+    # ---- weights ----------------------------------------------------------------------------
 
-    0 where the shortest shows. A bristle against which the odds are less than `Thresholds.odds`, by
-    the evidence of records, is not told from none.
-    """
-    problem = regression.problem
-    assert isinstance(problem, RecordsProblem)
-    shared = [name for name, _ in named if problem.terms[name].shared]
-    if not shared or problem.free or MEMORY in problem.family(named):
-        return 0.0
-    frame, longest = problem.frame, 0.0
-    regression.losses([named])
-    least = float(np.log(np.mean(regression.losses_of[named])))
-    shortest = min(max(frame.noise, 1e-9 * frame.span), frame.span / 8.0)
-    for length in np.geomspace(shortest, frame.span / 4.0, GRID).tolist():
-        memory = (length, 1.0)
-        structure = tuple(
-            (name, (*memory, *shape[2:]) if name in shared else shape) for name, shape in named
-        )
-        regression.add(structure)
-        regression.losses([structure])
-        loss = float(np.mean(regression.losses_of[structure]))
-        if not 0.5 * (math.log(loss) - least) * len(problem.blocks) < math.log(THRESHOLDS.odds):
-            break
-        longest = length
-    return longest
+    def exact(self) -> float:
+        """Return the probability that what no law says is small beside any tolerance."""
+        small = [x <= EXACT for x in SCALES["common"][0]]
+        return float(self.posterior.scale("common")[small].sum())
 
-
-def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
-    """Return the number of the stretch of each row, blocks, and rows that are near each."""
-    count, at = rows.count, np.arange(rows.count)
-    parts = max(min(STRETCHES, count), 1)
-    stretch = np.minimum(at * parts // max(count, 1), parts - 1)
-    per = rows.filters[0].every * rows.filters[0].step * rows.band
-    gap = math.ceil(APART / per)
-    blocks = [stretch == k for k in range(parts)]
-    near = []
-    for block in blocks:
-        own = np.flatnonzero(block)
-        close = (at >= own[0] - gap) & (at <= own[-1] + gap)
-        near.append(block | (close & np.isin(rows.record, np.unique(rows.record[block]))))
-    for k in range(len(rows.records)):
-        if len(rows.records) > 1 and np.any(rows.record == k):
-            blocks.append(rows.record == k)
-            near.append(rows.record == k)
-    return stretch, blocks, near
-
-
-def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
-    if problem.free:
-        return _free_references(problem, memories)
-    base = _sought(problem)
-    constant: list[Column] = [("offset", ())] if problem.offset else []
-    # the curve is over speed and times the load: it has neither what inputs change nor, where the
-    # load does, what this does not change
-    changing = [
-        name for name in problem.terms if name in ("gear", "adhesion") or name.startswith("level*")
-    ]
-    return [
-        tuple(
-            sorted(
-                [
-                    *base,
-                    ("curve", (*memory, side, bend)),
-                    *constant,
-                    *((name, memory) for name in changing),
-                    *([("viscous", ())] if "adhesion" in changing else []),
-                ]
-            )
-        )
-        for memory in memories
-        for side in (0.0, 1.0)
-        for bend in BENDING
-    ]
-
-
-def _sought(problem: RecordsProblem) -> list[Column]:
-    """Return the columns of what is looked for beside friction; what is doubtful stays as given."""
-    names = problem.always - {"offset"}
-    return [(name, ()) for name in names if not problem.terms[name].doubt]
-
-
-def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
-    """Return laws with curves beside them that bend by a part of the friction.
-
-    Work hardly tells friction at low speeds from friction at others: there the prior does.
-    """
-    terms, rows = problem.terms, problem.rows
-    x = np.reshape(terms["curve"].columns(rows, (*memories[0], 0.0, 0.0)), (rows.count, -1))
-    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
-    left = problem.response - x @ (
-        np.linalg.lstsq(x / size, problem.response, rcond=1e-9)[0] / size
-    )
-    noise = float(np.std(left)) / (float(np.std(problem.response)) + 1e-300)
-    beside = [(), (("offset", ()),)] if problem.free == "work" else [()]
-    always = _sought(problem)
-    return [
-        tuple(
-            sorted(
-                [
-                    ("curve", (*memory, 0.0, (noise / bending) ** 2)),
-                    ("level", memory),
-                    ("viscous", ()),
-                    *always,
-                    *other,
-                ]
-            )
-        )
-        for memory in memories
-        for other in beside
-        for bending in FREE_BENDING
-    ]
-
-
-def by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
-    """Return the columns (n, p) of the measured curve, of size 1, and what they leave (n,)."""
-    rows = problem.rows
-    left, found = math.inf, (np.zeros((0, 0)), np.zeros(0))
-    for structure in problem.references:
-        x = np.hstack([np.reshape(problem.terms[name].columns(rows, shape), (rows.count, -1))
-                       for name, shape in structure])  # fmt: skip
-        x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
-        gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
-        e = problem.response - x @ np.linalg.solve(gram, x.T @ problem.response)
-        if np.median(np.abs(e)) < left:
-            left, found = float(np.median(np.abs(e))), (x, e)
-    return found
-
-
-def with_hold(
-    make: Callable[[Sequence[Record]], RecordsProblem],
-    each: Sequence[Sequence[Record]],
-    hold: str | None,
-) -> list[RecordsProblem]:
-    """Return the problems of coordinates whose forces are commands, which run as said.
-
-    Where nothing is said, the forces of all coordinates, which one program samples, go straight
-    where the measured curves leave less of them half a sample earlier, by two standard errors over
-    stretches, and hold elsewhere. When they act stays doubtful, less so the nearer what the choice
-    is seen to gain is to what is material.
-    """
-
-    def made(*, straight: bool, doubt: float = 0.0) -> list[RecordsProblem]:
+    @cached_property
+    def _families(self) -> list[Family]:
+        """The family of each structure, with what stands beside it."""
         return [
-            make([replace(one, held=one.held and not straight, hold_doubt=doubt) for one in own])
-            for own in each
+            tuple(name for name, _ in self._with_beside(one)) if one else ()
+            for one in self.posterior.structures
         ]
 
-    problems = made(straight=hold == "first")
-    open_ = [one for one in problems if not one.free and any(own.held for own in one.records)]
-    if hold is not None or not open_:
-        return problems
-    # what is left counts over its mean: joints differ in size and unit
-    left = [_left_by_hold(one) for one in open_]
-    held, straight = np.concatenate([one / (np.mean(one) + 1e-300) for one in left]).T
-    more, material = held - straight, THRESHOLDS.material * max(np.mean(held), np.mean(straight))
-    errors = float(np.mean(more)) / (float(np.std(more)) / math.sqrt(len(more)) + 1e-300)
-    interpolated = errors > THRESHOLDS.errors
-    # what the choice gains counts in so far as it is seen, between half of the errors and all
-    seen = (errors if interpolated else -errors) / (0.5 * THRESHOLDS.errors) - 1.0
-    gain = min(max(seen, 0.0), 1.0) * abs(float(np.mean(more)))
-    doubt = HOLD_DOUBT * max(1.0 - gain / (float(material) + 1e-300), 0.0)
-    return made(straight=interpolated, doubt=doubt) if interpolated or doubt else problems
+    def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
+        """Return the probability of each family, and that with little that no law says."""
+        small = np.array(
+            [self.model.at(node, "common") <= tolerance for node in self.posterior.nodes]
+        )
+        every: dict[Family, float] = {}
+        adequate: dict[Family, float] = {}
+        columns = zip(
+            self._families, self.posterior.shares, self.posterior.weights[small].sum(axis=0),
+            strict=True,
+        )  # fmt: skip
+        for family, share, own in columns:
+            every[family] = every.get(family, 0.0) + float(share)
+            adequate[family] = adequate.get(family, 0.0) + float(own)
+        return every, adequate
+
+    def holds(self, family: Family) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) of the posterior at which a family holds."""
+        same = np.array([one == family for one in self._families])
+        return np.broadcast_to(same, self.posterior.weights.shape)
+
+    def nothing(self) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) at which there is no friction."""
+        none = np.array([not one for one in self.posterior.structures])
+        still = np.array([self.model.at(n, "common") == 0.0 for n in self.posterior.nodes])
+        return np.asarray(still[:, None] & none)
+
+    # ---- curves -----------------------------------------------------------------------------
+
+    def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
+        """Return drawn curves alone (k, n): in the mean over the records."""
+        return steady_curves(self.model, draws, rows)
+
+    def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
+        """Return what friction is in draws (k, n): in the records, or in another run."""
+        curves = steady_curves(self.model, draws, rows) + beyond(self.model, draws, rows)
+        return curves + of_another_run(self.model, draws, rows) if new else curves
+
+    def readings(self, rows: SteadyRows | OtherRows, draws: Sequence[Draws]) -> Array:
+        """Return new readings in draws (k, n)."""
+        if isinstance(rows, OtherRows):
+            return readings(self.model, draws, rows)
+        curves = self.friction(rows, draws, new=True)
+        rng, single = np.random.default_rng(11), [one.beside for one in self.model.balance.pieces]
+        return curves + np.hypot(self.noise(rows), max(single)) * rng.normal(size=curves.shape)
+
+    def noise(self, rows: SteadyRows) -> Array:
+        """Return the standard deviation of a reading at rows (n,)."""
+        noise = self.model.noises[MIDDLE]
+        speed = np.abs(rows.velocity)
+        of = np.clip(np.searchsorted(noise.edges, speed) - 1, 0, len(noise.edges) - 2)
+        return np.asarray(noise.deviations[of] * self._noisier)
+
+    @cached_property
+    def _noisier(self) -> float:
+        """Noise over what the last round left."""
+        return float(self.posterior.scale("noise") @ SCALES["noise"][0])
+
+    # ---- what leaves ------------------------------------------------------------------------
+
+    @cached_property
+    def presliding(self) -> Memory | None:
+        """The bristle that the records show, or None."""
+        if self.families is not None and not any({*one} & {*MEMORIES} for one in self.families):
+            return None
+        shares = self.posterior.scale("bristle")
+        memory = self.model.memories[int(np.argmax(shares))]
+        lengths = np.array([one.length for one in self.model.memories])
+        none = float(shares[lengths == 0.0].sum())
+        if none * SURE > 1.0 - none or memory.length < SHORT * self.model.frame.noise:
+            return None
+        part = self.model.part(memory)
+        seen = math.sqrt(float(np.mean(part**2))) > SEEN
+        return memory if seen and np.sum(part > SEEN) > ROWS else None
+
+    @property
+    def memory(self) -> str:
+        """Law of the bristles in the notation; empty without."""
+        if self.presliding is None:
+            return ""
+        named = {name for one in self.families or () for name in one if name in MEMORIES}
+        if len(named) == 1:
+            return named.pop()
+        return "lugre" if self.presliding.exponent == LUGRE and self._is_lugre else "dahl"
+
+    @cached_property
+    def _is_lugre(self) -> bool:
+        """Whether the length of bristles follows a level that varies, or they have a damping."""
+        memory = self.presliding
+        assert memory is not None
+        if memory.ratio is not None and float(np.ptp(memory.ratio)) > VARIES:
+            return True
+        length, damping = self._drawn_bristles(memory, self._usual)
+        critical = 2.0 * math.sqrt(self.size * self.model.inertia / memory.length)
+        return float(np.mean(damping / length > DAMPED * critical)) > SURE / (1.0 + SURE)
+
+    def composition(
+        self,
+        structure: Shaped,
+        coefficients: Array,
+        draws: Sequence[Draws] | None = None,
+        *,
+        offset: bool = False,
+    ) -> Composition:
+        """Return the law that a structure with coefficients (k, p) is, at the usual load."""
+        at, count = 0, len(coefficients)
+        normal = self._normals(draws)
+        terms: dict[str, tuple[Any, Array]] = {}
+        rig: dict[str, Array] = {}
+        for name, shape in structure:
+            size = 2 if name == "stribeck_sides" else 1
+            own, at = coefficients[:, at : at + size], at + size
+            if name == "offset" and offset:
+                terms["level_direction"] = (), own / normal
+                rig[name] = own[:, 0]
+            elif name == "offset":
+                rig[self.offset or name] = own[:, 0] + self.records[0].constant
+            else:
+                flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
+                terms[name] = shape, own if flows else own / normal
+        frame = self.model.frame
+        means = {name: mean for name, (mean, _) in frame.inputs.items()}
+        means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
+        # bristles stand around no directions
+        memory = "" if {*DIRECTIONS} & terms.keys() else self.memory
+        values = self._bristles(terms, normal, draws) if memory else {}
+        if memory == "dahl" and self.presliding is not None:
+            least, _ = bounds_of("dahl(level)", "yield_exponent")
+            values.pop("bristle_damping")
+            exponent = max(abs(self.presliding.exponent), least)
+            values["yield_exponent"] = np.full(count, exponent)
+        found = compose(
+            terms, means, count, memory=memory, memory_values=values,
+            memory_fixed=("yield_exponent",),
+        )  # fmt: skip
+        if "power_direction" in terms:  # no law of stickslip.friction has it
+            found = replace(found, text="", instead="")
+        return replace(found, rig=rig, load=normal[:, 0])
+
+    def _normals(self, draws: Sequence[Draws] | None) -> Array:
+        """Return the normal forces (k, 1) of draws, or that in the middle of all."""
+        if not self.load_slopes:
+            count = 1 if draws is None else sum(one.random.shape[1] for one in draws)
+            return np.full((count, 1), self.normal)
+        rig = self.rig(self._usual if draws is None else draws)
+        change = sum(
+            slope * (rig[path] - given)
+            for path, (slope, given) in self.load_slopes.items()
+            if path in rig
+        )
+        normal = np.maximum(self.normal + change, 1e-9 * self.normal)
+        return np.reshape(np.median(normal) if draws is None else normal, (-1, 1))
+
+    @cached_property
+    def _usual(self) -> list[Draws]:
+        """Draws in whose middle a law stands that is none of them."""
+        found: list[Draws] = self.posterior.draws(DRAWN, seed=13)
+        return found
+
+    def _bristles(
+        self, terms: Mapping[str, tuple[Any, Array]], normal: Array,
+        draws: Sequence[Draws] | None,
+    ) -> dict[str, Array]:  # fmt: skip
+        """Return stiffness and damping of bristles (k,).
+
+        Each draw has the length and the damping of its own node.
+        """
+        memory = self.presliding
+        assert memory is not None
+        count = len(next(iter(terms.values()))[1]) if terms else len(normal)
+        level, through = np.zeros(count), sum(self.model.frame.transmitted[1:2])
+        speed = np.full(count, memory.speed)
+        for name, (shape, own) in terms.items():
+            if name in LEVELS:
+                shapes = tuple(np.broadcast_to(np.ravel(x), count) for x in shape)
+                curve = law_column((name, shapes), speed, np.ones(count), 0.0, through)
+                level = level + own[:, 0] * curve
+        length, damping = self._drawn_bristles(memory, self._usual if draws is None else draws)
+        if draws is None:
+            length, damping = (np.full(count, np.median(x)) for x in (length, damping))
+        return {
+            "bristle_stiffness": level / length,
+            "bristle_damping": damping / length / normal[:, 0],
+        }
+
+    def _drawn_bristles(self, memory: Memory, draws: Sequence[Draws]) -> tuple[Array, Array]:
+        """Return lengths of bristles, and the coefficients of their damping (k,), at least 0."""
+        rng = np.random.default_rng(9)
+        lengths, damping = [], []
+        for one in draws:
+            own, count = self.model.memory(one.node), one.random.shape[1]
+            own = own if own.length else memory
+            lengths.append(own.length * np.exp(own.spread * rng.normal(size=count)))
+            plain = self.model.split(one.node, one.random)
+            damping.append(plain["damping"][0] if "damping" in plain else np.zeros(count))
+        return np.concatenate(lengths), np.maximum(np.concatenate(damping), 0.0)
+
+    def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        """Return what is looked for beside the law (k,) in draws, by path."""
+        found: dict[str, list[Array]] = {}
+        unknown = self.model.balance.pieces[0].record.unknown
+        paths = {name: name for name, one in unknown.items() if not one.doubt}
+        if self.model.balance.finds_inertia:
+            paths["inertia"] = self.inertia_path or "inertia"
+        for one in draws:
+            plain = self.model.split(one.node, one.random)
+            for name, path in paths.items():
+                given = unknown[name].given if name in unknown else 0.0
+                found.setdefault(path, []).append(given + plain[name][0])
+        return {path: np.concatenate(x) for path, x in found.items()}
+
+    # ---- figures and findings ---------------------------------------------------------------
+
+    @cached_property
+    def _left(self) -> tuple[Array, Array]:
+        """Velocities and friction (n,) of the rows, less what is no friction, at the best node."""
+        model, node = self.model, self.posterior.best
+        law = self.posterior.structures[
+            int(np.argmax(self.posterior.weights[self.posterior.nodes.index(node)]))
+        ]
+        _, b = self.posterior.estimate(node, law)
+        which, memory = model.key(node)
+        design, rows = model.design(which, memory), model.balance.rows(which)
+        plain = model.plain(node, b[:, None])[:, 0]
+        friction = np.isin(design.groups, ("common", "sides", "offset", "side"))
+        y = rows.response - design.random[:, ~friction] @ plain[~friction]
+        resolved = rows.far > RESOLVED
+        kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
+        return rows.velocity[kept], y[kept]
+
+    def points(self, rung: Rung) -> MeasuredPoints:
+        """Return friction of the rows, less what is no friction, thinned out."""
+        v, y = self._left
+        few = np.arange(0, len(v), max(len(v) // DRAWN, 1))
+        ones = np.ones(len(few))
+        return MeasuredPoints(
+            velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones
+        )
+
+    def scatter(self, rung: Rung) -> float:
+        """Return the standard deviation of what the law and what acts beside it leave [N]."""
+        noise, rows = self.model.noises[MIDDLE], self.model.balance.rows(MIDDLE)
+        of = self.model.classes(self.model.balance, MIDDLE, noise)
+        sizes = noise.deviations[of] * noise.pieces[rows.piece] * self._noisier
+        at = self.asked()
+        middle = np.mean(self.steady(at, self._usual), axis=0)
+        off = middle - self.design(rung.structure, at) @ rung.coefficients
+        return math.sqrt(float(np.mean(sizes**2)) + float(np.mean(off**2)))
+
+    def findings(self, draws: Sequence[Draws]) -> list[Finding]:
+        """Return what changes along the records, with its probability."""
+        found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
+        found += [self._delay(draws)] if "delay" in self.model.names else []
+        found += [self._given(name, draws) for name in self.model.balance.given]
+        found += [self._input(name, draws) for name in self.model.frame.inputs]
+        return [one for one in found if one.probability > 0.5]
+
+    def untold(self) -> list[str]:
+        """Return sentences on what the design does not tell apart, and what would."""
+        found, balance = list[str](), self.model.balance
+        if "offset" in self.beside and self.offset and self.model.frame.load == 1.0:
+            found.append(
+                "A constant offset is not told from a level that differs by direction: a record"
+                " under another load would tell them, or what the sensor shows without a force."
+            )
+        for path in balance.dampings:
+            what = path.rpartition(".")[2].replace("_", " ")
+            found.append(
+                f"The {what} is not told from viscous friction: what is stated of it has both, and"
+                " no law with viscous friction is compared."
+            )
+        return found
+
+    def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return how much the level or the force changes, with the odds that it is not little."""
+        model, rows = self.model, self.model.balance.rows(MIDDLE)
+        sizes = SCALES[name][0]
+        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in sizes]].sum()
+        course = model.frame.course(rows.time)
+        waves = model.balance.waves
+        columns = {
+            "drift": course,
+            "place": model.frame.places(rows.position, waves[1]),
+            "force": model.frame.places(rows.position, waves[0]),
+        }
+        if name == "relaxing":
+            columns[name] = model.balance.fixed(MIDDLE)[name]
+        changes = []
+        for one in draws:
+            b = model.split(one.node, one.random)[name]
+            if name == "run":
+                level = b.reshape(2, -1, b.shape[1])[0]
+                changes.append(np.std(level, axis=0, ddof=1))
+            elif name == "drift":
+                ends = model.frame.course(
+                    model.frame.start + model.frame.duration * np.array([0.0, 1.0])
+                )
+                changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
+            else:
+                moved = columns[name][::7] @ b
+                if name == "force":
+                    moved += course[::7] @ model.split(one.node, one.random)["zero"]
+                changes.append(np.std(moved, axis=0))
+        change = np.concatenate(changes) / self.size
+        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        middle = float(np.median(change))
+        likely = likely if abs(middle) >= NEGLIGIBLE else 0.0
+        return Finding(
+            term=name, title=FINDINGS[name], probability=min(float(likely), 1.0),
+            size=middle, low=low, high=high, sentence=self._sentence(name, middle, draws),
+        )  # fmt: skip
+
+    def _sentence(self, name: str, size: float, draws: Sequence[Draws]) -> str:
+        unit = "N m" if self.turning else "N"
+        if name == "drift":
+            v = self.asked().velocity
+            side = 1.0 if (v > 0.0).any() else -1.0
+            at = self.at([side * float(np.median(np.abs(v[side * v > 0.0])))])
+            typical = abs(float(np.median(self.steady(at, draws))))
+            ends = [typical + k * 0.5 * size * self.size for k in (-1.0, 1.0)]
+            first, last = (quantity(x, unit, 3) for x in ends)
+            verb = "falls" if size < 0.0 else "rises"
+            return (
+                f"Friction {verb} over the record, from {first} at its beginning to {last} at its"
+                " end."
+            )
+        if name == "run":
+            runs = self.model.balance.runs
+            return f"The {runs} runs differ by {percent(size)} of friction (standard deviation)."
+        if name == "relaxing":
+            return (
+                "A spring that relaxes, as a hose or a cable does, acts beside friction, by"
+                f" {percent(size)} of it (standard deviation)."
+            )
+        what = {
+            "place": "The level of friction changes with the place",
+            "force": "A force beside friction changes with the place or in time",
+        }[name]
+        return f"{what}, by {percent(size)} of friction (standard deviation)."
+
+    def _input(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return how much friction changes over two standard deviations of an input."""
+        v = self.asked().velocity
+        side = 1.0 if (v > 0.0).any() else -1.0
+        mean, size = self.model.frame.inputs[name]
+        at = side * float(np.median(np.abs(v[side * v > 0.0]))) * np.ones(2)
+        ends = self.steady(self.at(at, inputs={name: mean + size * np.array([-1.0, 1.0])}), draws)
+        change = np.diff(ends, axis=1)[:, 0] * side / self.size
+        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        middle = float(np.median(change))
+        likely = max(float(np.mean(change > 0.0)), float(np.mean(change < 0.0)))
+        units = [quantity(mean + k * size, "", 3) for k in (-1.0, 1.0)]
+        verb = "falls" if middle < 0.0 else "rises"
+        return Finding(
+            term=name, title=CHANGING["level"].format(name),
+            probability=likely if abs(middle) >= NEGLIGIBLE else 0.0,
+            size=middle, low=low, high=high,
+            sentence=f"Friction {verb} by {percent(abs(middle))} where the {name} goes from"
+            f" {units[0]} to {units[1]}.",
+        )  # fmt: skip
+
+    def _given(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return by how much the inertia, or the mechanism's forces, are not as given."""
+        at = self.model.balance.given.index(name)
+        parts = [self.model.split(one.node, one.random)["given"] for one in draws]
+        several = len(self.model.balance.given) > 1  # the last column is that of both
+        off = np.concatenate([b[at] + (b[-1] if several else 0.0) for b in parts])
+        low, high = np.quantile(off, (0.025, 0.975)).tolist()
+        middle = float(np.median(off))
+        factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
+        what = {
+            "inertia": "The inertia is {} times as given ({} to {})",
+            "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
+            "body": "What the rigid body takes is {} times as given ({} to {})",
+        }[name].format(*factors)
+        return Finding(
+            term=f"{name}_given", title=GIVEN[name],
+            probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low, high=high,
+            sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
+        )  # fmt: skip
+
+    def _delay(self, draws: Sequence[Draws]) -> Finding:
+        """Return by how much the force acts later than recorded."""
+        model = self.model
+        late = np.concatenate(
+            [model.split(one.node, one.random)["delay"][0] for one in draws]
+        ) + model.balance.pieces[0].late  # fmt: skip
+        low, high = np.quantile(late, (0.025, 0.975)).tolist()
+        step = model.balance.pieces[0].step
+        middle = float(np.median(late))
+        # from going straight to the next sample to holding until it, and half a sample beyond
+        likely = float(max(np.mean(late > 1.5 * step), np.mean(late < -0.5 * step)))
+        return Finding(
+            term="delay", title="delay of the force", probability=likely, size=middle, low=low,
+            high=high,
+            sentence=f"The force acts {quantity(abs(middle), 's', 2)}"
+            f" {'later' if middle > 0.0 else 'earlier'} than recorded.",
+        )  # fmt: skip
 
 
-def _left_by_hold(problem: RecordsProblem) -> Array:
-    """Return what the measured curve leaves of forces that hold, or go straight, by stretch."""
-    rows = problem.rows
-    late = [
-        f(one.force) - f(one.force, late=0.5 * f.step * one.held)
-        for one, f in zip(rows.records, rows.filters, strict=True)
-    ]
-    x, held = by_curve(problem)
-    y = problem.response + rows.rows_of(late)
-    gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
-    straight = y - x @ np.linalg.solve(gram, x.T @ y)
-    stretches = [problem.stretches == k for k in np.unique(problem.stretches)]
-    return np.array([[np.abs(e[k]).mean() for e in (held, straight)] for k in stretches])
+def parts_of(family: Family) -> Family:
+    """Return the parts of a law among the terms of a family.
 
-
-def _of_stretches(problem: RecordsProblem) -> tuple[Array, NDArray[np.intp]]:
-    """Return products of what stretches do to the fit (k, k), and the record of each (k,)."""
-    x, left = by_curve(problem)
-    inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
-    e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
-    parts = problem.stretches * len(problem.records) + problem.rows.record
-    parts, of = np.unique(parts, return_inverse=True)
-    scores = np.zeros((len(parts), x.shape[1]))
-    np.add.at(scores, of, x * e[:, None])
-    moved = x @ inverse @ scores.T
-    return moved.T @ moved, parts % len(problem.records)
-
-
-def _by_records(products: Array, records: NDArray[np.intp]) -> float:
-    """Return the size of what records do to the fit, by the products of their stretches."""
-    same = records[:, None] == records
-    return float(np.sum(products[same]))
-
-
-def _between(problem: RecordsProblem) -> float:
-    """Return the variance of the fit by what records differ, over that by what stretches do.
-
-    Each is the variance of sums of the scores of the measured curve; a fit to records that share a
-    law leaves both the same. Without a second record it is 1.
+    Examples
+    --------
+    >>> parts_of(("dahl", "level", "offset", "viscous"))
+    ('level', 'viscous')
     """
-    count = len(problem.records)
-    if count < 2:
-        return 1.0
-    products, records = _of_stretches(problem)
-    k = len(records)
-    by_stretch = float(np.trace(products)) * k / (k - 1)
-    return _by_records(products, records) * count / (count - 1) / (by_stretch + 1e-300)
-
-
-def chance_of_records(problem: RecordsProblem) -> float:
-    """Return how often stretches dealt to records at random differ as those of the records do."""
-    products, records = _of_stretches(problem)
-    rng, measured = np.random.default_rng(7), _by_records(products, records)
-    dealt = (_by_records(products, rng.permutation(records)) for _ in range(DEALS))
-    return (1.0 + sum(one >= measured for one in dealt)) / (1.0 + DEALS)
-
-
-def _spread(problem: RecordsProblem) -> float:
-    """Return how far another record differs, over the covariance of the mean of stretches.
-
-    Of R records alike, another differs by R times the variance of their mean. One record tells
-    nothing of it; few are weighed with the usual `SPREAD`.
-    """
-    count, usual = len(problem.records), FREE_SPREAD if problem.free else SPREAD
-    found = (1.0 + count) * max(problem.between, 1.0 / count)
-    share = (count - 1.0) / (count - 1.0 + LIKELY)
-    return float(usual ** (1.0 - share) * found**share)
+    names = ("stribeck" if name == "stribeck_sides" else name for name in family)
+    return tuple(sorted({name for name in names if name in PARTS or name == GEAR}))

@@ -84,14 +84,6 @@ OUTLYING = 6.0
 """Deviations from which a reading is said to be far from the others."""
 MOST_RESTS = 4
 """Readings that may be at rest, in each direction."""
-MORE_TITLES: Mapping[str, str] = {
-    "tanh": "level that is smooth in the velocity (tanh)",
-    "logarithmic": "logarithm of the speed",
-    "hersey": "static surplus that fades with speed over load (Hersey number)",
-    "stribeck_sides": TITLES["stribeck_direction"],
-    "power_direction": "power of the speed that differs by direction",
-}
-"""What terms are called that tables alone have."""
 DIRECTIONS: tuple[tuple[str, ...], ...] = (
     (),
     ("offset",),
@@ -169,7 +161,7 @@ class TableProblem(Problem):
         if "*" in term:
             part, _, of = term.partition("*")
             return CHANGING[part].format(of)
-        return MORE_TITLES.get(term) or TITLES[term]
+        return TITLES[term]
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -370,7 +362,12 @@ class TableProblem(Problem):
         return none * float(self.posterior.scale("delta")[small].sum())
 
     def composition(
-        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+        self,
+        structure: Shaped,
+        coefficients: Array,
+        draws: Sequence[Draws] | None = None,
+        *,
+        offset: bool = False,
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is, over the mean load."""
         load, at = self.model.frame.load, 0

@@ -27,8 +27,8 @@ from scipy.stats import qmc
 
 from stickslip.engine.simulation import simulate
 from stickslip.friction import FrictionLaw
+from stickslip.identify.bands import Array
 from stickslip.identify.fits import TravelModel, Trial, is_rig, required_of, under_cycles
-from stickslip.identify.problem import Array
 from stickslip.identify.problems.travel_descent import descended, slopes_of
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import Quantity, fields_of, parameters

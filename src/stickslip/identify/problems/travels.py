@@ -43,8 +43,7 @@ from scipy.special import chdtri, logsumexp, ndtri, softmax, stdtrit
 from stickslip.data import whole_cycles
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
-from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
-from stickslip.identify.ensemble import allotted
+from stickslip.identify.bands import ALIKE, Array
 from stickslip.identify.fits import (
     READINGS,
     TravelModel,
@@ -55,7 +54,7 @@ from stickslip.identify.fits import (
     starting_law,
     under_cycles,
 )
-from stickslip.identify.problem import ALIKE, Array
+from stickslip.identify.posterior import allotted
 from stickslip.identify.problems.travel_descent import STEP
 from stickslip.identify.problems.travel_laws import (
     HOLDING,
@@ -65,7 +64,12 @@ from stickslip.identify.problems.travel_laws import (
     TravelStructure,
     moving_back,
 )
-from stickslip.identify.search import block_scores
+from stickslip.identify.problems.travel_shares import (
+    LEAST,
+    block_scores,
+    stacked_shares,
+    with_curve,
+)
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary

@@ -1,10 +1,10 @@
-"""Machine code of states of laws: along a motion for many copies, and observers of a record."""
+"""Machine code that integrates the states of a law along a motion, for many copies of it."""
 
 import ast
 import dataclasses
 import functools
 import itertools
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,54 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.engine.kernels import observer
+from stickslip.engine.kernels import states
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
 from stickslip.engine.solver.compile.programs import as_function, function_of, signature_of
 from stickslip.engine.solver.compile.translation import Function, exported, translated
 from stickslip.errors import CompilationError, not_finite
 from stickslip.friction import FrictionLaw, bound
 from stickslip.quantities import shadow, structure, unchecked
-
-# Machine code of the observer of a record, one file on a machine.
-
-
-class ObserverCode(ObjectCode):
-    """Machine code of `stickslip.engine.kernels.observer.observe`."""
-
-    @property
-    def title(self) -> str:
-        return "the observer of records"
-
-    @property
-    def name(self) -> str:
-        sources = [Path(name).read_text("utf-8") for name in (observer.__file__, __file__)]
-        return name_of("\n".join([maker(), *sources]))
-
-    @property
-    def symbols(self) -> Sequence[str]:
-        return ("observe",)
-
-    @property
-    def seconds(self) -> float:
-        return 0.2
-
-    def text(self) -> str:
-        parts: list[Any] = [observer.looked_up, observer.strained, observer.observe]
-        own = signature_of(observer.observe)
-        return f"{translated([function_of(part) for part in parts])}\n{exported('observe', own)}"
-
-
-CODE = ObserverCode()
-
-
-@functools.cache
-def observe() -> Callable[..., Any]:
-    """Return the compiled function, loaded once in a process."""
-    CODE.load()
-    return as_function(CODE.addresses["observe"], signature_of(observer.observe))
-
-
-# Machine code that integrates the states of a law along a motion, for many copies of it.
 
 Array = NDArray[np.float64]
 
@@ -198,12 +157,12 @@ class StatesCode(ObjectCode):
         return 0.1
 
     def text(self) -> str:
-        own = observer.move if self.entry == FORMULA else observer.rate
+        own = states.move if self.entry == FORMULA else states.rate
         (node,) = ast.parse(self.program).body
         assert isinstance(node, ast.FunctionDef)
-        steps: list[Any] = [observer.by_formula]
+        steps: list[Any] = [states.by_formula]
         if self.entry == RATES:
-            steps = [observer.by_rates, observer.stepped, observer.held_back]
+            steps = [states.by_rates, states.stepped, states.held_back]
         functions = [Function(node, signature_of(own), lambda _: None, self.title)]
         functions += [function_of(step) for step in steps]
         return f"{translated(functions)}\n{exported(self.entry, signature_of(steps[0]))}"
@@ -211,16 +170,14 @@ class StatesCode(ObjectCode):
     @functools.cached_property
     def function(self) -> Any:
         """The entry as a function of numbers and arrays, once it is ready."""
-        called = getattr(observer, self.entry)
+        called = getattr(states, self.entry)
         return as_function(self.addresses[self.entry], signature_of(called))
 
 
 @functools.cache
 def _steps_text() -> str:
     """Return what decides on the steps: their text, with that of what compiles them."""
-    from pathlib import Path
-
-    return "\n".join(Path(name).read_text("utf-8") for name in (observer.__file__, __file__))
+    return "\n".join(Path(name).read_text("utf-8") for name in (states.__file__, __file__))
 
 
 class _Lines:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.engine.kernels.observer import (
+from stickslip.engine.kernels.states import (
     MARGIN,
     MOST_PARTS,
     NUDGE,

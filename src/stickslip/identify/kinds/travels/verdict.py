@@ -356,8 +356,6 @@ class TravelVerdict(Verdict[TravelCandidate]):
                 }
                 for one, every in pairs
             ],
-            "causes": [],
-            "patterns": [],
             "findings": [],
             "other_specimen": None,
             "tolerance": None,

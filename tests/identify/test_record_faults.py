@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.posterior.record_problem import RecordProblem
-from benchmarks.posterior.record_rows import cutoff_of, pieces_of
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, FrictionLaw, LuGre, simulate
 from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.record_rows import cutoff_of, pieces_of
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.records import RecordProblem
 from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.posterior.record_columns import RESOLVED, Balance, Memory, law_column
-from benchmarks.posterior.record_model import BELOW, SCALES, STRETCHES, RecordModel
-from benchmarks.posterior.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.posterior import Array, Draws
+from stickslip.identify.problems.record_columns import RESOLVED, Balance, Memory, law_column
+from stickslip.identify.problems.record_model import BELOW, SCALES, STRETCHES, RecordModel
+from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 
 FARTHEST = 3.0
@@ -17,6 +17,8 @@ FARTHEST = 3.0
 NEARBY, FADES = 1.0 / 60.0, 1.0 / 24.0
 """Distance from places that were seen up to which what was learned of the place holds, and over
 which it fades, over the range of positions."""
+EVENLY = 400
+"""Places over which the level is averaged."""
 RESOLVED_ROWS = 20
 """Rows of a direction with a resolved speed that tell its range."""
 STUDENT = 6.0
@@ -85,14 +87,14 @@ class RestRows(OtherRows):
 def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
     """Return steady friction, with what is constant (draws, n).
 
-    It is that of the record fitted: with the means of what changed along it.
+    It is that of the record fitted: midway in time, in the mean over its range of places.
     """
-    frame, rows = model.frame, model.balance.rows(MIDDLE)
-    v, side = at.velocity, np.sign(at.velocity)
+    frame, v, side = model.frame, at.velocity, np.sign(at.velocity)
     state, speed = side * at.ratio, np.abs(v) / frame.top
     hats = frame.hats(v)
-    course = frame.course(rows.time).mean(axis=0)
-    place = frame.places(rows.position, model.balance.waves[1]).mean(axis=0)
+    course = frame.course(np.array([frame.start + 0.5 * frame.duration]))[0]
+    evenly = frame.begin + frame.span * np.linspace(0.0, 1.0, EVENLY)
+    place = frame.places(evenly, model.balance.waves[1]).mean(axis=0)
     count = len(course)
     found = []
     for one in draws:
@@ -180,7 +182,8 @@ def readings(
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
     tail = rng.standard_t(STUDENT, size=found.shape) * math.sqrt((STUDENT - 2.0) / STUDENT)
-    return np.asarray(found + size * float(noise.pieces.max()) * tail)
+    factors = np.repeat([model.at(one.node, "noise") for one in draws], _numbers(draws))
+    return np.asarray(found + factors[:, None] * size * float(noise.pieces.max()) * tail)
 
 
 class _Readings:
@@ -236,7 +239,10 @@ class _Readings:
         for name, b in plain.items():
             if name in ("stretch", "turn", "run") or (self.rests and name in BRISTLES):
                 continue
-            learned = (every[name] @ b).T
+            of = b
+            if name == "zero":  # another record has another course in time
+                of = model.at(node, "force") * size * rng.normal(size=b.shape)
+            learned = (every[name] @ of).T
             if name in ("place", "force"):
                 new = model.at(node, name) * size * rng.normal(size=b.shape)
                 learned = self.near * learned

@@ -9,19 +9,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.posterior.free_balance import FreeBalance
-from benchmarks.posterior.record_curves import SteadyRows
-from benchmarks.posterior.record_problem import parts_of
-from benchmarks.posterior.refinement import SIZES, Candidate, Motion, RunPosterior, Runs
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.judgement import Candidates, Problem
 from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
 from stickslip.identify.posterior import Array, Draws, Family, Structure
-from stickslip.identify.problems.record_frame import before_rest, free_form
+from stickslip.identify.problems.free_balance import (
+    FreeBalance,
+    balanced,
+    before_rest,
+    free_form,
+    unseen_of,
+)
+from stickslip.identify.problems.free_runs import (
+    RUN_PRIOR,
+    RUNS,
+    SIZES,
+    Candidate,
+    Motion,
+    RunPosterior,
+    Runs,
+)
+from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.records import parts_of
 from stickslip.identify.projection import Free, Rung, Shaped, shapes_to_draw
 from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
-from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
 
 PLACES, ASKED = 25, 40
 """Speeds at which laws are compared, and at which the band is stated."""
@@ -29,13 +42,10 @@ EXACT = 0.02
 """Size of what no law says up to which a law is exact: the usual tolerance."""
 FOLLOWED = 100
 """Draws by which another motion is run."""
+MIDDLE = 200
+"""Draws in whose middle a law stands that is none of them."""
 SHOWN = 40
 """Points of a figure, about."""
-MORE_TITLES: Mapping[str, str] = {
-    "tanh": "level that is smooth in the velocity (tanh)",
-    "logarithmic": "logarithm of the speed",
-}
-"""What terms are called that records of driven motion lack."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,21 +77,24 @@ class FreeMotionProblem(Problem):
 
     Parameters
     ----------
-    mechanism : Mechanism
-        What moves, with what is given of it.
     records : sequence of Record
         What was recorded: `free_form` says whether they are free.
     normal : float
         Normal force at which levels are stated [N].
+    sought : sequence of str
+        Paths of parameters of the mechanism that are looked for.
+    load_slopes : mapping of str to pair of float
+        By how much parameters change the normal force, and their values.
     deviations : mapping of str to float, optional
         Standard uncertainties of the mechanism's parameters that were stated, by path.
     families : sequence of Family, optional
         Families of laws that are compared.
     """
 
-    mechanism: Mechanism
     records: Sequence[Record]
     normal: float = 1.0
+    sought: Sequence[str] = ()
+    load_slopes: Mapping[str, tuple[float, float]] | None = None
     deviations: Mapping[str, float] | None = None
     families: Sequence[Family] | None = None
 
@@ -89,9 +102,18 @@ class FreeMotionProblem(Problem):
         known = None
         if self.families is not None:
             known = [(), *dict.fromkeys(map(parts_of, self.families))]
+        self.restricted = known is not None
+        self.runs = len(self.records)
         own = [before_rest(one) for one in self.records]
-        self.balance = FreeBalance(self.mechanism, own, free_form(own))
-        motion = self.balance.motion(dict(self.deviations or {}))
+        form = free_form(own)
+        if self.sought:
+            inertia = next((x for x in self.sought if x not in own[0].unknown), "")
+            found = balanced(own, form, inertia)
+            own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
+        self.balance = FreeBalance(own, form)
+        assert own[0].rig is not None
+        unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
+        motion = self.balance.motion(unseen)
         self.posterior = RunPosterior(motion, self.balance.candidates(known))
         self.size, self.load = motion.size, self.normal
         side = float(np.median(np.concatenate([one.velocity for one in self.balance.each])))
@@ -104,7 +126,8 @@ class FreeMotionProblem(Problem):
     ) -> SteadyRows:
         """Return rows of steady sliding at velocities (n,); the rest is usual if not given."""
         v = np.atleast_1d(np.asarray(velocity, dtype=float))
-        ratio = np.ones(len(v)) * (1.0 if load is None else load / self.normal)
+        over = 1.0 if load is None else np.asarray(load, dtype=float) / self.normal
+        ratio = np.ones(len(v)) * over
         return SteadyRows(velocity=v, load=self.normal * ratio, ratio=ratio, inputs={})
 
     def _speeds(self, count: int) -> SteadyRows:
@@ -163,17 +186,33 @@ class FreeMotionProblem(Problem):
 
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
-        return MORE_TITLES.get(term) or TITLES[term]
+        return TITLES[term]
 
     def composition(
-        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+        self,
+        structure: Shaped,
+        coefficients: Array,
+        draws: Sequence[Draws] | None = None,
+        *,
+        offset: bool = False,
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is, at the usual load."""
+        normal = self._normals(draws)
         terms: dict[str, tuple[Any, Array]] = {
-            name: (shape, own[:, None] if name in FLOWS else own[:, None] / self.normal)
+            name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
             for (name, shape), own in zip(structure, coefficients.T, strict=True)
         }
-        return replace(compose(terms, {}, len(coefficients)), load=self.normal)
+        return replace(compose(terms, {}, len(coefficients)), load=normal[:, 0])
+
+    def _normals(self, draws: Sequence[Draws] | None) -> Array:
+        """Return the normal forces (k, 1) of draws, or that in the middle of all."""
+        own = self.posterior.draws(MIDDLE, seed=13) if draws is None else draws
+        normal = np.full(len(own), self.normal)
+        rig = self.rig(own)
+        for path, (slope, given) in (self.load_slopes or {}).items():
+            normal = normal + slope * (rig.get(path, given) - given)
+        normal = np.maximum(normal, 1e-9 * self.normal)
+        return np.reshape(np.median(normal) if draws is None else normal, (-1, 1))
 
     # ---- weights ----------------------------------------------------------------------------
 
@@ -212,18 +251,24 @@ class FreeMotionProblem(Problem):
         return found
 
     def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
-        """Return what friction is in draws (k, n)."""
-        return self.steady(rows, draws)
+        """Return what friction is in draws (k, n): in the motion, or in another run."""
+        curves = self.steady(rows, draws)
+        if not new:
+            return curves
+        rng = np.random.default_rng(7)
+        sizes = rng.choice(RUNS, p=RUN_PRIOR, size=len(curves))
+        return np.asarray(curves * (1.0 + sizes * rng.normal(size=len(curves)))[:, None])
 
     def like(self, records: Sequence[Record]) -> OtherMotions:
         """Return the readings of other records, which are another run."""
         own = [before_rest(one) for one in records]
-        return OtherMotions(motions=FreeBalance(self.mechanism, own, free_form(own)).motions)
+        return OtherMotions(motions=FreeBalance(own, free_form(own)).motions)
 
     def readings(self, rows: SteadyRows | OtherMotions, draws: Sequence[Draws]) -> Array:
         """Return new readings in draws (k, n): those of a motion, for none reads a force."""
         if isinstance(rows, OtherMotions):
-            return self.posterior.another(rows.motions, draws[:: max(len(draws) // FOLLOWED, 1)])
+            few = draws[:: max(len(draws) // FOLLOWED, 1)]
+            return np.asarray(self.posterior.another(rows.motions, few))
         return self.steady(rows, draws)
 
     def noise(self, rows: SteadyRows) -> Array:
@@ -234,11 +279,10 @@ class FreeMotionProblem(Problem):
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what no balance sees of the mechanism (k,) in draws, by path."""
-        unseen = self.posterior.motion.unseen
-        if unseen is None:
-            return {}
-        at = self.posterior.motion.knots.size
-        return {unseen.path: unseen.value * np.exp([float(one.random[at, 0]) for one in draws])}
+        motion = self.posterior.motion
+        at = slice(motion.knots.size, motion.knots.size + len(motion.unseen))
+        found = motion.values(np.array([one.random[at, 0] for one in draws]))
+        return dict(zip(motion.paths, found.T, strict=True))
 
     def followed(self, rung: Rung) -> Followed:
         """Return how closely a run of the law of a rung follows the readings.

@@ -5,13 +5,14 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.posterior.record_columns import Memory, relaxed
-from benchmarks.posterior.record_problem import RecordProblem
-from benchmarks.posterior.record_rows import continued, cutoff_of
 
+from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
+from stickslip.identify.problems.record_columns import Memory, relaxed
+from stickslip.identify.problems.record_rows import continued, cutoff_of
 from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.records import RecordProblem
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
 
@@ -94,7 +95,8 @@ def test_friction_is_not_told_where_force_and_motion_are_noise() -> None:
     t = np.arange(0.0, 8.0, 0.004)
     x = 1e-5 * np.sin(6.0 * t) + 1e-6 * rng.normal(size=len(t))
     noise = Record(time=t, position=x, force=rng.normal(size=len(t)))
-    assert not Judgement(RecordProblem([noise])).is_told
+    with pytest.raises(InputError, match="moves by no more than the noise"):
+        Judgement(RecordProblem([noise]))
 
 
 def test_in_one_direction_a_level_is_no_offset() -> None:

@@ -13,20 +13,25 @@ shapes weigh them; a length or stiffness that is off is not in it, which is why 
 """
 
 import math
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.signal import butter, sosfiltfilt
 
-from benchmarks.posterior.refinement import Candidate, FreeMotion, Motion, Term, Unseen
 from stickslip.identify.posterior import Array, Family
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.free_runs import Candidate, FreeMotion, Motion, Term, Unseen
+from stickslip.identify.problems.record_signals import Record, noise_of
 from stickslip.identify.vocabulary import FAMILIES, PARTS, Grid
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
 
+Places = NDArray[np.intp]
 PARTS_OF_RECORD = 120
 """Parts of a record whose means are rows."""
 FEWEST_TURNS = 8
@@ -55,18 +60,61 @@ SEEN = (0.04, 0.98)
 """Quantiles of the speed between which it was seen."""
 KNOWN_SPEED = 3.0
 """Part of the slowest seen speed down to which what no law says is free."""
+TURNED = 0.1
+"""Way back over the range up to which a motion goes on in one direction."""
+RESTED = 5.0
+"""Noise of the place by which a body moves that has not come to rest."""
+RESTING = 50
+"""Parts of a record, of which a body rests in one at least."""
+SOUGHT = 0.5
+"""Deviation of the logarithm of what is sought of a mechanism, about what a plain balance says."""
 UNSEEN = ("length", "stiffness")
 """Parameters of a mechanism that no balance of a free motion sees, the first that it has."""
 
 
+def free_form(records: Sequence[Record]) -> str:
+    """Return how a free motion is integrated: its momentum where it goes on, else its work.
+
+    It goes on where it turns back by little of its way.
+    """
+    if any(np.ptp(one.force) > 0.0 or one.friction or one.driven for one in records):
+        return ""
+    ways = [(one.position, float(np.ptp(one.position)) + 1e-300) for one in records]
+    back = [
+        min(float(np.max(np.maximum.accumulate(q) - q)) for q in (x, -x)) / size for x, size in ways
+    ]
+    return "momentum" if max(back) < TURNED else "work"
+
+
+def before_rest(record: Record) -> Record:
+    """Return a free motion until the body rests for good, which tells nothing of sliding.
+
+    The level of a law would act on, by the time or by the noise of the place.
+    """
+    x, least = record.velocity, max(len(record.time) // RESTING, 3)
+    if record.located:
+        x = record.position - np.median(record.position[-least:])
+    assert x is not None
+    # the quietest parts of a short record have less noise than it has
+    last = float(np.std(np.diff(x[-max(len(x) // 4, 8) :], 3))) / math.sqrt(20.0)
+    moving = np.flatnonzero(np.abs(x) > RESTED * max(noise_of(x), last))
+    end = int(moving[-1]) + 1 if len(moving) else len(x)
+    return record if len(x) - end < least else record.on(record.time[:end])
+
+
 @dataclass(frozen=True, eq=False)
-class Balance:
+class FreeRecord:
     """The balance of one record of a free motion."""
 
-    mechanism: Mechanism
     record: Record
     form: str
     """``"work"`` or ``"momentum"``."""
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """What moves, with what is given of it."""
+        assert self.record.rig is not None
+        return self.record.rig
 
     @property
     def step(self) -> float:
@@ -94,7 +142,7 @@ class Balance:
         return max(round(AROUND * len(self.velocity) / (len(crossings(self.velocity)) + 1.0)), 1)
 
     @cached_property
-    def turns(self) -> tuple[Array, Array, Array]:
+    def turns(self) -> tuple[Places, Array, Array]:
         """Rows (t,), times and positions of the turns, by parabolas."""
         v, x, m = self.velocity, self.record.position, self.around
         at = crossings(v)
@@ -108,8 +156,8 @@ class Balance:
 
     def _energies(self, q: Array, v: Array) -> Array:
         name = self.mechanism.coordinates[0]
-        own = {name: q}
-        kinetic = self.mechanism.kinetic_energy(own, {name: v})
+        own = defaultdict[str, Any](float, {name: q})
+        kinetic = self.mechanism.kinetic_energy(own, defaultdict[str, Any](float, {name: v}))
         return np.asarray(kinetic + self.mechanism.potential_energy(0.0, own) + 0.0 * q)
 
     @cached_property
@@ -117,7 +165,8 @@ class Balance:
         """Known forces along the motion but those of a potential (n,)."""
         name, q = self.mechanism.coordinates[0], self.record.position
         none = dict.fromkeys(self.mechanism.drives(), 0.0)
-        forces = self.mechanism.forces(0.0, {name: q}, {name: self.velocity}, none)
+        place, rate = (defaultdict[str, Any](float, {name: x}) for x in (q, self.velocity))
+        forces = self.mechanism.forces(0.0, place, rate, none)
         return np.asarray(forces.get(name, 0.0) + 0.0 * q)
 
     def _summed(self, x: Array) -> Array:
@@ -182,7 +231,7 @@ class Balance:
         )
 
 
-def crossings(x: Array) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":
+def crossings(x: Array) -> Places:
     """Return the samples before which values change their sign."""
     return np.flatnonzero((x[:-1] < 0.0) != (x[1:] < 0.0))
 
@@ -208,9 +257,8 @@ class Weighed:
 class FreeBalance:
     """The balances of all records of a free motion, with the families that they weigh."""
 
-    def __init__(self, mechanism: Mechanism, records: Sequence[Record], form: str) -> None:
-        self.mechanism = mechanism
-        self.each = [Balance(mechanism, one, form) for one in records]
+    def __init__(self, records: Sequence[Record], form: str) -> None:
+        self.each = [FreeRecord(one, form) for one in records]
         self.speed = np.abs(np.concatenate([one.velocity for one in self.each]))
         slowest, fastest = np.quantile(self.speed, SEEN).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
@@ -324,32 +372,67 @@ class FreeBalance:
         """The records as runs follow them."""
         return [motion_of(one) for one in self.each]
 
-    def motion(self, deviations: dict[str, float]) -> FreeMotion:
-        """Return the motions as runs follow them; `deviations` are stated ones, by path."""
+    def motion(self, unseen: Sequence[Unseen]) -> FreeMotion:
+        """Return the motions as runs follow them, with what no balance sees of the mechanism."""
         return FreeMotion(
-            mechanism=self.mechanism,
             motions=self.motions,
             size=self.size,
             slowest=self.slowest / KNOWN_SPEED,
             fastest=self.fastest,
             fixed=self.fixed,
-            unseen=unseen_of(self.mechanism, deviations),
+            unseen=tuple(unseen),
         )
 
 
-def unseen_of(mechanism: Mechanism, deviations: dict[str, float]) -> Unseen | None:
-    """Return the parameter that no balance of a free motion sees; None if there is none."""
-    for name in UNSEEN:
-        value = getattr(mechanism, name, 0.0)
-        path = f"mechanism.{name}"
-        if isinstance(value, float) and value > 0.0:
-            if path in deviations:
-                return Unseen(path=path, value=value, deviation=deviations[path] / value)
-            return Unseen(path=path, value=value)
-    return None
+def unseen_of(
+    mechanism: Mechanism, sought: Sequence[str], deviations: Mapping[str, float]
+) -> list[Unseen]:
+    """Return the parameters that runs look for, by the paths of those that are sought.
+
+    Deviations are those that were stated, by path. Without any of these it is the first of `UNSEEN`
+    that the mechanism has.
+    """
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    found = [Unseen(path=path, value=values[path], deviation=SOUGHT) for path in sought]
+    found += [
+        Unseen(path=path, value=values[path], deviation=x / abs(values[path]))
+        for path, x in deviations.items()
+        if values.get(path)
+    ]
+    known = {one.path for one in found}
+    usual = [f"mechanism.{name}" for name in UNSEEN if values.get(f"mechanism.{name}", 0.0) > 0.0]
+    if usual and not known & {*usual} and not sought:
+        found.append(Unseen(path=usual[0], value=values[usual[0]]))
+    return found
 
 
-def motion_of(balance: Balance) -> Motion:
+def balanced(records: Sequence[Record], form: str, inertia: str) -> dict[str, float]:
+    """Return the value of each parameter that is sought, by the forces along the motion.
+
+    They are those of a plain balance with a level and viscous friction, by least squares. `inertia`
+    is the path of that which is an inertia and nothing else.
+    """
+    rows, left = list[Array](), list[Array]()
+    for one in records:
+        own = FreeRecord(one, form)
+        v = own.velocity
+        a = np.gradient(v, own.step)
+        known = 0.0 * v if one.mechanism is None else one.mechanism
+        columns = [np.sign(v), v, *(x.inertia * a - x.force for x in one.unknown.values())]
+        if one.inertia is None:
+            columns.append(a)
+        inside = slice(len(v) // 50 + 2, -len(v) // 50 - 2)
+        rows.append(np.column_stack(columns)[inside])
+        left.append((one.force + known - (one.inertia or 0.0) * a)[inside])
+    x, y = np.concatenate(rows), np.concatenate(left)
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    c = np.linalg.lstsq(x / size, y, rcond=1e-9)[0] / size
+    found = {path: one.given for path, one in records[0].unknown.items()}
+    changes = dict(zip([*found, inertia], c[2:].tolist(), strict=False))
+    return {path: found.get(path, 0.0) + change for path, change in changes.items()}
+
+
+def motion_of(balance: FreeRecord) -> Motion:
     """Return a record as runs follow it."""
     one, every = balance.record, math.ceil(len(balance.record.time) / MOST)
     time, count = one.time - one.time[0], min(BEGUN, 2 * balance.around + 1)
@@ -360,6 +443,7 @@ def motion_of(balance: Balance) -> Motion:
         start = float(one.position[0]), float(np.mean(one.velocity[:3]))
     values = one.position if one.located or one.velocity is None else one.velocity
     return Motion(
+        mechanism=balance.mechanism,
         time=time[::every],
         values=values[::every],
         start=start,

@@ -26,17 +26,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky
 
-from benchmarks.posterior.record_columns import (
-    GEAR,
-    LEVELS,
-    LUGRE,
-    RESOLVED,
-    Balance,
-    Memory,
-    RecordFrame,
-    law_column,
-)
-from benchmarks.posterior.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
 from stickslip.identify.posterior import (
     Array,
     Column,
@@ -49,6 +38,17 @@ from stickslip.identify.posterior import (
     Structure,
     System,
 )
+from stickslip.identify.problems.record_columns import (
+    GEAR,
+    LEVELS,
+    LUGRE,
+    RESOLVED,
+    Balance,
+    Memory,
+    RecordFrame,
+    law_column,
+)
+from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.vocabulary import FAMILIES, NARROW, PLACE, SIGNED, Grid
 
@@ -74,24 +74,31 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.05)),
     "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.1)),
     "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.1)),
+    "relaxing": ((0.0005, 0.03, 0.2, 1.0), (0.94, 0.03, 0.02, 0.01)),
     "stretch": ((0.0005, 0.003, 0.01, 0.03, 0.08, 0.2), (0.2, 0.25, 0.25, 0.15, 0.1, 0.05)),
-    "turn": ((0.001, 0.1, 0.3, 1.0, 3.0), (0.2, 0.2, 0.2, 0.2, 0.2)),
+    "turn": ((0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0), (1 / 7,) * 7),
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
-    "given": ((0.01, 0.1, 1.0), (0.8, 0.15, 0.05)),
+    "noise": ((0.71, 1.0, 1.41, 2.0, 2.83, 4.0), (1 / 6,) * 6),
+    "given": ((0.01, 0.1, 1.0, 10.0), (0.8, 0.15, 0.04, 0.01)),
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
-force by place; of the level and viscous friction of a twentieth of the record; of the pulse of a
-turn; of bristles of other lengths; the delay in samples; the change with an input by its standard
-deviation; level and viscous friction of another run; errors of the inertia and of the forces that
-are given, over these, of which the last are wrong units. They say what a careful experimenter would
-expect."""
+force by place; of springs that relax; of the level and viscous friction of a twentieth of the
+record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the change with
+an input by its standard deviation; level and viscous friction of another run; noise over what the
+last round left, which a fit that follows the noise makes too small; errors of the inertia and of
+the forces that are given, over these, of which the last are wrong units. They say what a careful
+experimenter would expect."""
+SHARED = {"zero": "force"}
+"""Groups that have the scale of another: a force beside friction changes with the place and in
+time."""
 USUAL: dict[str, int] = {
-    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "stretch": 3,
-    "turn": 2, "others": 1, "delay": 0, "input": 1, "run": 1,
+    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
+    "stretch": 3,
+    "turn": 3, "others": 1, "delay": 0, "input": 1, "run": 1, "noise": 1,
     "given": 1,
 }  # fmt: skip
 """Where a search begins."""
@@ -104,6 +111,8 @@ SIZES: dict[str, float] = {
 e-fold of the load that is not in proportion, and the least of the slope by direction."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
+TIMED = 0.1
+"""Size of a delay where it is known how forces run between samples, over that where it is not."""
 LOOKED_FOR = 3.0
 """Size of what is looked for, over that of the force."""
 STRETCHES = 20
@@ -174,6 +183,11 @@ LEAST = 1e-6
 """Least size over that of the friction."""
 DELAYS = np.linspace(-1.0, 1.0, 21)
 """Delays of forces that are looked at, over 1/cutoff."""
+NARROWER = 0.98
+"""What is left with the widest band of velocities over that with the usual one, up to which it is
+taken: noise moves turns as well."""
+FARTHEST = 30.0
+"""Medians as which what is left at turns counts at most, where that is what is compared."""
 HALVED = 2.0
 """What is left without a delay over that with it, from which it is taken: true delays that are not
 linear leave 2.7 to 500 times less, and the moments of turns up to 1.6 times."""
@@ -185,6 +199,12 @@ STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
 """Step and largest of the wave numbers that are looked at, over those of the range; their rows."""
 BESIDE_LEVELS = ("power", "saturating")
 """Flows that fall off, and so may stand for a level."""
+FLOWING = frozenset({"viscous", "power", "saturating"})
+"""Flows that are near to viscous friction, which is not told from a damping that is looked for."""
+ALONG = ("drift", "place", "force", "relaxing", "stretch", "run")
+"""Scales of what changes along a record."""
+WRONG = {"given": 3}
+"""Where what is given has another unit."""
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
 LOOKED = ("given", "inertia", "offset")
@@ -231,6 +251,8 @@ class RecordModel(Model):
         Families of laws that are compared beside none; those of the vocabulary if not given.
     highest : float
         Largest cutoff [Hz].
+    timed : bool
+        Whether it is known how forces run between samples.
     """
 
     signed = SIGNED
@@ -241,12 +263,17 @@ class RecordModel(Model):
         *,
         families: Collection[Family] | None = None,
         highest: float = math.inf,
+        timed: bool = False,
     ) -> None:
-        self.balance = Balance(records, highest=highest)
+        self.balance, self.timed = Balance(records, highest=highest), timed
         self.frame = self.balance.frame
         self.names = tuple(name for name in SCALES if self._acts(name))
         """Scales of sizes that act in these records."""
         known = usual_families(self.frame) if families is None else [*families]
+        if self.balance.dampings:  # which viscous friction would be
+            known = [one for one in known if not FLOWING & {*one}] or known
+        self.families: list[Family] = [*dict.fromkeys(known)]
+        """Families of laws that are compared beside none."""
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
         self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
         self.memories: list[Memory] = []
@@ -259,6 +286,7 @@ class RecordModel(Model):
         self._plain: dict[tuple[int, int], Array] = {}
         self._grams: dict[tuple[int, int, int], Array] = {}
         self._fixed: dict[int, dict[str, Array]] = {}
+        self._choose_band()
         left = self._screen()
         self._weigh(MIDDLE, left, self._noise(MIDDLE, left, None))
         node = self._rounds()
@@ -273,7 +301,7 @@ class RecordModel(Model):
     @property
     def grid(self) -> Grid:
         """Shapes of the parts of laws."""
-        return Grid(slowest=self.frame.low, fastest=self.frame.top, fine=FINE)
+        return Grid(slowest=self.frame.shaped, fastest=self.frame.top, fine=FINE)
 
     def _structures(self, families: Collection[Family]) -> tuple[tuple[Structure, ...], Array]:
         """Return the laws with their shapes, and the logarithms of their priors."""
@@ -311,6 +339,7 @@ class RecordModel(Model):
         acts = {
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
+            "relaxing": not balance.measured,
             "input": bool(self.frame.inputs),
             "run": balance.runs > 1,
             "given": bool(balance.given),
@@ -330,10 +359,11 @@ class RecordModel(Model):
         """Return the normal equations of a node."""
         assert tuple(columns) == self.columns
         which, memory = self.cutoffs[node[-1]], node[-2]
+        noise, count = self.at(node, "noise"), self.kappa * self.balance.rows(which).count
         return System(
-            gram=self._gram(which, memory, node[self.names.index("length")]),
+            gram=self._gram(which, memory, node[self.names.index("length")]) / noise**2,
             deviations=self.deviations(node),
-            volume=0.0,
+            volume=-count * math.log(noise),
             sizes=self.design(which, memory).sizes,
         )
 
@@ -416,7 +446,7 @@ class RecordModel(Model):
             elif name == "given":
                 found[at] = self.at(node, name)
             elif name == "delay":
-                found[at] = self.at(node, name) * record.step
+                found[at] = self.at(node, name) * record.step * (TIMED if self.timed else 1.0)
             elif name == "damping":
                 longest = max(bristle.length, self.frame.noise)
                 found[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
@@ -425,11 +455,29 @@ class RecordModel(Model):
             elif name in SIZES:
                 found[at] = SIZES[name] * size
             else:
-                scale = "input" if "*" in name else name
+                scale = "input" if "*" in name else SHARED.get(name, name)
                 found[at] = max(self.at(node, scale), LEAST) * size
         return found
 
     # ---- which bristles
+    def _choose_band(self) -> None:
+        """Let velocities have the widest band if a balance without bristles then leaves less."""
+        narrow, left = self.balance.pieces, self._left_plainly()
+        if self.balance.widen() and self._left_plainly() > NARROWER * left:
+            self.balance.take(narrow)
+
+    def _left_plainly(self) -> float:
+        """Return the mean square that a balance with a curve of the velocity leaves."""
+        balance, rows = self.balance, self.balance.rows(MIDDLE)
+        plain = balance.fixed(MIDDLE)
+        names = [name for name in plain if name not in ("force", "zero")]
+        curve = []
+        for piece, state in zip(balance.pieces, balance.states(Memory()), strict=True):
+            z = (state * balance.load(piece))[:, None]
+            curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
+        x = np.hstack([rows.seen(curve), *(plain[name] for name in names)])
+        return squares_left(x, rows.response, far=FARTHEST)[0]
+
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
@@ -452,14 +500,14 @@ class RecordModel(Model):
             return np.hstack([fixed, rows.seen(parts)])
 
         def look(memory: Memory) -> None:
-            x = columns(memory)
+            x = np.hstack([columns(memory), plain["delay"]])
             scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
             x = x / scale
             gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
             c = np.linalg.solve(gram, x.T @ rows.response)
             e = rows.response - x @ c
             law = np.arange(x.shape[1]) >= fixed.shape[1]
-            law[len(frame.sides) - 1] = True  # the slope
+            law[len(frame.sides) - 1], law[-1] = True, False  # the slope, and the delay
             inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
             cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
@@ -525,7 +573,8 @@ class RecordModel(Model):
         for turn in range(FOLLOWED):
             if turn >= ROUNDS and self.memory(node).ratio is None:
                 break
-            search = Posterior(self, self.structures, self.priors, begin=[node], most=ROUND_NODES)
+            begin = [node, *self._starts()]
+            search = Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
             node = self._again(search, 0)
             self._refine(self._here(node), 3.0 ** -(turn + 1))
             node = self._followed(self._here(node), node) or node
@@ -535,6 +584,20 @@ class RecordModel(Model):
                 break
             self._refine(here, 3.0 ** -(turn + 1))
         return self._pruned(node)
+
+    def _starts(self) -> list[Node]:
+        """Return nodes from which a search begins, too, by bristle.
+
+        At some nothing changes along a record, whose noise is large: a search that begins only
+        where much changes may stay where that follows the noise. At others a spring relaxes by
+        much, or a unit is wrong, for little of that is not better than none.
+        """
+        most = {name: len(SCALES[name][0]) - 1 for name in self.names}
+        found = []
+        for other in ({"noise": most["noise"], **dict.fromkeys(ALONG, 0)}, {"relaxing": 2}, WRONG):
+            sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
+            found += [(*sizes, k, 0) for k in range(len(self.memories))]
+        return found
 
     def _here(self, node: Node) -> Posterior:
         """Return the posterior of a node alone."""
@@ -695,9 +758,8 @@ class RecordModel(Model):
         weights = np.minimum(weights / unit, 1.0 / self._rounding(which))
         self.weights[which] = weights * math.sqrt(self.kappa)
         self.noises[which] = noise
-        for stored in (self._plain, self._grams):
-            for key in [key for key in stored if key[0] == which]:
-                del stored[key]
+        self._plain = {key: x for key, x in self._plain.items() if key[0] != which}
+        self._grams = {key: x for key, x in self._grams.items() if key[0] != which}
 
     def _share(
         self, which: int, memory: int, law: Structure, scaled: Array, weights: Array
@@ -842,16 +904,16 @@ def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structur
             yield tuple(law), prior - PLACE * len(beside)
 
 
-def squares_left(x: Array, y: Array) -> tuple[float, float]:
+def squares_left(x: Array, y: Array, far: float = 4.0) -> tuple[float, float]:
     """Return what columns (n, p) leave of values (n,), and the coefficient of the last.
 
-    What they leave is a mean square, without what is far off.
+    What they leave is a mean square, in which what is `far` off counts as that many medians.
     """
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     x = x / size
     c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
     e = np.abs(y - x @ c)
-    return float(np.mean(np.minimum(e, 4.0 * np.median(e)) ** 2)), float(c[-1] / size[-1])
+    return float(np.mean(np.minimum(e, far * np.median(e)) ** 2)), float(c[-1] / size[-1])
 
 
 def waves_of(

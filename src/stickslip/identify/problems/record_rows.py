@@ -39,6 +39,9 @@ CUTOFFS = (0.7, 1.0, 1.4)
 MIDDLE = 1
 PERIODS = 8.0
 """Least cutoff over the frequency of the motion: else no speed is resolved between turns."""
+ON, BACK = 5.0, 0.1
+"""The same beside a way that goes on, where this share of the record at least goes back: at 3 the
+band of a cart whose friction noise hides does not hold the truth."""
 SLOW, PARTS = 0.05, 20
 """Steps over the largest that are motion, and parts in which their noise is looked at."""
 HIGHEST, LOWEST, MEASURED = 150.0, 4.0, 60.0
@@ -53,6 +56,9 @@ MOST_ROWS = 6000
 """Rows at most; of longer records, fewer for each 1/cutoff."""
 STILL = 8.0
 """Range of positions within 1/cutoff that is rest, over their noise."""
+WIDER, LITTLE = 2.0, 0.1
+"""Least band of the velocity over that of the rows, and its noise over its change in a sample up to
+which it is wider."""
 SURE = 3.0
 """Speed whose direction is sure, over the noise."""
 AWAY = 2.5
@@ -64,6 +70,13 @@ ENDS, ENDS_MEASURED = 2.0, 0.5
 """Distance from the ends, over 1/cutoff: of a balance, and of friction that was measured."""
 WAY, WAY_MEASURED = 0.1, 0.8
 """Way over the range of positions from which on bristles are stretched as the motion says."""
+SHORTEST = 10
+"""Part of a record that both are at most, for the start of a motion tells its inertia."""
+SIGMA = 1.4826
+"""Standard deviation over the median size, of normal noise."""
+CLIPPED, MOST_CLIPPED = 3, 0.35
+"""Samples at the largest or the least force in a row from which it is clipped, and the share of the
+samples up to which those are left out."""
 TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
@@ -161,7 +174,9 @@ def continued(position: Array) -> Array:
         (size > RESET * around) & (size > RESET * np.median(size)) & (around > 0.0)
     )
     steps[jumps] = 0.5 * (np.roll(steps, 1)[jumps] + np.roll(steps, -1)[jumps])
-    return position[0] + np.concatenate([[0.0], np.cumsum(steps)]) if len(jumps) else position
+    if not len(jumps):
+        return position
+    return np.asarray(position[0] + np.concatenate([[0.0], np.cumsum(steps)]))
 
 
 def averaged(record: Record, count: int) -> Record:
@@ -169,7 +184,7 @@ def averaged(record: Record, count: int) -> Record:
 
     def of(x: Array) -> Array:
         kept = len(x) // count * count
-        return x[:kept].reshape(-1, count).mean(axis=1)
+        return np.asarray(x[:kept].reshape(-1, count).mean(axis=1))
 
     def or_none(x: Array | None) -> Array | None:
         return None if x is None else of(x)
@@ -181,7 +196,6 @@ def averaged(record: Record, count: int) -> Record:
         force=of(record.force),
         velocity=or_none(record.velocity),
         mechanism=or_none(record.mechanism),
-        scaled=or_none(record.scaled),
         load=or_none(record.load),
         transmitted=or_none(record.transmitted),
         inputs={name: of(x) for name, x in record.inputs.items()},
@@ -211,6 +225,10 @@ def cutoff_of(record: Record) -> float:
     v, _ = motion(record, widest)
     size = max(float(np.std(record.position)), ROUNDED * float(np.max(np.abs(record.position))))
     frequency = float(np.std(v)) / (size + 1e-300) / (2.0 * math.pi)
+    if min(np.mean(v > 0.0), np.mean(v < 0.0)) > BACK:  # a way that goes on hides the turns
+        apart = record.position - np.mean(v) * (record.time - record.time[0])
+        between = 2.0 * math.pi * (float(np.std(apart)) + ROUNDED * size)
+        frequency = max(frequency, ON / PERIODS * float(np.std(v)) / between)
     least = min(PERIODS * frequency, 0.2 / step)
     if record.friction:
         return min(max(0.1 / step, least), 0.2 / step, MEASURED)
@@ -236,19 +254,44 @@ def cutoff_of(record: Record) -> float:
     else:
         of_noise, power = 2.0 * step * (2.0 * math.pi) ** 2 / 3.0, 3.0
         noise = record.velocity_noise
-    costs = inertia * noise * math.sqrt(of_noise * most**power)
+    costs = record.gain * inertia * noise * math.sqrt(of_noise * most**power)
     share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
     band = most * min(share, 1.0) ** (2.0 / power)
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
 
+def mean_frequency(records: Sequence[Record]) -> float:
+    """Return the mean frequency of the motion [Hz]: of positions, or of velocities if higher."""
+    found = []
+    for one in records:
+        h = float(np.median(np.diff(one.time)))
+        width = max(len(one.time) // 400, 1)
+        kernel = np.ones(width) / width
+        q = np.convolve(one.position, kernel, mode="valid")
+        v = np.gradient(q, h)[2:-2]
+        if one.velocity is not None:
+            v = np.convolve(one.velocity, kernel, mode="valid")[2:-2]
+        v = np.convolve(v, kernel, mode="valid")
+        a = np.gradient(v, h)
+        of_position = float(np.std(v)) / max(float(np.std(q)), 1e-300)
+        of_velocity = float(np.std(a)) / max(float(np.sqrt(np.mean(v * v))), 1e-300)
+        found.append(max(of_position, of_velocity) / (2.0 * math.pi))
+    return float(np.median(found))
+
+
 def motion(record: Record, filt: Filter) -> tuple[Array, Array]:
     """Return velocities, in twice the band, and accelerations (n,)."""
+    v = velocity_of(record, filt, WIDER)
     if record.velocity is not None:
-        v = filt(record.velocity, wider=2.0, full=True)
         return v, filt(record.velocity, slope=1, full=True)
-    v = filt(record.position, bent=True, slope=1, wider=2.0, full=True)
     return v, filt(record.position, bent=True, slope=2, full=True)
+
+
+def velocity_of(record: Record, filt: Filter, wider: float) -> Array:
+    """Return velocities (n,) in so many times the band."""
+    if record.velocity is not None:
+        return filt(record.velocity, wider=wider, full=True)
+    return filt(record.position, bent=True, slope=1, wider=wider, full=True)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -264,6 +307,9 @@ class Piece:
     """Samples from one of the finer rows to the next."""
     delay: float = 0.0
     """How much later forces act than recorded, as found [s]."""
+    wider: float = WIDER
+    """Band of the velocity over that of the rows. At a turn the acceleration jumps with the
+    friction: a narrow band turns it at another time, and a wide one has noise."""
 
     @cached_property
     def step(self) -> float:
@@ -303,9 +349,25 @@ class Piece:
         return self.given.velocity_noise * self._fewer
 
     @cached_property
+    def widest(self) -> float:
+        """Band of the velocity over that of the rows, up to which noise moves turns by little."""
+        usual = velocity_of(self.record, self.filters[MIDDLE], WIDER)
+        changes = LITTLE * float(np.sqrt(np.mean(np.diff(usual) ** 2)))
+        share = changes / (self._speed_noise(WIDER) + 1e-300)
+        more = share ** (2.0 / 3.0 if self.record.velocity is None else 2.0)
+        return WIDER * float(np.clip(more, 1.0, max(0.2 / self.step / self.cutoff / WIDER, 1.0)))
+
+    def _speed_noise(self, wider: float) -> float:
+        """Return the noise of velocities in so many times the band [m/s]."""
+        band = wider / WIDER * self.cutoff
+        if self.record.velocity is None:
+            return self.noise * math.sqrt(2.0 * self.step * (2.0 * math.pi) ** 2 * band**3 / 3.0)
+        return self._velocity_noise * math.sqrt(min(4.0 * self.step * band, 1.0))
+
+    @cached_property
     def velocity(self) -> Array:
         """Velocities (n,) [m/s]."""
-        return motion(self.record, self.filters[MIDDLE])[0]
+        return velocity_of(self.record, self.filters[MIDDLE], self.wider)
 
     @cached_property
     def way(self) -> Array:
@@ -329,12 +391,7 @@ class Piece:
     @cached_property
     def direction(self) -> Array:
         """Direction (n,): the last that stands above the noise, until the velocity changes sign."""
-        if self.record.velocity is None:
-            noise = self.noise * math.sqrt(
-                2.0 * self.step * (2.0 * math.pi) ** 2 * self.cutoff**3 / 3.0
-            )
-        else:
-            noise = self._velocity_noise * math.sqrt(min(4.0 * self.step * self.cutoff, 1.0))
+        noise = self._speed_noise(self.wider)
         v = self.velocity
         side = np.where(np.abs(v) > SURE * noise, np.sign(v), 0.0)
         sure = np.flatnonzero(side)
@@ -378,6 +435,38 @@ class Piece:
         q = self.record.position
         return float(np.median(np.maximum(*(np.abs(q[at + k] - q[at]) for k in (-MOMENT, MOMENT)))))
 
+    @cached_property
+    def clipped(self) -> Mask:
+        """Whether a sample is at or near a limit of its force, maybe the sensor's (n,).
+
+        A sensor has two limits; where many samples are at them, it is what drives the motion.
+        """
+        force, ends = self.record.force, []
+        for limit in (force.max(), force.min()):
+            apart = np.abs(force - limit) <= 0.5 * ROUNDED * float(np.ptp(force))
+            several = minimum_filter1d(apart.astype(np.uint8), CLIPPED)
+            ends.append(maximum_filter1d(several, CLIPPED))
+        at = ends[0] | ends[1]
+        if not (ends[0].any() and ends[1].any()) or np.mean(at) > MOST_CLIPPED:
+            return np.zeros(len(force), dtype=bool)
+        near = 2 * int(1.0 / self.cutoff / self.step) + 1
+        return np.asarray(maximum_filter1d(at, near) > 0)
+
+    @cached_property
+    def beside(self) -> float:
+        """Standard deviation of a sample of the force about what the filter shows of it [N]."""
+        apart = self.record.force - self.filters[MIDDLE](self.record.force, full=True)
+        return SIGMA * float(np.median(np.abs(apart[~self.still]))) if np.any(~self.still) else 0.0
+
+    @cached_property
+    def passed(self) -> float:
+        """Speed that is passed within `MOMENT` samples of a turn, in the median [m/s]."""
+        at = self.turns[(self.turns >= MOMENT) & (self.turns < len(self.velocity) - MOMENT)]
+        speed = np.abs(self.velocity)
+        return (
+            float(np.median(np.maximum(speed[at - MOMENT], speed[at + MOMENT]))) if len(at) else 0.0
+        )
+
     def usable(self, cutoff: float) -> Mask:
         """Return which samples can be rows at a cutoff (n,)."""
         measured, q = self.record.friction, self.way
@@ -389,12 +478,14 @@ class Piece:
         many = min(LEAST * count, enough)
         found = next(one for one in tries if np.sum(one) > many or one is tries[-1]).copy()
         ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
-        ends = min(ends, count // 10)
+        found &= ~self.clipped
+        most = count // SHORTEST
+        ends = min(ends, most)
         found[:ends] = found[count - ends :] = False
         least = WAY_MEASURED if measured else WAY
         moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
         if moved[-1] > 2.0 * least * np.ptp(q):  # else it never comes back
-            found &= moved > least * np.ptp(q)
+            found[:most] &= moved[:most] > least * np.ptp(q)
         return found
 
     def rests(self, cutoff: float) -> Mask:
@@ -494,6 +585,18 @@ def _distance(piece: Piece, usable: Mask) -> Array:
     return np.minimum(at - last, after - at) * piece.step
 
 
+def by_best_sensor(records: Sequence[Record]) -> list[Record]:
+    """Return records without velocities where positions tell accelerations better."""
+    if not all(one.velocity is not None and one.located for one in records):
+        return [*records]
+    bare = [replace(one, velocity=None) for one in records]
+    cutoffs = [
+        float(np.median([cutoff_of(even(one)) for one in own if moves(one)]))
+        for own in (records, bare)
+    ]
+    return bare if cutoffs[1] > cutoffs[0] else [*records]
+
+
 def pieces_of(
     records: Sequence[Record], cutoff: float | None = None, highest: float = math.inf
 ) -> tuple[list[Piece], int]:
@@ -501,6 +604,7 @@ def pieces_of(
 
     The cutoff [Hz] is that of other rows, or the median of the records, and not above the highest.
     """
+    fitted = cutoff is None
     checked(records)
     grids = [even(one) for one in records if moves(one)]  # what rests says nothing of sliding
     if cutoff is None:
@@ -514,5 +618,10 @@ def pieces_of(
         every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
         record = averaged(one, means) if means > 1 else one
         pieces.append(Piece(record=record, given=one, cutoff=cutoff, every=every))
+    if fitted and all(np.all(one.still) for one in pieces):
+        raise InputError(
+            "the body rests throughout the record, or moves by no more than the noise of its"
+            " position: nothing tells friction. Move it farther."
+        )
     taken = max(1.0 / (PER * top), total / MOST_ROWS)
     return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)

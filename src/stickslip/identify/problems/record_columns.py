@@ -17,12 +17,22 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
+from scipy.signal import lfilter
 
-from benchmarks.posterior.record_rows import MIDDLE, SHORT, BalanceRows, Piece, pieces_of
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.posterior import Array, Column
+from stickslip.identify.problems.record_rows import (
+    MIDDLE,
+    SHORT,
+    BalanceRows,
+    Piece,
+    by_best_sensor,
+    checked,
+    pieces_of,
+)
 from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.vocabulary import PARTS
+from stickslip.maths import Scalar
 
 GEAR = "gear"
 """Term of a level that grows with what the gear transmits, whatever the load is."""
@@ -38,18 +48,24 @@ COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 COURSE = 5
 """Columns of a drift: a line and cosines."""
+RELAXING = (0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
+"""Time constants of what relaxes, over the duration of the records."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
 PULSE = 6.0
 """Reach of the pulse of a turn, over 1/cutoff."""
 RESOLVED = 1.2
 """Distance to a turn or a rest from which on a speed is resolved, over 1/cutoff."""
+PASSED = 2.0
+"""Slowest speed over that which is passed in the moment of a turn, which tells no smoothness."""
 DECADES = 300.0
 """Largest speed over the smallest that has a knot of its own, at most."""
 KNOTS = 2.5
 """Knots of the curve for each e-fold of speed."""
 AT_ONCE = 64
 """Columns that are filtered at once, which bounds the memory."""
+SAME_SPAN = 0.01
+"""Part of a column outside another from which they are told apart."""
 LUGRE = -1.0
 """Exponent that stands for a length that follows the level."""
 
@@ -80,6 +96,8 @@ class RecordFrame:
     """Slowest speed that is resolved [m/s]."""
     least: float
     """Slowest speed of laws [m/s]."""
+    shaped: float
+    """Slowest speed at which laws may bend [m/s]: slower ones are passed in a moment of a turn."""
     knots: Array
     """Logarithms of speeds (k,)."""
     begin: float
@@ -103,11 +121,8 @@ class RecordFrame:
         """Return the basis of curves of speed (n, k)."""
         x = np.log(np.maximum(np.abs(velocity), self.low))
         at = (x - self.knots[0]) / (self.knots[1] - self.knots[0])
-        return np.maximum(
-            1.0
-            - np.abs(np.minimum(at, len(self.knots) - 1.0)[:, None] - np.arange(len(self.knots))),
-            0.0,
-        )
+        apart = np.minimum(at, len(self.knots) - 1.0)[:, None] - np.arange(len(self.knots))
+        return np.asarray(np.maximum(1.0 - np.abs(apart), 0.0))
 
     def course(self, time: Array) -> Array:
         """Return the basis of what changes with time (n, p)."""
@@ -133,6 +148,7 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     top = float(np.quantile(seen, 0.995))
     low = max(top / DECADES, float(np.quantile(seen, 0.01)))
     low = min(low, 0.5 * top)
+    passed = PASSED * max(one.passed for one in pieces)
     count = max(6, math.ceil(KNOTS * math.log(top / low)))
     records = [one.record for one in pieces]
     places = np.concatenate([one.position for one in records])
@@ -155,7 +171,8 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
             inputs[name] = float(np.mean(x)), float(np.std(x))
     sides = tuple(side for side in (-1.0, 1.0) if np.mean(side * rows.velocity > low) > 0.02)
     return RecordFrame(
-        top=top, low=low, least=max(top / 1000.0, float(np.quantile(speed, 0.01))),
+        top=top, low=low, shaped=min(max(low, passed), 0.5 * top),
+        least=max(top / 1000.0, float(np.quantile(speed, 0.01))),
         knots=np.linspace(math.log(low), math.log(top), count),
         begin=float(places.min()), span=float(np.ptp(places)), start=float(rows.time.min()),
         duration=float(np.ptp(rows.time)), noise=min(one.noise for one in pieces), load=load,
@@ -169,7 +186,7 @@ def through_gear(record: Record) -> Array | None:
 
 
 def law_column(
-    column: Column, velocity: Array, state: Array, least: float = 0.0,
+    column: tuple[str, Sequence[Scalar]], velocity: Array, state: Array, least: float = 0.0,
     transmitted: Array | float = 0.0,
 ) -> Array:  # fmt: skip
     """Return a column of a law (n,) at velocities where bristles have a state.
@@ -232,9 +249,19 @@ class Balance:
     ) -> None:
         self._rests = rests
         cutoff = None if like is None else like.pieces[0].cutoff
+        if like is None:
+            checked(records)
+            records = by_best_sensor(records)
+        elif like.pieces[0].record.velocity is None:
+            records = [replace(one, velocity=None) for one in records]
+        self.pieces: list[Piece]
         self.pieces, self._every = pieces_of(records, cutoff, highest)
         if like is not None:
-            self.pieces = [replace(one, delay=like.pieces[0].delay) for one in self.pieces]
+            first = like.pieces[0]
+            self.pieces = [
+                replace(one, delay=first.delay, wider=min(first.wider, one.widest))
+                for one in self.pieces
+            ]
         self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
@@ -243,9 +270,9 @@ class Balance:
         self.run = np.cumsum(again)
         """Number of the run of each piece."""
         self.runs = int(self.run[-1]) + 1
-        self.first = like.first if like else 0.0
+        self.first: float = like.first if like else 0.0
         """Length of the best bristle [m]."""
-        self.frame = like.frame if like else frame_of(self.pieces, self.rows(1))
+        self.frame: RecordFrame = like.frame if like else frame_of(self.pieces, self.rows(1))
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
@@ -264,19 +291,34 @@ class Balance:
     def given(self) -> tuple[str, ...]:
         """What is given beside the force and may be given wrong, where nothing else is sought."""
         records = [one.record for one in self._from.pieces]
-        sought = any(not one.doubt for one in records[0].unknown.values())
-        if self.measured or self.finds_inertia or sought:
+        unknown = records[0].unknown.values()
+        if self.measured or any(not one.doubt for one in unknown):
             return ()
+        if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
+            return () if unknown else ("body",)
         told = {
             "inertia": any(one.inertia for one in records),
             "mechanism": any(one.mechanism is not None for one in records),
         }
-        return tuple(name for name, is_given in told.items() if is_given)
+        found = tuple(name for name, is_given in told.items() if is_given)
+        if any(np.any(one.force) for one in records):
+            return found
+        return found[:1] if len(found) > 1 else ()  # nothing else has a scale
 
     def delay(self, late: float) -> None:
         """Let forces act later than recorded [s], as found along the records."""
-        self.pieces = [replace(one, delay=late) for one in self.pieces]
-        self._rows, self._states = {}, {}
+        self.take([replace(one, delay=late) for one in self.pieces])
+
+    def widen(self) -> bool:
+        """Let velocities have the widest band, if that is wider; return whether it is."""
+        pieces = [replace(one, wider=max(one.widest, one.wider)) for one in self.pieces]
+        wider = any(a.wider > b.wider for a, b in zip(pieces, self.pieces, strict=True))
+        self.take(pieces)
+        return wider
+
+    def take(self, pieces: Sequence[Piece]) -> None:
+        """Take pieces as they are now, with other rows."""
+        self.pieces, self._rows, self._states = [*pieces], {}, {}
 
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
@@ -405,6 +447,9 @@ class Balance:
             found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
         found["slope"] = self.slope(which)[:, None]
         found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
+        found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
+        if not self.measured:
+            found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
         late = [p.late for p in pieces]
         found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
         if self.given:
@@ -416,23 +461,50 @@ class Balance:
             found["inertia"] = rows.acceleration[:, None]
         return found
 
+    @cached_property
+    def dampings(self) -> list[str]:
+        """Paths of what is looked for and acts as viscous friction does."""
+        slope, rows = self.slope(MIDDLE), self.rows(MIDDLE)
+        found = list[str]()
+        for path, one in self.pieces[0].record.unknown.items():
+            force = rows.seen([p.record.unknown[path].force for p in self.pieces])
+            column = one.inertia * rows.acceleration - force
+            apart = column - slope * float(slope @ column) / float(slope @ slope)
+            if not one.doubt and np.linalg.norm(apart) < SAME_SPAN * np.linalg.norm(column):
+                found.append(path)
+        return found
+
+    def relaxing(self, piece: Piece) -> Array:
+        """Return how far springs are stretched that relax, over the range of positions (n, p).
+
+        Hoses and cables do. In steady motion they pull as dampers do, which is no friction.
+        """
+        parts, frame = [], self.frame
+        for share in RELAXING:
+            constant = share * frame.duration
+            kept = math.exp(-piece.step / constant)
+            stretch = lfilter([constant * (1.0 - kept)], [1.0, -kept], piece.velocity)
+            parts.append(stretch / min(frame.span, frame.top * constant))
+        return np.column_stack(parts)
+
     def errors(self, which: int) -> Array:
         """Return what is left where a share of given forces is missing, at the rows (n, p).
 
         Of that of the inertia, that of the mechanism, or of both: then the force has another gain.
+        Of one joint of several it is that of the rigid body.
         """
         rows, found = self.rows(which), list[Array]()
-        if "inertia" in self.given:
+        if "inertia" in self.given or "body" in self.given:
             own = np.array([one.record.inertia or 0.0 for one in self.pieces])
             found.append(own[rows.piece] * rows.acceleration)
-        if "mechanism" in self.given:
+        if "mechanism" in self.given or "body" in self.given:
             forces = [
                 0.0 * one.record.time if one.record.mechanism is None else one.record.mechanism
                 for one in self.pieces
             ]
             found.append(-rows.seen(forces))
         both = [found[0] + found[1]] if len(found) > 1 else []
-        return np.column_stack([*found, *both])
+        return np.column_stack(both if "body" in self.given else [*found, *both])
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""

@@ -43,11 +43,11 @@ from scipy.special import log_ndtr, logsumexp
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
-from stickslip.identify.posterior import Array, Draws, Family, Node, Structure
+from stickslip.identify.posterior import Array, Draws, Family, Node, Structure, allotted
 from stickslip.identify.vocabulary import FAMILIES, PARTS, PLACE
 from stickslip.maths import Scalar, log, where
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Parametrised, Quantity, vary
+from stickslip.quantities import Parametrised, Quantity, parameters, vary
 
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=100_000)
 """Six digits below the noise of any record."""
@@ -148,6 +148,8 @@ class RunLaw(SetValuedLaw):
 class Motion:
     """A free motion as it was recorded."""
 
+    mechanism: Mechanism
+    """What moves, with what is given of it."""
     time: Array
     """Times (n,) from 0 [s]."""
     values: Array
@@ -218,7 +220,6 @@ class Mode:
 class FreeMotion:
     """Free motions of one mechanism, and by what their unknowns are scaled."""
 
-    mechanism: Mechanism
     motions: Sequence[Motion]
     size: float
     """Root mean square of the friction [N]."""
@@ -227,7 +228,20 @@ class FreeMotion:
     """Range of the speeds that were seen [m/s]."""
     fixed: tuple[Term, ...]
     """The curve that what no law says multiplies."""
-    unseen: Unseen | None = None
+    unseen: tuple[Unseen, ...] = ()
+
+    @property
+    def paths(self) -> list[str]:
+        """Paths of what no balance sees of the mechanism."""
+        return [one.path for one in self.unseen]
+
+    def values(self, logs: Array, motion: Motion | None = None) -> Array:
+        """Return it for logarithms of it over its given values (..., p), as it is in a motion."""
+        given = [one.value for one in self.unseen]
+        if motion is not None:
+            known = {path: x for path, _, x in parameters(motion.mechanism, "mechanism")}
+            given = [known[path] for path in self.paths]
+        return np.asarray(np.array(given) * np.exp(logs))
 
     @cached_property
     def knots(self) -> Array:
@@ -276,7 +290,7 @@ class Runs:
         d, e = len(self.structure), len(self.shapes)
         self.law, self.logs = slice(0, d), slice(d, d + e)
         self.knots = slice(d + e, d + e + KNOTS)
-        self.ratio = slice(d + e + KNOTS, d + e + KNOTS + (motion.unseen is not None))
+        self.ratio = slice(d + e + KNOTS, d + e + KNOTS + len(motion.unseen))
         self.starts = slice(self.ratio.stop, self.ratio.stop + 3 * len(motion.motions))
         self.sizes = COEFFICIENT * np.array([self._size(one) for one in self.structure])
         self.mean, self.deviations = self._prior()
@@ -298,11 +312,10 @@ class Runs:
         mean, deviations = np.zeros(self.starts.stop), np.ones(self.starts.stop)
         low, high = math.log(motion.slowest), math.log(motion.fastest)
         for at, (term, entry) in enumerate(self.shapes, self.logs.start):
-            speed = PARTS[self.structure[term][0]].shapes[entry] == "speed"
-            mean[at] = 0.5 * (low + high) if speed else math.log(0.8)
-            deviations[at] = max((high - low) / math.sqrt(12.0), 0.5) if speed else 0.6
-        if motion.unseen is not None:
-            deviations[self.ratio] = motion.unseen.deviation
+            is_speed = PARTS[self.structure[term][0]].shapes[entry] == "speed"
+            mean[at] = 0.5 * (low + high) if is_speed else math.log(0.8)
+            deviations[at] = max((high - low) / math.sqrt(12.0), 0.5) if is_speed else 0.6
+        deviations[self.ratio] = [one.deviation for one in motion.unseen]
         for k, one in enumerate(motion.motions):
             at = self.starts.start + 3 * k
             rate = START * one.range / max(float(one.time[-1]), 1e-300) * (len(one.turns) + 1.0)
@@ -344,14 +357,16 @@ class Runs:
         motion, left, runs = self.motion, list[Array](), list[BareRun]()
         if not np.all(np.isfinite(x)) or np.any(np.abs(x[self.logs] - self.mean[self.logs]) > 12.0):
             return None
-        mechanism, law = motion.mechanism, self._law(x)
+        law = self._law(x)
         try:
-            if motion.unseen is not None:
-                value = motion.unseen.value * math.exp(float(x[self.ratio][0]))
-                mechanism = vary(mechanism, "mechanism", {motion.unseen.path: value})
             for one, (q, v, zero) in zip(
                 motion.motions, x[self.starts].reshape(-1, 3), strict=True
             ):
+                mechanism = one.mechanism
+                if motion.unseen:
+                    values = motion.values(x[self.ratio], one).tolist()
+                    own = dict(zip(motion.paths, values, strict=True))
+                    mechanism = vary(mechanism, "mechanism", own)
                 rows = one.first(turns)
                 run = SOLVER.bare(mechanism, law, y0=[q, v], t_end=float(one.time[rows - 1]))
                 if not run.status.complete:
@@ -366,13 +381,13 @@ class Runs:
     @cached_property
     def _paths(self) -> list[str]:
         """Paths of what the engine gives sensitivities of, the start last."""
-        mechanism, unseen = self.motion.mechanism, self.motion.unseen
+        mechanism = self.motion.motions[0].mechanism
         names = [*mechanism.coordinates, *mechanism.rates]
         return [
             *(f"friction.terms.{k}.coefficient" for k in range(len(self.structure))),
             *(f"friction.terms.{term}.shape.{entry}.value" for term, entry in self.shapes),
             *(f"friction.waves.{k}.value" for k in range(KNOTS)),
-            *([] if unseen is None else [unseen.path]),
+            *self.motion.paths,
             *(f"initial.{name}" for name in names),
         ]
 
@@ -388,9 +403,7 @@ class Runs:
             own[:, self.law] = table[:, self.law] * self.sizes
             own[:, self.logs] = table[:, self.logs] * np.exp(x[self.logs])
             own[:, self.knots] = table[:, self.knots] @ motion.waves
-            if motion.unseen is not None:
-                value = motion.unseen.value * np.exp(x[self.ratio])
-                own[:, self.ratio] = table[:, self.ratio] * value
+            own[:, self.ratio] = table[:, self.ratio] * motion.values(x[self.ratio], one)
             at = self.starts.start + 3 * k
             own[:, at : at + 2] = table[:, self.ratio.stop :]
             own[:, at + 2] = 1.0 * one.located
@@ -596,9 +609,7 @@ class RunPosterior:
         the mechanism, if anything, and how each motion starts.
         """
         weights = self.weights if only is None else np.where(only, self.weights, 0.0)
-        flat = weights.ravel()
-        ends = np.floor(np.cumsum(flat) / flat.sum() * count + 0.5 - 1e-9)
-        numbers = np.diff(ends, prepend=0.0).astype(int)
+        numbers = allotted(weights.ravel(), count)
         found = []
         for pair in np.flatnonzero(numbers):
             k, s = divmod(int(pair), len(self.structures))
