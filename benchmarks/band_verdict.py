@@ -33,10 +33,10 @@ def judged(rig: Rig) -> "Judged":
 
 
 ALIKE: Mapping[str, frozenset[str]] = {
-    "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance"}),
+    "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance", "backlash", "clip"}),
     "force": frozenset({"force", "spring", "ripple", "offset_drift"}),
     "place": frozenset({"place", "level_ripple"}),
-    "relaxing": frozenset({"hose"}),
+    "relaxing": frozenset({"hose", "spring"}),
     "temperature": frozenset({"level*temperature", "viscous*temperature"}),
     "inertia_given": frozenset({"inertia_error", "force_gain", "position_scale"}),
     "mechanism_given": frozenset({"mechanism", "force_gain"}),

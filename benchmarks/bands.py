@@ -67,7 +67,8 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
             row["second"] = verdict.inside(rig.second)
     except StickslipError as error:
         # a refusal, of the second record too, is right where something is wrong that no band holds
-        row |= {"seconds": time.process_time() - began} | row | {"refused": str(error)}
+        row["refused"] = str(error)
+        row.setdefault("seconds", time.process_time() - began)
         if rig.inside:
             row["false"] = [f"refused: {error}"]
         return row

@@ -85,7 +85,7 @@ def test_a_spring_that_relaxes_is_told_from_friction():
     )
     (spring,) = (one for one in found.findings if one.term == "relaxing")
     assert spring.asserted
-    assert any("as a hose or a cable does" in line for line in found.words.cannot_tell)
+    assert any("as that of a hose, a cable" in line for line in found.words.cannot_tell)
     band = found.band([2.0])
     assert band.low[0] < LEVEL + 2.0 * VISCOUS < band.high[0]
     (inertia,) = (x for x in found.parameters if x.path == "mechanism.inertia")

@@ -25,8 +25,8 @@ from stickslip import (
 from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.identify import BandVerdict
-from stickslip.mechanisms import DCMotor, PositionLoop, Torque
-from stickslip.mechanisms.drives import PiecewiseLinear, Sampled, Sine, Square
+from stickslip.mechanisms import DCMotor, PositionLoop, Prescribed, Torque
+from stickslip.mechanisms.drives import PiecewiseLinear, Sampled, Sine, Square, ThreePhase
 
 RATE, SECONDS = 500.0, 12.0
 T = np.arange(0.0, SECONDS, 1.0 / RATE)
@@ -190,7 +190,7 @@ def test_friction_that_is_recorded_late_is_a_delay_with_its_size():
     (late,) = (one for one in verdict.findings if one.term == "delay")
     assert late.asserted
     assert -late.size == pytest.approx(0.02, rel=0.1)
-    assert "acts 20 ms earlier than recorded" in late.sentence
+    assert "as if it acted 20 ms earlier than recorded" in late.sentence
 
 
 def test_samples_far_off_their_neighbours_are_left_out_and_said():
@@ -475,6 +475,41 @@ def test_a_cart_is_judged_by_what_its_pendulum_does_to_it():
     assert_holds(verdict, {"kinetic_coefficient": 0.18})
     with pytest.raises(InputError, match="with inner bodies, got cart_mass"):
         select(cart, None, Measurement(time=t, position=x), vary=["friction.*", "cart_mass"])
+
+
+def test_a_cart_whose_friction_noise_hides_has_a_band_that_holds_it():
+    swing = ThreePhase(amplitude=np.deg2rad(45), fast=120.0, slow=30.0)
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    )
+    truth = CoulombViscous(kinetic_coefficient=0.18, viscous_coefficient=0.5)
+    t = np.arange(0.0, 4.0 * float(swing.period), 0.01)
+    x = simulate(cart, truth, t_end=5.0).at(t)["x"]
+    x = x + np.random.default_rng(1).normal(0.0, 3e-4, len(t))
+    verdict = select(cart, None, Measurement(time=t, position=x))
+    v, band = verdict.speeds, verdict.friction
+    true = np.sign(v) * 0.18 * 0.6 * 9.81 + 0.5 * v
+    assert np.all((band.low <= true) & (true <= band.high))
+
+
+def test_pulses_of_both_signs_are_no_force_that_is_clipped():
+    t = np.arange(0.0, 12.0, 0.005)
+    at = t % 2.0
+    force = np.where(at < 0.25, 6.0, np.where((at > 1.0) & (at < 1.25), -6.0, 0.0))
+    axis = Axis(inertia=1.5, drive=Sampled(times=tuple(t), values=tuple(force)))
+    truth = CoulombViscous(kinetic_coefficient=1.0, viscous_coefficient=0.8)
+    x = simulate(axis, truth, t_end=float(t[-1])).at(t)[axis.coordinates[0]]
+    x = x + 1e-5 * np.random.default_rng(3).normal(size=len(t))
+    verdict = select(
+        Axis(inertia=1.0),
+        None,
+        Measurement(time=t, position=x, force=force),
+        vary=["friction.*", "mechanism.inertia"],
+    )
+    assert verdict.best.name == "coulomb-viscous"
+    assert_holds(verdict, {"kinetic_coefficient": 1.0, "viscous_coefficient": 0.8})
+    band = verdict.friction
+    assert np.median((band.high - band.low) / np.abs(band.median)) < 0.05
 
 
 def test_a_drive_of_the_mechanism_needs_no_record_of_the_force():

@@ -74,9 +74,6 @@ SHORTEST = 10
 """Part of a record that both are at most, for the start of a motion tells its inertia."""
 SIGMA = 1.4826
 """Standard deviation over the median size, of normal noise."""
-CLIPPED, MOST_CLIPPED = 3, 0.35
-"""Samples at the largest or the least force in a row from which it is clipped, and the share of the
-samples up to which those are left out."""
 TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
@@ -436,23 +433,6 @@ class Piece:
         return float(np.median(np.maximum(*(np.abs(q[at + k] - q[at]) for k in (-MOMENT, MOMENT)))))
 
     @cached_property
-    def clipped(self) -> Mask:
-        """Whether a sample is at or near a limit of its force, maybe the sensor's (n,).
-
-        A sensor has two limits; where many samples are at them, it is what drives the motion.
-        """
-        force, ends = self.record.force, []
-        for limit in (force.max(), force.min()):
-            apart = np.abs(force - limit) <= 0.5 * ROUNDED * float(np.ptp(force))
-            several = minimum_filter1d(apart.astype(np.uint8), CLIPPED)
-            ends.append(maximum_filter1d(several, CLIPPED))
-        at = ends[0] | ends[1]
-        if not (ends[0].any() and ends[1].any()) or np.mean(at) > MOST_CLIPPED:
-            return np.zeros(len(force), dtype=bool)
-        near = 2 * int(1.0 / self.cutoff / self.step) + 1
-        return np.asarray(maximum_filter1d(at, near) > 0)
-
-    @cached_property
     def beside(self) -> float:
         """Standard deviation of a sample of the force about what the filter shows of it [N]."""
         apart = self.record.force - self.filters[MIDDLE](self.record.force, full=True)
@@ -478,7 +458,6 @@ class Piece:
         many = min(LEAST * count, enough)
         found = next(one for one in tries if np.sum(one) > many or one is tries[-1]).copy()
         ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
-        found &= ~self.clipped
         most = count // SHORTEST
         ends = min(ends, most)
         found[:ends] = found[count - ends :] = False

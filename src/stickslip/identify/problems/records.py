@@ -76,7 +76,7 @@ FINDINGS: Mapping[str, str] = {
     "drift": "drift over the record",
     "place": "level that changes with the place",
     "force": "force that changes with the place or in time",
-    "relaxing": "spring that relaxes",
+    "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
 }
 """What may stand beside a law, as scales of the posterior."""
@@ -679,8 +679,8 @@ class RecordProblem(Problem):
             return f"The {runs} runs differ by {percent(size)} of friction (standard deviation)."
         if name == "relaxing":
             return (
-                "A spring that relaxes, as a hose or a cable does, acts beside friction, by"
-                f" {percent(size)} of it (standard deviation)."
+                "A force beside friction follows the past of the motion, as that of a hose, a cable"
+                f" or another spring does, by {percent(size)} of it (standard deviation)."
             )
         what = {
             "place": "The level of friction changes with the place",
@@ -741,10 +741,11 @@ class RecordProblem(Problem):
         # from going straight to the next sample to holding until it, and half a sample beyond
         likely = float(max(np.mean(late > 1.5 * step), np.mean(late < -0.5 * step)))
         return Finding(
-            term="delay", title="delay of the force", probability=likely, size=middle, low=low,
-            high=high,
-            sentence=f"The force acts {quantity(abs(middle), 's', 2)}"
-            f" {'later' if middle > 0.0 else 'earlier'} than recorded.",
+            term="delay", title="delay of the force, or what looks like it", probability=likely,
+            size=middle, low=low, high=high,
+            sentence=f"Motion follows the force as if it acted {quantity(abs(middle), 's', 2)}"
+            f" {'later' if middle > 0.0 else 'earlier'} than recorded: a channel that is late,"
+            " backlash, a flexible part and a sensor that clips look alike.",
         )  # fmt: skip
 
 
