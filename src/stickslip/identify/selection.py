@@ -27,7 +27,7 @@ from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Array, Family
 from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
-from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_columns import through_gear
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
@@ -42,6 +42,9 @@ from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import joined, quantity
 
+SETTLING, NEAR = 4, 0.25
+"""Times that records are taken again at most, and by how many of its standard deviations a value
+may be off the one about which forces are slopes."""
 STRETCHES_TO_MAKE = 6
 """Stretches of steady motion that are proposed at most."""
 
@@ -230,24 +233,25 @@ def select_record(
     measurement, _ = without_outliers(measurement)
     held = hold != "first" and _is_held(measurement)
     made = partial(
-        records_of, mechanism, unknown=vary, offset=offset, held=held,
+        records_of, unknown=vary, offset=offset, held=held,
         doubts=doubts_of(mechanism, measurement, vary),
     )  # fmt: skip
     problem_of = partial(
-        problem_of_records, mechanism, vary=vary, offset=offset, turning=measurement.turning,
+        problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    records = made(with_gear(mechanism, measurement))
+    rig = settled(mechanism, measurement, vary, offset=offset)
+    records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     families = families_for(laws, records)
-    problem, rig = problem_of(records, families=families), mechanism
-    if vary and isinstance(problem, RecordProblem) and problem.model.frame.transmitted:
-        # what a gear transmits follows from what the balance says of the mechanism
-        drawn = problem.rig(problem.posterior.draws(MIDDLE))
-        values = {path: float(np.median(x)) for path, x in drawn.items() if "." in path}
-        rig = with_values(mechanism, "mechanism", values)
-        problem = problem_of(made(with_gear(rig, measurement)), families=families)
-    others = None if validate is None else made(with_gear(rig, validate))
+    problem = problem_of(rig, records, families=families)
+    for again in range(SETTLING):
+        values = _values_of(problem, first=not again) if isinstance(problem, RecordProblem) else {}
+        if not values:
+            break
+        rig = with_values(rig, "mechanism", values)
+        problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=families)
+    others = None if validate is None else made(rig, with_gear(rig, validate))
     return record_verdict(
         problem,
         mechanism,
@@ -260,6 +264,29 @@ def select_record(
         others=others,
         remarks=map(str, checks.of("outliers")),
     )
+
+
+def _values_of(problem: RecordProblem, *, first: bool) -> dict[str, float]:
+    """Return what the balance says of the mechanism, where records are to be taken again with it.
+
+    What a gear transmits follows from it, and slopes of forces that are not linear.
+    """
+    unknown = problem.records[0].unknown
+    drawn = problem.rig(problem.posterior.draws(MIDDLE))
+    off, values = 0.0, dict[str, float]()
+    for path, x in drawn.items():
+        middle = float(np.median(x))
+        if path in unknown:
+            one = unknown[path]
+            room = min(one.limits[1], abs(one.given)), max(one.limits[0], -0.5 * abs(one.given))
+            step = min(max(middle - one.given, 0.9 * room[1]), 0.9 * room[0])
+            if one.bent:
+                off = max(off, abs(step) / (float(np.std(x)) + 1e-300))
+                middle = one.given + step
+        if "." in path:
+            values[path] = middle
+    with_gear_ = first and bool(problem.model.frame.transmitted)
+    return values if with_gear_ or off > NEAR else {}
 
 
 def record_verdict(

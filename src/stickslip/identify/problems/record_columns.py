@@ -463,16 +463,19 @@ class Balance:
 
     @cached_property
     def dampings(self) -> list[str]:
-        """Paths of what is looked for and acts as viscous friction does."""
-        slope, rows = self.slope(MIDDLE), self.rows(MIDDLE)
-        found = list[str]()
-        for path, one in self.pieces[0].record.unknown.items():
-            force = rows.seen([p.record.unknown[path].force for p in self.pieces])
-            column = one.inertia * rows.acceleration - force
-            apart = column - slope * float(slope @ column) / float(slope @ slope)
-            if not one.doubt and np.linalg.norm(apart) < SAME_SPAN * np.linalg.norm(column):
-                found.append(path)
-        return found
+        """Paths of what is looked for and acts, alone or together, as viscous friction does."""
+        slope = self.slope(MIDDLE)
+        looked = [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+        if not looked:
+            return []
+        columns = np.column_stack([self.fixed(MIDDLE)[path][:, 0] for path in looked])
+        columns /= np.linalg.norm(columns, axis=0) + 1e-300
+        shares = np.linalg.lstsq(columns, slope, rcond=SAME_SPAN**2)[0]
+        size = float(np.linalg.norm(slope))
+        if np.linalg.norm(slope - columns @ shares) > SAME_SPAN * size:
+            return []
+        each = zip(looked, shares.tolist(), strict=True)
+        return [path for path, share in each if abs(share) > SAME_SPAN * size]
 
     def relaxing(self, piece: Piece) -> Array:
         """Return how far springs are stretched that relax, over the range of positions (n, p).

@@ -52,7 +52,7 @@ from stickslip.identify.vocabulary import (
     flow_direction,
     parameters_of,
 )
-from stickslip.show.formatting import percent, quantity
+from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
@@ -613,11 +613,12 @@ class RecordProblem(Problem):
                 "A constant offset is not told from a level that differs by direction: a record"
                 " under another load would tell them, or what the sensor shows without a force."
             )
-        for path in balance.dampings:
-            what = path.rpartition(".")[2].replace("_", " ")
+        if balance.dampings:
+            names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
+            are, them = ("is", "it") if len(names) == 1 else ("together are", "them")
             found.append(
-                f"The {what} is not told from viscous friction: what is stated of it has both, and"
-                " no law with viscous friction is compared."
+                f"The {joined(names)} {are} not told from viscous friction: what is stated of"
+                f" {them} has both, and no law with viscous friction is compared."
             )
         return found
 
