@@ -17,6 +17,7 @@ from stickslip import (
     PendulumCart,
     RecordSettings,
     SpringBlock,
+    Stribeck,
     load_rig,
     select,
     simulate,
@@ -590,3 +591,25 @@ def test_laws_drawn_from_the_verdict_of_a_record_lie_in_its_band(verdict):
     at = np.array([float(np.asarray(one.force(1.0, 1.0))) for one in laws])
     band = verdict.band([1.0])
     assert np.mean((at > band.low[0]) & (at < band.high[0])) > 0.9
+
+
+def test_another_record_is_foreseen_with_its_error_beside_that_of_plain_least_squares():
+    dip = Stribeck(
+        kinetic_coefficient=3.0, static_coefficient=6.0, stribeck_velocity=0.2,
+        viscous_coefficient=3.0,
+    )  # fmt: skip
+    verdict = select(AXIS, None, moved(dip))
+    again = moved(dip, seed=9)
+    foreseen = verdict.predict(again)
+    assert foreseen.inside > 0.9
+    assert foreseen.error < 0.7 * foreseen.usual_error
+    table = foreseen.to_dataframe()
+    assert len(table) == len(foreseen.measured)
+    assert ((table["low"] < table["median"]) & (table["median"] < table["high"])).all()
+    validated = select(AXIS, None, moved(dip), validate=again)
+    assert validated.inside == foreseen.inside
+    assert any(
+        "Coulomb + viscous friction by least squares" in x for x in validated.words.cannot_tell
+    )
+    with pytest.raises(InputError, match="identical"):
+        verdict.predict(moved(dip))

@@ -461,6 +461,14 @@ class Balance:
             found["inertia"] = rows.acceleration[:, None]
         return found
 
+    def plain(self) -> Array:
+        """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""
+        fixed, rows = self.fixed(MIDDLE), self.rows(MIDDLE)
+        looked = (path for path, one in self.pieces[0].record.unknown.items() if not one.doubt)
+        beside = [name for name in ("offset", "inertia", *looked) if name in fixed]
+        level = [p.direction * self.load(p) for p in self.pieces]
+        return np.hstack([*(fixed[x] for x in beside), fixed["slope"], rows.seen(level)[:, None]])
+
     @cached_property
     def dampings(self) -> list[str]:
         """Paths of what is looked for and acts, alone or together, as viscous friction does."""

@@ -193,6 +193,11 @@ class RecordProblem(Problem):
         """Return the rows of other records, which are another run."""
         return OtherRows.of(self.model, records)
 
+    def usual(self, rows: OtherRows) -> Array:
+        own = self.model.balance
+        c = np.linalg.lstsq(own.plain(), own.rows(MIDDLE).response, rcond=None)[0]
+        return np.asarray(rows.balance.plain() @ c)
+
     def at_rest(self, records: Sequence[Record]) -> RestRows:
         """Return the rows of other records at rest, where friction is up to its level."""
         return RestRows.of(self.model, records)
