@@ -338,7 +338,7 @@ def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(sprung):
 
 
 def test_what_changes_nothing_is_no_parameter_to_find(sprung):
-    with pytest.raises(InputError, match="nothing in this record changes with load"):
+    with pytest.raises(InputError, match="nothing in these records changes with load"):
         select(SPRING, None, sprung, vary=["friction.*", "load"])
 
 

@@ -112,8 +112,12 @@ def forces_along(
     v: Array,
     unknown: Sequence[str],
     doubts: Mapping[str, float] | None = None,
+    *,
+    linear: bool = True,
 ) -> Forces:
     """Return the forces along a record, split by parameters that are looked for or doubtful.
+
+    Where they may not be taken as linear, parameters count from their values here.
 
     Examples
     --------
@@ -151,7 +155,7 @@ def forces_along(
                 still = known_forces(one, x, v, none)[1]
             return np.concatenate([force - still, still, [mass]])
 
-    found, rest = _looked_for(mechanism, on, unknown, linear=not several)
+    found, rest = _looked_for(mechanism, on, unknown, linear=linear and not several)
     found |= _doubtful(mechanism, on, doubts or {})
     return Forces(
         driven=rest[:count],
@@ -197,9 +201,6 @@ def _looked_for(
     for path in looked:
         share = 1.0 if linear else NEAR
         first = firsts[path] if linear else changed(share, path)
-        if not np.any(first):
-            name = path.removeprefix("mechanism.")
-            raise InputError(f"vary: nothing in this record changes with {name}: leave it out.")
         slope = first / (share * steps[path])
         own = ranges[path]
         low, high = own.low if own.above is None else max(own.low, own.above), own.high
