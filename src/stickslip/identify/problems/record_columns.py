@@ -38,6 +38,8 @@ GEAR = "gear"
 """Term of a level that grows with what the gear transmits, whatever the load is."""
 LEVELS = frozenset({GEAR, *(name for name, part in PARTS.items() if part.dry)})
 """Terms that lag with the bristle."""
+FORCE = "force"
+"""Part of what an input changes that is no friction."""
 WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
@@ -445,6 +447,8 @@ class Balance:
         if len(frame.sides) > 1:
             found["offset"] = np.ones((rows.count, 1))
             found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
+            for name in frame.inputs:  # as a pressure pushes on a rod, whichever way it moves
+                found[f"{FORCE}*{name}"] = rows.seen([self.input(p, name) for p in pieces])[:, None]
         found["slope"] = self.slope(which)[:, None]
         found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
         found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
