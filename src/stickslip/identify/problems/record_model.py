@@ -18,8 +18,10 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 """
 
 import math
+from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -225,6 +227,13 @@ class Design:
     least: Array
     """Root mean squares of the columns that are always there (m,)."""
 
+    @cached_property
+    def places(self) -> dict[str, slice]:
+        """Columns of each group, which stand together."""
+        names = self.groups.tolist()
+        count = Counter(names)
+        return {name: slice(names.index(name), names.index(name) + count[name]) for name in count}
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Noise:
@@ -286,6 +295,7 @@ class RecordModel(Model):
         self._plain: dict[tuple[int, int], Array] = {}
         self._grams: dict[tuple[int, int, int], Array] = {}
         self._fixed: dict[int, dict[str, Array]] = {}
+        self._roots: dict[int, Array] = {}
         self._choose_band()
         left = self._screen()
         self._weigh(MIDDLE, left, self._noise(MIDDLE, left, None))
@@ -427,9 +437,12 @@ class RecordModel(Model):
 
     def root(self, length: int) -> Array:
         """Return a root of the covariance of the curve at its knots (k, k): Matern 3/2."""
-        x = self.frame.knots
-        d = math.sqrt(3.0) * np.abs(x[:, None] - x) / SCALES["length"][0][length]
-        return np.asarray(cholesky((1.0 + d) * np.exp(-d) + ROUNDING * np.eye(len(x)), lower=True))
+        if length not in self._roots:
+            x = self.frame.knots
+            d = math.sqrt(3.0) * np.abs(x[:, None] - x) / SCALES["length"][0][length]
+            covariance = (1.0 + d) * np.exp(-d) + ROUNDING * np.eye(len(x))
+            self._roots[length] = np.asarray(cholesky(covariance, lower=True))
+        return self._roots[length]
 
     def deviations(self, node: Node) -> Array:
         """Return the prior standard deviations of what is always there (m,)."""
@@ -668,16 +681,14 @@ class RecordModel(Model):
         """Return coefficients of the columns as they are (m, k), the curve's at its knots."""
         design = self.design(*self.key(node))
         found, root = random.copy(), self.root(node[self.names.index("length")])
-        for name in CURVES:
-            at = design.groups == name
-            if at.any():
-                found[at] = root @ random[at]
+        for at in (design.places[name] for name in CURVES if name in design.places):
+            found[at] = root @ random[at]
         return found
 
     def split(self, node: Node, random: Array) -> dict[str, Array]:
         """Return coefficients of the columns as they are (p, k), by group."""
-        plain, groups = self.plain(node, random), self.design(*self.key(node)).groups
-        return {name: plain[groups == name] for name in dict.fromkeys(groups.tolist())}
+        plain, places = self.plain(node, random), self.design(*self.key(node)).places
+        return {name: plain[at] for name, at in places.items()}
 
     def part(self, memory: Memory) -> Array:
         """Return what a bristle lacks of being stretched, at the middle rows (n,)."""

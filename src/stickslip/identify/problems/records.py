@@ -596,14 +596,18 @@ class RecordProblem(Problem):
             velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones
         )
 
+    @cached_property
+    def _middle(self) -> Array:
+        """Friction in the mean of draws, at the speeds over which the band is stated (n,)."""
+        return np.asarray(np.mean(self.steady(self.asked(), self._usual), axis=0))
+
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of what the law and what acts beside it leave [N]."""
         noise, rows = self.model.noises[MIDDLE], self.model.balance.rows(MIDDLE)
         of = self.model.classes(self.model.balance, MIDDLE, noise)
         sizes = noise.deviations[of] * noise.pieces[rows.piece] * self._noisier
         at = self.asked()
-        middle = np.mean(self.steady(at, self._usual), axis=0)
-        off = middle - self.design(rung.structure, at) @ rung.coefficients
+        off = self._middle - self.design(rung.structure, at) @ rung.coefficients
         return math.sqrt(float(np.mean(sizes**2)) + float(np.mean(off**2)))
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
