@@ -43,7 +43,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky, lapack, solve_triangular
 from scipy.special import log_ndtr, logsumexp
 
 Array: TypeAlias = NDArray[np.float64]
@@ -283,18 +283,20 @@ class Posterior:
         """Return `count` draws, in the order of nodes and structures, of those in `only` (k, s)."""
         weights = self.weights if only is None else np.where(only, self.weights, 0.0)
         numbers = allotted(weights.ravel(), count)
-        found = []
-        for pair in np.flatnonzero(numbers):
-            a, k = divmod(int(pair), len(self.structures))
-            rng = np.random.default_rng([seed, *self.nodes[a], k])
-            found.append(self._drawn(self.nodes[a], self.structures[k], int(numbers[pair]), rng))
+        numbers, found = numbers.reshape(weights.shape), []
+        for a in np.flatnonzero(numbers.any(axis=1)).tolist():
+            node = self.nodes[a]
+            system = self.model.system(node, self.columns)
+            for k in np.flatnonzero(numbers[a]).tolist():
+                rng = np.random.default_rng([seed, *node, k])
+                law = self.structures[k]
+                found.append(self._drawn(node, system, law, int(numbers[a, k]), rng))
         return found
 
     def _drawn(
-        self, node: Node, structure: Structure, count: int, rng: np.random.Generator
+        self, node: Node, system: System, structure: Structure, count: int, rng: np.random.Generator
     ) -> Draws:
         """Return draws of the coefficients of one structure at one node."""
-        system = self.model.system(node, self.columns)
         mean, root = self._moments(system, structure)
         m = len(system.deviations)
         x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
@@ -326,10 +328,10 @@ class Posterior:
         unit = np.r_[q, np.full(len(structure), COEFFICIENT)]
         k = unit[:, None] * system.gram[np.ix_(at, at)] * unit
         k[np.diag_indices(len(k))] += 1.0
-        factor = cholesky(k, lower=True)
-        inner = solve_triangular(factor, unit * system.gram[at, -1], lower=True)
-        root = solve_triangular(factor, np.eye(len(k)), lower=True).T
-        return unit * (root @ inner), unit[:, None] * root
+        inverse, _ = lapack.dtrtri(cholesky(k, lower=True), lower=1)
+        return unit * (inverse.T @ (inverse @ (unit * system.gram[at, -1]))), unit[
+            :, None
+        ] * inverse.T
 
     def effective(self, node: Node, structure: Structure) -> float:
         """Return the number of coefficients that the measurement tells at a node."""
