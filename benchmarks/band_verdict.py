@@ -1,5 +1,6 @@
 """What the study of bands asks of a verdict: the one place that knows the public API."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,8 +10,12 @@ from typing_extensions import override
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
+from stickslip.friction import bound
+from stickslip.identify import BandVerdict
+from stickslip.identify.judgement import Judgement
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.tables import readings_of
+from stickslip.identify.projection import PLACES, Target
 
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
@@ -25,6 +30,49 @@ class Fault:
     """What it is said not to be told from."""
     fault: bool
     """Whether it is a fault."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandedOver:
+    """The law that leaves a verdict, beside the band that was judged."""
+
+    off: float
+    """Share of friction by which it is off the middle of the band, at 95 % of the places ..."""
+    stated: float
+    """... and which share was stated."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is as close as was stated."""
+        return self.off <= self.stated
+
+
+def handed_over(verdict: BandVerdict) -> HandedOver | None:
+    """Return how far the law handed over is from the middle of the band; None where none is."""
+    judgement = verdict.judgement
+    if verdict.best is None or not judgement.named.structure:
+        return None
+    rows = judgement.problem.asked()
+    if np.ptp(judgement.problem.scale(rows)) > 0.0:  # at the load of the law
+        rows = judgement.problem.at(np.unique(rows.velocity))
+    target = Target(
+        draws=judgement.problem.steady(rows, judgement.draws),
+        tolerance=judgement.tolerance,
+        scale=judgement.problem.scale(rows),
+    )
+    composed = judgement.composition
+    law = bound(verdict.law, composed.inputs)
+    force = np.array([float(law.steady(v, composed.normal())) for v in rows.velocity.tolist()])
+    force += getattr(verdict.mechanism, "offset", 0.0)
+    return HandedOver(
+        off=float(np.quantile(np.abs(force - target.middle) / target.size, PLACES)),
+        stated=max(verdict.closest.distance, judgement.tolerance),
+    )
+
+
+def told(judgement: Judgement) -> bool:
+    """Return whether friction is told from zero and a law of it is named."""
+    return judgement.is_told and bool(judgement.named.structure)
 
 
 def judged(rig: Rig) -> "Judged":
@@ -56,6 +104,8 @@ class Judged:
         self.family = (*self.verdict.family, *own, *memory)
         self.set = [(*one, *own, *memory) for one in self.verdict.set]
         self.gain = self.verdict.judgement.named.distance
+        self.known = self.verdict.judgement.known
+        self.law = handed_over(self.verdict)
         self.parameters = self.verdict.parameters
         self.faults = [
             Fault(kind=one, instead=ALIKE.get(one, frozenset()) | {one}, fault=rig.kind != "tables")
@@ -128,6 +178,7 @@ class Travelled(Judged):
         self.family = (judgement.named,)
         self.set = list(self.verdict.set)
         self.gain = 0.0 if judgement.explained else 1.0
+        self.known, self.law = math.nan, None
         self.parameters = [
             Limits(path=own.path, low=own.low, high=own.high, low_any=any_.low, high_any=any_.high)
             for own, any_ in zip(
