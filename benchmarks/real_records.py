@@ -1,0 +1,558 @@
+"""Measured records and tables: the first part is judged, and how well that says the second.
+
+``python -m benchmarks.real_records`` judges every public set of one coordinate, of several joints
+and of tables that the folder in ``STICKSLIP_DATA`` or the catalogue has (``--only NAME`` those
+whose names begin so). No number of the judge may be chosen on a second part. A line has, in the
+unit of the force,
+
+* the named law, within which share of friction it stays, and the half-width of the steady band;
+* the share of the readings of the second part in their band of 95 %, half its width over the error
+  (medians), and the error: root mean square of reading less the middle of the band;
+* the error of Coulomb + viscous friction, by least squares with an offset and the same inertia on
+  the rows of the first part, and that of the published law where its numbers are known;
+* processor time, and each statement that is false as far as anything is known of the set.
+
+Sets that cannot be judged have a line with the reason.
+"""
+
+import argparse
+import contextlib
+import math
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+from stickslip import Axis, Measurement, Pendulum, select
+from stickslip.data import catalogue, guess_data, parquet_data, read_data, rows_of
+from stickslip.errors import StickslipError
+from stickslip.identify import BandVerdict, selection
+from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.fits import RecordSettings
+from stickslip.identify.problems.record_columns import Balance
+from stickslip.identify.problems.record_curves import OtherRows
+from stickslip.identify.problems.record_rows import MIDDLE
+from stickslip.identify.problems.records import RecordProblem
+from stickslip.identify.problems.table_model import Rows
+from stickslip.identify.problems.tables import TableProblem
+from stickslip.study.benchmark import records as tasks
+
+FIRST = 0.6
+"""Part of a record that the rest is predicted from."""
+SETTLED = 9.6
+"""Time [s] from which the tribometer runs evenly, as its source says."""
+UNTOUCHED: Mapping[str, float] = {"sac": 4.0, "ilqr": 2.8, "energy_shaping": 5.0}
+"""Seconds of the motions of the pendulum in which nobody pushes it."""
+TORQUE = 0.025
+"""Torque of the motor of a quadruped over its current [N m/A]."""
+MASS = ("mechanism.inertia",)
+TX40: Mapping[str, tuple[float, float, float]] = {
+    "q1": (7.14, 8.05, 0.392),
+    "q2": (8.26, 5.53, 1.37),
+    "q3": (6.34, 1.97, 0.326),
+    "q4": (2.48, 1.11, -0.102),
+}
+"""Published level [N m], slope [N m s/rad] and offset of joints that no other motor turns."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Law:
+    """Coulomb + viscous friction as published."""
+
+    level: float
+    viscous: float
+    offset: float = 0.0
+    inertia: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """Friction that is known at inputs of the contact."""
+
+    inputs: Mapping[str, float]
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A record or table, others of the same machine, and what is known of it."""
+
+    name: str
+    mechanism: Any
+    first: Measurement
+    others: Mapping[str, Measurement]
+    unknown: Sequence[str] = ()
+    """What is looked for of the mechanism."""
+    settings: RecordSettings | None = None
+    known: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Range in which a parameter is known to be, by path."""
+    levels: Sequence[Level] = ()
+    most: float = math.inf
+    """Largest force of the set: no band is as wide."""
+    published: Mapping[str, Law] = field(default_factory=dict)
+    """By contact of a joint; the only one is called ""."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """What a verdict on the first part says of the second."""
+
+    name: str
+    law: str = ""
+    distance: float = math.nan
+    """Share of friction within which the law stays."""
+    known: float = math.nan
+    """Half-width of the band of steady friction, over friction."""
+    inside: float = math.nan
+    ratio: float = math.nan
+    """Half-width of the band of readings over the error, in the median."""
+    error: float = math.nan
+    plain: float = math.nan
+    """Error of Coulomb + viscous friction."""
+    published: float = math.nan
+    spread: float = math.nan
+    """Root mean square of the readings."""
+    seconds: float = math.nan
+    false: Sequence[str] = ()
+    beside: Sequence[str] = ()
+    """What was stated beside the law, in the words of the verdict."""
+    reason: str = ""
+    """Why it cannot be judged."""
+
+    @property
+    def excess(self) -> float:
+        """Error over that of Coulomb + viscous friction."""
+        return self.error / self.plain
+
+    def __str__(self) -> str:
+        if self.reason:
+            return f"{self.name:32} not judged: {self.reason}"
+        published = "" if math.isnan(self.published) else f", published {self.published:.3g}"
+        lines = [
+            f"{self.name:32} {self.law} within {self.distance:.1%}, steady ±{self.known:.1%},"
+            f" inside {self.inside:.3f}, half-width over error {self.ratio:.2f}, error"
+            f" {self.error:.3g} (C + V {self.plain:.3g}{published}; readings {self.spread:.3g}),"
+            f" {self.seconds:.1f} s"
+        ]
+        lines += [f"    FALSE: {one}" for one in self.false]
+        lines += [f"    said: {one}" for one in self.beside]
+        return "\n".join(lines)
+
+
+# ---- the sets
+
+
+def _folder(name: str) -> Path:
+    """Return the folder of a set that the catalogue does not fetch."""
+    return Path(os.environ.get("STICKSLIP_DATA", ".")) / name
+
+
+def _table(name: str, file: str) -> Any:
+    return parquet_data(catalogue.dataset(name).path(file))
+
+
+def _parts(record: Measurement, share: float = FIRST) -> tuple[Measurement, Measurement]:
+    rows = len(np.asarray(record.time))
+    return rows_of(record, 0, int(share * rows)), rows_of(record, int(share * rows), rows)
+
+
+def emps() -> Iterator[Case]:
+    record = catalogue.dataset("emps").measurement("train")
+    halves = _parts(record, 0.5)
+    for k, name in enumerate(("EMPS, first half", "EMPS, second half")):
+        yield Case(
+            name=name,
+            mechanism=Axis(inertia=100.0),
+            first=halves[k],
+            others={"other half": halves[1 - k]},
+            unknown=MASS,
+            # two published estimates, with three of their standard deviations
+            known={"mechanism.inertia": (94.78, 95.48)},
+            published={"": Law(level=20.3935, viscous=203.5034, offset=-3.1648, inertia=95.1089)},
+        )
+
+
+def tribometer() -> Iterator[Case]:
+    table = _table("reciprocating_tribometer", "train")
+    table = table[table["t_s"] > SETTLED]
+    record = Measurement(
+        time=table["t_s"].to_numpy(),
+        position=table["x_m"].to_numpy(),
+        friction=-table["friction_N"].to_numpy(),
+        load=table["normal_N"].to_numpy(),
+    )
+    first, rest = _parts(record)
+    yield Case(name="tribometer", mechanism=Axis(inertia=1.0), first=first, others={"rest": rest})
+
+
+def _task(name: str) -> Case:
+    """Return a record of several joints as the benchmark of methods has it."""
+    task = next(one for one in tasks.ROBOT_TASKS if one.name == name)
+    first, second = task.split()
+    return Case(
+        name=task.title.partition(",")[0],
+        mechanism=task.mechanism,
+        first=first,
+        others={task.judged: second},
+        unknown=tuple(one for one in task.vary if one != "friction.*"),
+        settings=task.settings,
+    )
+
+
+def two_link_arm() -> Iterator[Case]:
+    case = _task("two-link-arm")
+    published = {"shoulder": Law(level=0.1675, viscous=0.0), "elbow": Law(level=0.115, viscous=0.0)}
+    yield Case(**{**vars(case), "published": published})
+
+
+def schunk_arm() -> Iterator[Case]:
+    yield _task("schunk-arm")
+
+
+def staubli() -> Iterator[Case]:
+    table = _table("staubli_tx40", "train")
+    for joint in range(1, 7):
+        first, rest = _parts(
+            Measurement(
+                time=table["t_s"].to_numpy(),
+                position=table[f"q{joint}_rad"].to_numpy(),
+                force=table[f"tau{joint}_Nm"].to_numpy(),
+                turning=True,
+            )
+        )
+        yield Case(
+            name=f"TX40, joint {joint} alone",
+            mechanism=Axis(inertia=1.0),
+            first=first,
+            others={"rest": rest},
+            unknown=MASS,
+        )
+    published = {
+        name: Law(level=level, viscous=slope, offset=offset)
+        for name, (level, slope, offset) in TX40.items()
+    }
+    yield Case(**{**vars(_task("tx40")), "published": published})
+
+
+def _swing(name: str) -> Measurement:
+    table = _table("simple_pendulum_drive", name)
+    t = table["t_s"].to_numpy()
+    grows = np.concatenate([[True], np.diff(t) > 0.0])
+    table = table[(t < t[0] + UNTOUCHED.get(name, np.inf)) & grows]
+    return Measurement(
+        time=table["t_s"].to_numpy(),
+        position=table["q_rad"].to_numpy(),
+        velocity=table["dq_rad_s"].to_numpy(),
+        force=table["tau_Nm"].to_numpy(),
+    )
+
+
+def pendulum() -> Iterator[Case]:
+    others = ("sac", "ilqr", "energy_shaping", "identification")
+    yield Case(
+        name="pendulum, ddp",
+        mechanism=Pendulum(mass=0.676, length=0.45),
+        first=_swing("ddp"),
+        others={name: _swing(name) for name in others},
+        unknown=("mechanism.mass",),
+    )
+
+
+def servo() -> Iterator[Case]:
+    every = tasks.logs()
+    own = [log for log in every if log.gain != tasks.HELD_OUT]
+    yield Case(
+        name="XL330 servo",
+        mechanism=tasks.RIG,
+        first=tasks.joined(own),
+        others={f"gain {tasks.HELD_OUT}": tasks.joined([x for x in every if x not in own])},
+        unknown=("mechanism.rest_angle", *(f"mechanism.drive.{key}" for key in tasks.UNKNOWN)),
+    )
+
+
+def seals() -> Iterator[Case]:
+    table = parquet_data(_folder("oring_seals") / "train.parquet")
+    parts: dict[int, tuple[Measurement, Measurement]] = {}
+    for trial, own in table.groupby("trial"):
+        record = Measurement(
+            time=own["t_s"].to_numpy(),
+            position=1e-3 * own["position_mm"].to_numpy(),
+            friction=own["friction_N"].to_numpy(),
+            inputs={"pressure": own["pressure_bar"].to_numpy()},
+        )
+        parts[trial] = _parts(record)
+    known = (
+        Level(inputs={"pressure": 1.0}, low=3.5, high=4.3),
+        Level(inputs={"pressure": 7.0}, low=7.1, high=8.7),
+    )
+
+    def case(name: str, first: Sequence[Measurement], rest: Sequence[Measurement]) -> Case:
+        return Case(
+            name=name,
+            mechanism=Axis(inertia=1.0),
+            first=Measurement(trials=tuple(first)),
+            others={"rest": Measurement(trials=tuple(rest))},
+            levels=known,
+            most=float(np.abs(table["friction_N"]).max()),
+        )
+
+    yield case("O-rings", [one for one, _ in parts.values()], [one for _, one in parts.values()])
+    *three, last = parts.values()
+    yield case("O-rings, 7 bar from 1, 3, 5", [one for one, _ in three], last)
+
+
+def motor() -> Iterator[Case]:
+    table = parquet_data(_folder("odri_motor") / "train.parquet")
+    record = Measurement(
+        time=table["t_s"].to_numpy(),
+        position=table["position_rad"].to_numpy(),
+        velocity=table["velocity_rad_s"].to_numpy(),
+        force=TORQUE * table["iq_A"].to_numpy(),
+        turning=True,
+    )
+    for name, own in (
+        ("ODRI motor", record),
+        ("ODRI motor, place alone", replace(record, velocity=None)),
+    ):
+        first, rest = _parts(own)
+        yield Case(
+            name=name,
+            mechanism=Axis(inertia=1e-5),
+            first=first,
+            others={"rest": rest},
+            unknown=MASS,
+            # by another fit of a smooth law
+            known={"mechanism.inertia": (4.6e-6, 5.2e-6)},
+            most=float(np.abs(TORQUE * table["iq_A"]).max()),
+            published={"": Law(level=1.36e-3, viscous=1.07e-5, inertia=4.9e-6)},
+        )
+
+
+def traction_machine() -> Iterator[Case]:
+    path = _folder("traction_machine") / "first_steps.txt"
+    trials = read_data([path], guess_data(path).reading).records()
+    cut = int(FIRST * len(trials))
+    first, rest = (Measurement(trials=tuple(own)) for own in (trials[:cut], trials[cut:]))
+    yield Case(name="traction machine", mechanism=Axis(inertia=1.0), first=first,
+               others={"other steps": rest})  # fmt: skip
+
+
+def not_judged() -> Iterator[Line]:
+    """Yield the measured sets that are of another kind, with the reason."""
+    for name, reason in (
+        ("rock, velocity step", "rate-and-state friction is judged by velocity steps"),
+        ("slider over paper", "irregular stick-slip is judged by its features"),
+        ("pendulum, 1 kg", "another mass than that of the other records, not stated"),
+    ):
+        yield Line(name=name, reason=f"{reason}.")
+
+
+SETS: Sequence[Callable[[], Iterator[Case]]] = (
+    emps, tribometer, two_link_arm, pendulum, staubli, schunk_arm, seals, motor, traction_machine,
+    servo,
+)  # fmt: skip
+
+
+# ---- judging
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What problems were shown of second parts, in order."""
+
+    rows: list[tuple[Any, Any]] = field(default_factory=list)
+    """Problems and rows."""
+    bands: list[tuple[PredictionBand, Array]] = field(default_factory=list)
+    """Bands of readings, and the readings."""
+
+
+@contextlib.contextmanager
+def watched() -> Iterator[Seen]:
+    """Remember what selections compare with second parts: a verdict keeps the share alone."""
+    seen, inside = Seen(), selection._inside
+
+    def counted(band: PredictionBand, values: Array) -> float:
+        seen.bands.append((band, np.asarray(values)))
+        return inside(band, values)
+
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(mock.patch.object(selection, "_inside", counted))
+        for kind in (RecordProblem, TableProblem):
+
+            def like(own: Any, given: Any, of: Any = kind.like) -> Any:
+                seen.rows.append((own, of(own, given)))
+                return seen.rows[-1][1]
+
+            stack.enter_context(mock.patch.object(kind, "like", like))
+        yield seen
+
+
+def plain_columns(balance: Balance) -> dict[str, Array]:
+    """Return the columns of Coulomb + viscous friction (n,) at the rows of a balance, by name."""
+    rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
+    loads = [1.0 if one.record.load is None else one.record.load for one in balance.pieces]
+    pieces = zip(balance.pieces, loads, strict=True)
+    level = rows.seen([(one.direction * load)[:, None] for one, load in pieces])[:, 0]
+    found = {
+        "level": level,
+        "viscous": rows.seen([one.velocity[:, None] for one in balance.pieces])[:, 0],
+        "offset": np.ones(rows.count),
+    }
+    beside = [name for name in fixed if name == "inertia" or name.startswith("mechanism.")]
+    return found | {name: fixed[name][:, 0] for name in beside}
+
+
+def plain_rows(rows: Rows) -> dict[str, Array]:
+    """Return the same at the rows of a table."""
+    found = {"level": rows.direction * rows.load, "viscous": rows.velocity}
+    if np.ptp(rows.direction) > 0.0:
+        found["offset"] = np.ones(len(rows.velocity))
+    return found
+
+
+def plain_error(problem: Any, other: Any, values: Array, law: Law | None = None) -> float:
+    """Return the error of Coulomb + viscous friction, or of a law of that form, on other rows."""
+    if isinstance(problem, RecordProblem):
+        assert isinstance(other, OtherRows)
+        balance = problem.model.balance
+        own, response = plain_columns(balance), balance.rows(MIDDLE).response
+        columns = plain_columns(other.balance)
+    else:
+        table = problem.table
+        own, response = plain_rows(table.rows), table.friction
+        columns = plain_rows(other)
+    names = [name for name in own if name in columns]
+    x = np.column_stack([own[name] for name in names])
+    size = np.sqrt(np.mean(x**2, axis=0)) + 1e-300
+    best = np.linalg.lstsq(x / size, response, rcond=None)[0] / size
+    if law is not None:
+        # links were found before: what is said is the change from them
+        best = np.array([getattr(law, name.rpartition(".")[2], 0.0) for name in names])
+    said = np.column_stack([columns[name] for name in names]) @ best
+    return float(np.sqrt(np.mean((values - said) ** 2)))
+
+
+def false_statements(case: Case, verdict: BandVerdict) -> Iterator[str]:
+    """Yield what a verdict says that is false as far as anything is known."""
+    judgement = verdict.judgement
+    if verdict.best is None:
+        yield verdict.words.verdict
+    for one in verdict.parameters:
+        low, high = case.known.get(one.path, (-math.inf, math.inf))
+        miss = max(low - one.high_any, one.low_any - high)
+        if miss > 0.25 * (one.high_any - one.low_any):
+            yield f"{one.path} {one.low_any:.4g} to {one.high_any:.4g}, known {low:g} to {high:g}"
+    typical = float(np.median(np.abs(verdict.speeds)))
+    for level in case.levels:
+        band = verdict.band(typical, inputs=level.inputs)
+        low, high = float(band.low[0]), float(band.high[0])
+        if max(level.low - high, low - level.high) > 0.25 * (high - low):
+            yield f"friction {low:.3g} to {high:.3g} N at {level.inputs}, known {level}"
+    width = float(np.max(verdict.friction.high - verdict.friction.low))
+    if width > case.most:
+        yield f"a band {width:.3g} wide, where no force is above {case.most:.3g}"
+    if not judgement.is_explained:
+        yield verdict.words.verdict
+
+
+def stated_beside(verdict: BandVerdict) -> Iterator[str]:
+    """Yield what a verdict states beside the law, to be read."""
+    for one in verdict.findings:
+        if one.asserted:
+            yield one.sentence
+
+
+def judged(case: Case) -> Iterator[Line]:
+    """Yield a line for each other record, and of several joints for each joint."""
+    for name, other in case.others.items():
+        label, began = f"{case.name}: {name}", time.process_time()
+        vary = ["friction.*", *case.unknown] if case.unknown else None
+        try:
+            with watched() as seen:
+                verdict: Any = select(
+                    case.mechanism, None, case.first, vary=vary, settings=case.settings,
+                    validate=other,
+                )  # fmt: skip
+        except StickslipError as error:
+            yield Line(name=label, reason=str(error))
+            continue
+        seconds = time.process_time() - began
+        joints = getattr(verdict, "joints", {"": verdict})
+        rows = [one for one in seen.rows if any(
+            one[0] is own.judgement.problem for own in joints.values())]  # fmt: skip
+        for (joint, own), (problem, at), (band, values) in zip(
+            joints.items(), rows, seen.bands, strict=True
+        ):
+            error = float(np.sqrt(np.mean((band.median - values) ** 2)))
+            published = case.published.get(joint)
+            yield Line(
+                name=f"{label}, {joint}" if joint else label,
+                law=own.closest.title,
+                distance=own.closest.distance,
+                known=own.judgement.known,
+                inside=own.inside,
+                ratio=float(np.median(band.high - band.low)) / 2.0 / error,
+                error=error,
+                plain=plain_error(problem, at, values),
+                published=math.nan if published is None
+                else plain_error(problem, at, values, published),
+                spread=float(np.sqrt(np.mean(values**2))),
+                seconds=seconds / len(joints),
+                false=(*false_statements(case, own),),
+                beside=(*stated_beside(own),),
+            )  # fmt: skip
+
+
+def lines(only: str = "") -> Iterator[Line]:
+    """Yield a line for each pair of parts of each set whose name begins so."""
+    for made in SETS:
+        try:
+            cases = [*made()]
+        except (StickslipError, OSError) as error:
+            yield Line(name=made.__name__, reason=str(error))
+            continue
+        for case in cases:
+            if case.name.startswith(only):
+                yield from judged(case)
+    for line in not_judged():
+        if line.name.startswith(only):
+            yield line
+
+
+def summary(found: Sequence[Line]) -> str:
+    """Return the numbers of all lines."""
+    own = [one for one in found if not one.reason]
+    if not own:
+        return "nothing judged"
+    inside = [one.inside for one in own]
+    ratios = [one.ratio for one in own]
+    return (
+        f"{len(own)} lines: readings inside {np.median(inside):.3f} in the median, at least .90 on"
+        f" {sum(x >= 0.9 for x in inside)}; half-width over error {np.median(ratios):.2f}, at most"
+        f" {max(ratios):.2f}; error above Coulomb + viscous by more than 5 % on"
+        f" {sum(one.excess > 1.05 for one in own)}, below it on"
+        f" {sum(one.excess < 1.0 for one in own)}; false statements on"
+        f" {sum(bool(one.false) for one in own)}; not judged {len(found) - len(own)}"
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print all lines and their summary."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.real_records")
+    parser.add_argument("--only", default="", help="beginning of the names of records")
+    given = parser.parse_args(arguments)
+    found = []
+    for line in lines(given.only):
+        found.append(line)
+        print(line, flush=True)
+    print(summary(found))
+
+
+if __name__ == "__main__":
+    main()
