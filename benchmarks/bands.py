@@ -143,9 +143,7 @@ def _covered(rig: Rig, asked: Points, verdict: Judged) -> dict[str, Any]:
         # within the tolerance of any law: of friction, at 95 % of the places
         size = [np.maximum(np.abs(one), 0.1 * np.max(np.abs(one)) + 1e-300) for one in among]
         shares = zip(among, size, strict=True)
-        found["off"] = min(
-            float(np.quantile(np.abs(law - one) / own, 0.95)) for one, own in shares
-        )
+        found["off"] = min(float(np.quantile(np.abs(law - one) / own, 0.95)) for one, own in shares)
     return found
 
 
