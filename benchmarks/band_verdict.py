@@ -13,10 +13,13 @@ from stickslip import Measurement, select
 from stickslip.friction import bound
 from stickslip.identify import BandVerdict
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.tables import readings_of
 from stickslip.identify.projection import PLACES, Target
 
+MOST_MOTIONS = 4
+"""Further free motions that are made at most."""
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
 
@@ -158,9 +161,31 @@ class Judged:
         bands = [judgement.reading_band(rows, level) for level in levels]
         return [float(np.mean((b.low <= shown) & (shown <= b.high))) for b in bands]
 
+    @property
+    def expected(self) -> float:
+        """Width of the band that is expected after the advised readings, over today's."""
+        further = self._further()
+        if further is None:
+            return float(self.verdict.shrinks)
+        return further[self._motions(further) - 1]
+
+    def _further(self) -> Sequence[float] | None:
+        """Return expected widths after further free motions."""
+        judgement = self.verdict.judgement
+        if not isinstance(judgement.problem, FreeMotionProblem):
+            return None
+        return judgement.problem.further(judgement.draws)
+
+    @staticmethod
+    def _motions(shrinks: Sequence[float]) -> int:
+        """Return how many motions are made: those that halve the band, if these are few."""
+        return min(next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), 1), MOST_MOTIONS)
+
     def advised(self) -> Points | None:
-        """Return where readings are proposed."""
+        """Return where readings are proposed; of free motions the shares of the start."""
         places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
+        if (further := self._further()) is not None:
+            return Points(velocity=np.ones(self._motions(further)))
         if not len(places):
             return None
         rows = problem.at(places)

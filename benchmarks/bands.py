@@ -179,7 +179,7 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
     assert rig.asked is not None
     places = verdict.advised()
     if places is None:
-        return {}
+        return {"advised": False}
     try:
         after = judged(rig.more(places, seed))
     except Exception:  # counted as advice that did not help
@@ -187,7 +187,8 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
     before, now = (one.band(rig.asked) for one in (verdict, after))
     shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
     return {
-        "asked": len(places), "shrink": shrink, "advice": shrink <= 0.5 or len(after.set) == 1,
+        "asked": len(places), "expected": verdict.expected, "shrink": shrink,
+        "advice": shrink <= 0.5 or len(after.set) == 1,
     }  # fmt: skip
 
 

@@ -162,9 +162,12 @@ def _intervals(kind: str, rows: Rows) -> Iterator[Number]:
 def _advice(kind: str, rows: Rows) -> Iterator[Number]:
     own = [row for row in rows if "advice" in row]
     numbers = [row["asked"] for row in own if "asked" in row]
-    count = f", {len(own)} of {len(rows)} rehearsed"
+    none = sum(row.get("advised") is False for row in rows)
+    count = f", {len(own)} rehearsed, none given for {none}"
     if numbers:
-        count += f" with {np.median(numbers):.0f} readings in the median"
+        came, expected = _middle(own, "shrink"), _middle(own, "expected")
+        count += f"; {np.median(numbers):.0f} readings in the median, width {came:.2f}"
+        count += f" (expected {expected:.2f})"
     yield least(f"{kind}: advice decides or halves", 0.7, _mean(own, "advice"), count)
 
 
