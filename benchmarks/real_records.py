@@ -312,15 +312,15 @@ def servo() -> Iterator[Case]:
 
 def seals() -> Iterator[Case]:
     table = parquet_data(_folder("oring_seals") / "train.parquet")
-    parts: dict[int, tuple[Measurement, Measurement]] = {}
-    for trial, own in table.groupby("trial"):
+    parts = list[tuple[Measurement, Measurement]]()
+    for _, own in table.groupby("trial"):
         record = Measurement(
             time=own["t_s"].to_numpy(),
             position=1e-3 * own["position_mm"].to_numpy(),
             friction=own["friction_N"].to_numpy(),
             inputs={"pressure": own["pressure_bar"].to_numpy()},
         )
-        parts[trial] = _parts(record)
+        parts.append(_parts(record))
     known = (
         Level(inputs={"pressure": 1.0}, low=3.5, high=4.3),
         Level(inputs={"pressure": 7.0}, low=7.1, high=8.7),
@@ -336,8 +336,8 @@ def seals() -> Iterator[Case]:
             most=float(np.abs(table["friction_N"]).max()),
         )
 
-    yield case("O-rings", [one for one, _ in parts.values()], [one for _, one in parts.values()])
-    *three, last = parts.values()
+    yield case("O-rings", [one for one, _ in parts], [one for _, one in parts])
+    *three, last = parts
     yield case("O-rings, 7 bar from 1, 3, 5", [one for one, _ in three], last)
 
 
@@ -559,7 +559,7 @@ def judged(case: Case) -> Iterator[Line]:
         for (joint, own), (problem, at), (band, values) in zip(
             joints.items(), rows, seen.bands, strict=True
         ):
-            error = float(np.sqrt(np.mean((band.median - values) ** 2)))
+            off = float(np.sqrt(np.mean((band.median - values) ** 2)))
             published = case.published.get(joint)
             yield Line(
                 name=f"{label}, {joint}" if joint else label,
@@ -567,8 +567,8 @@ def judged(case: Case) -> Iterator[Line]:
                 distance=own.closest.distance,
                 known=own.judgement.known,
                 inside=own.inside,
-                ratio=float(np.median(band.high - band.low)) / 2.0 / error,
-                error=error,
+                ratio=float(np.median(band.high - band.low)) / 2.0 / off,
+                error=off,
                 plain=plain_error(problem, at, values),
                 handed=handed_error(own, at, values) if not joint else math.nan,
                 interval=inertia_of(own),

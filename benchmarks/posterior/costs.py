@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from benchmarks import real_records
 from benchmarks.posterior.study import AXIS, swing
 from stickslip import Axis, Measurement, select
+from stickslip.data import catalogue
 
 SEED = 77
 
@@ -58,8 +59,8 @@ def loads(rows: int = 20_000) -> Callable[[], Any]:
 def emps() -> Callable[[], Any]:
     """EMPS, all 24,841 rows."""
     first = next(real_records.emps())
-    record = real_records.catalogue.dataset("emps").measurement("train")
-    return _select(real_records.replace(first, first=record))
+    record = catalogue.dataset("emps").measurement("train")
+    return _select(replace(first, first=record))
 
 
 def long(rows: int = 80_000) -> Callable[[], Any]:

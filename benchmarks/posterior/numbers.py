@@ -12,7 +12,7 @@ import math
 import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -264,7 +264,7 @@ def lugre(asked: Asked) -> Iterator[Number]:
     named, inside, count = 0, list[bool](), asked.count(AXES)
     for k in range(count):
         rig, record = fast_lugre(np.random.default_rng([asked.seed, 10, k]))
-        guess = real_records.replace(rig.axis, inertia=1.3 * rig.axis.inertia, offset=0.0)
+        guess = replace(rig.axis, inertia=1.3 * rig.axis.inertia, offset=0.0)
         vary = ["friction.*", "mechanism.inertia", "mechanism.offset"]
         verdict: Any = select(guess, None, record, vary=vary, route="balance")
         named += "LuGre" in verdict.closest.title
@@ -313,7 +313,7 @@ def real(asked: Asked) -> Iterator[Number]:
     found = [one for one in every if not one.reason]
     false = sum(bool(one.false) for one in every)
     yield Number(
-        what=f"real sets: lines with a false statement, {len(found)}", asked="0",
+        what=f"real sets: lines with a false statement, {len(every)}", asked="0",
         measured=str(false), met=not false,
     )  # fmt: skip
     inside = [one.inside for one in found]
@@ -378,10 +378,11 @@ def result_classes() -> list[str]:
 
     registry.kinds()  # which loads all of them
 
-    def below(kind: type) -> set[type]:
+    def below(kind: Any) -> set[type]:
         return {kind}.union(*(below(one) for one in kind.__subclasses__()))
 
-    every = set.union(*(below(one) for one in (Fit, Candidate, Verdict)))
+    kinds: tuple[Any, ...] = (Fit, Candidate, Verdict)
+    every = set[type]().union(*(below(one) for one in kinds))
     own = {one.__name__ for one in every if one.__module__.startswith("stickslip.identify")}
     return sorted(own)
 

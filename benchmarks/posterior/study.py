@@ -225,14 +225,7 @@ def swing(number: int, seed: int) -> Swing:
     amount = 0.5 * weight * start / swings * random.uniform(0.3, 0.6)
     if inside:
         truth = INSIDE[half % len(INSIDE)]
-        parts = truth.split()
-        shares = random.dirichlet(np.full(len(parts), 4.0)).tolist()
-        known = [(amount * s / top ** POWERS[one], POWERS[one])
-                 for s, one in zip(shares, parts, strict=True)]  # fmt: skip
-
-        def friction(v: float) -> float:
-            return sum(c * v**n for c, n in known)
-
+        friction = _parts(random, truth, amount, top)
     else:
         truth = [*OUTSIDE][half % len(OUTSIDE)]
         friction = OUTSIDE[truth](amount, top)
@@ -250,6 +243,14 @@ def swing(number: int, seed: int) -> Swing:
         time=t,
         position=q + NOISE * random.normal(size=len(t)),
     )
+
+
+def _parts(random: Random, names: str, amount: float, top: float) -> Callable[[float], float]:
+    """Return friction over speeds above 0 of parts that share an amount at the top speed."""
+    powers = [POWERS[one] for one in names.split()]
+    shares = random.dirichlet(np.full(len(powers), 4.0)).tolist()
+    known = [(amount * share / top**n, n) for share, n in zip(shares, powers, strict=True)]
+    return lambda v: math.fsum(c * v**n for c, n in known)
 
 
 @dataclass(frozen=True, kw_only=True)
