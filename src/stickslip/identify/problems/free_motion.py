@@ -150,10 +150,10 @@ class FreeMotionProblem(Problem):
 
         They are like the first. Drawn curves have a covariance with their values at the knots and
         with what is unseen, :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
-        :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A motion tells no
-        more of any direction of :math:`d` than is known of it: where laws differ, the slopes of
-        runs of one promise too much. (Motions from lower starts told less in 8 of 8 decays, and a
-        length that is measured well takes nothing off: runs tell it to some parts in 1e5.)
+        :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A further motion also
+        tells laws apart, which no draw shows: of six decays the width came out at .74 of this in
+        the median. (Motions from lower starts told less in 8 of 8, and a length that is measured
+        well takes nothing off: runs tell it to some parts in 1e5.)
         """
         motion = self.posterior.motion
         knots, count = self.at(self.side * np.exp(motion.knots)), motion.knots.size
@@ -167,7 +167,7 @@ class FreeMotionProblem(Problem):
         # covariances with directions of d of unit variance
         cross = curves.T @ np.linalg.solve(root, told.T).T @ axes / len(draws)
         own = np.mean(curves**2, axis=0) + 1e-300
-        every = np.arange(1, AGAIN + 1)[:, None] * np.clip(gains, 0.0, 1.0)
+        every = np.arange(1, AGAIN + 1)[:, None] * np.maximum(gains, 0.0)
         left = np.maximum(own - every / (1.0 + every) @ cross.T**2, 0.0)
         widths = np.mean(np.sqrt(left), axis=1) / np.mean(np.sqrt(own))
         return tuple(widths.tolist())
