@@ -66,11 +66,17 @@ def handed_over(verdict: BandVerdict) -> HandedOver | None:
     composed = judgement.composition
     law = bound(verdict.law, composed.inputs)
     force = np.array([float(law.steady(v, composed.normal())) for v in rows.velocity.tolist()])
-    force += getattr(verdict.mechanism, "offset", 0.0)
+    force += offset_beside(verdict)
     return HandedOver(
         off=float(np.quantile(np.abs(force - target.middle) / target.size, PLACES)),
         stated=max(verdict.closest.distance, judgement.tolerance),
     )
+
+
+def offset_beside(verdict: BandVerdict) -> float:
+    """Return the constant force of the mechanism that was found: one that was given is no part."""
+    found = not verdict.judgement.offset
+    return float(getattr(verdict.mechanism, "offset", 0.0)) if found else 0.0
 
 
 def told(judgement: Judgement) -> bool:

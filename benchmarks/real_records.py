@@ -28,6 +28,7 @@ from unittest import mock
 
 import numpy as np
 
+from benchmarks.band_verdict import offset_beside
 from stickslip import Axis, Measurement, Pendulum, select
 from stickslip.data import catalogue, guess_data, parquet_data, read_data, rows_of
 from stickslip.errors import StickslipError
@@ -481,7 +482,7 @@ def handed_error(verdict: BandVerdict, other: Any, values: Array) -> float:
     composed = verdict.judgement.composition
     if composed.inputs or verdict.best is None:
         return math.nan
-    law, rig = verdict.law, vars(verdict.mechanism)
+    law = verdict.law
 
     def steady(velocity: Array) -> Array:
         return np.asarray([float(law.steady(v, composed.normal())) for v in velocity.tolist()])
@@ -493,8 +494,8 @@ def handed_error(verdict: BandVerdict, other: Any, values: Array) -> float:
         said = balance.rows(MIDDLE).seen([steady(one.velocity) for one in balance.pieces])
         columns = plain_columns(balance)
         if "inertia" in columns:
-            said = said + rig["inertia"] * columns["inertia"]
-    return float(np.sqrt(np.mean((values - said - rig.get("offset", 0.0)) ** 2)))
+            said = said + verdict.mechanism.inertia * columns["inertia"]
+    return float(np.sqrt(np.mean((values - said - offset_beside(verdict)) ** 2)))
 
 
 def false_statements(case: Case, verdict: BandVerdict) -> Iterator[str]:

@@ -148,7 +148,8 @@ def tables(asked: Asked) -> Iterator[Number]:
             yield least("tables, inside: law right", 0.85, _mean(own, "right"))
             yield least("tables, inside: right or equal", 0.92, _mean(own, "good"))
         else:
-            yield least("tables, outside: equal", 0.92, _mean(own, "equal"))
+            equal = [{"equal": is_right(row)} for row in own if "equal" in row]
+            yield least("tables, outside: equal within 2 %", 0.92, _mean(equal, "equal"))
     yield from _intervals("tables", rows)
     yield from _advice("tables", rows)
 
