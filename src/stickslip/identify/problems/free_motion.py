@@ -53,7 +53,6 @@ class Followed:
 
     typical: float
     """Root mean square of what it leaves, in the unit of the readings."""
-    largest: float
     error: float
     """Standard deviation of a reading, by the closest run."""
 
@@ -313,7 +312,6 @@ class FreeMotionProblem(Problem):
         left = Runs(posterior.motion, one).followed(near)
         return Followed(
             typical=math.sqrt(float(np.mean(left**2))),
-            largest=float(np.max(np.abs(left))),
             error=posterior.sigma,
         )
 
