@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
@@ -164,3 +165,27 @@ def test_where_a_coefficient_is_bounded_the_others_follow() -> None:
     assert np.all(draws.law >= 0.0)
     # the sum stays what was measured, 1, whatever is at its bound
     np.testing.assert_allclose(draws.law.sum(axis=0), 1.0, atol=0.02)
+
+
+def test_a_pressure_that_pushes_is_no_friction():
+    """A constant force follows the pressure, as on a rod, and the level does as well."""
+    random, trials = np.random.default_rng(4), []
+    t = np.arange(0.0, 12.0, 0.004)
+    for pressure in (1.0, 3.0, 5.0, 7.0):
+        v = 0.03 * np.cos(1.3 * t + pressure)
+        x = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+        level, push = 3.4 + 0.65 * pressure, 0.4 * pressure
+        read = level * np.sign(v) + push + 0.1 * random.normal(size=len(t))
+        trials.append(
+            Measurement(time=t, position=x, friction=read, inputs={"pressure": 0.0 * t + pressure})
+        )
+    verdict = select(Axis(inertia=1.0), None, Measurement(trials=tuple(trials)))
+    at = 0.02 * np.array([-1.0, 1.0])
+    for pressure in (1.0, 7.0):
+        rows = verdict.judgement.problem.at(at, inputs={"pressure": pressure})
+        curves = verdict.judgement.curves(rows)
+        low, high = np.quantile(0.5 * (curves[:, 1] - curves[:, 0]), (0.025, 0.975))
+        assert low <= 3.4 + 0.65 * pressure <= high
+        assert high - low < 0.5 * (3.4 + 0.65 * pressure)
+    said = [one.sentence for one in verdict.findings if one.asserted]
+    assert any(x.startswith("A force beside friction changes by") for x in said)

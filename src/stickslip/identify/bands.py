@@ -1,9 +1,17 @@
 """Bands of curves and intervals of parameters, as quantiles of draws."""
 
+import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from stickslip.show.display import Tabular
+from stickslip.show.formatting import percent, quantity
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 LEVEL = 0.95
@@ -29,6 +37,68 @@ class PredictionBand:
     low: Array
     median: Array
     high: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Foreseen(Tabular):
+    """Readings of another measurement beside their band: what was measured, and what was foreseen.
+
+    Of records these are the rows of the balance: the force that the law, the inertia and all else
+    take. Of free motions they are positions or velocities.
+    """
+
+    measured: Array
+    """Readings (n,), in the unit."""
+    band: PredictionBand
+    """Their band: 95 % of readings lie in it if the other run differs as runs do."""
+    usual: Array
+    """What Coulomb + viscous friction by least squares foresees (n,); NaN of free motions."""
+    velocity: Array
+    """Velocities (n,) [m/s] or [rad/s]; NaN of free motions."""
+    unit: str
+    """SI unit."""
+
+    @property
+    def inside(self) -> float:
+        """Share of the readings in the band."""
+        return float(np.mean((self.band.low <= self.measured) & (self.measured <= self.band.high)))
+
+    @property
+    def error(self) -> float:
+        """Root mean square of the readings less the middle of the band."""
+        return math.sqrt(float(np.mean((self.measured - self.band.median) ** 2)))
+
+    @property
+    def usual_error(self) -> float:
+        """The same of Coulomb + viscous friction by least squares; NaN of free motions."""
+        return math.sqrt(float(np.mean((self.measured - self.usual) ** 2)))
+
+    def __repr__(self) -> str:
+        return f"<Foreseen: {self}>"
+
+    def __str__(self) -> str:
+        """Return how many readings lie in the band, and the error, in words."""
+        inside = f"{percent(self.inside)} of the {len(self.measured):,} readings lie in the band"
+        error = f"error {quantity(self.error, self.unit, 2)}"
+        if math.isfinite(self.usual_error):
+            error += f" ({quantity(self.usual_error, self.unit, 2)} with Coulomb + viscous)"
+        return f"{inside}; {error}"
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return velocity, reading, low, median, high and usual as columns of a DataFrame."""
+        import pandas as pd
+
+        band = self.band
+        return pd.DataFrame(
+            {
+                "velocity": self.velocity,
+                "measured": self.measured,
+                "low": band.low,
+                "median": band.median,
+                "high": band.high,
+                "usual": self.usual,
+            }
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

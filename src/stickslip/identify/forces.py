@@ -8,7 +8,9 @@ Where the force balance is affine in the parameters :math:`p` that are looked fo
 each is the coefficient of a column :math:`J_i \ddot x - F_i`, as the inertia is that of
 :math:`\ddot x`. Whether it is affine is seen from two steps of each, and one of all together. What
 changes the force of the drive itself, as the constant of a motor does, is the coefficient of what
-it changes from its given value, so that the force as commanded stays one.
+it changes from its given value, so that the force as commanded stays one. Where the balance is not
+affine, as in a length or a resistance, columns are slopes about the values given, and `settled`
+moves these to where the balance leaves least.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -33,12 +35,14 @@ from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.mechanisms.contact_inputs import DRIVES
 from stickslip.quantities import all_paths, parameters, vary
-from stickslip.show.formatting import joined
 
 Array = NDArray[np.float64]
 
 STEP = 0.1
 """Share of its value by which a parameter is moved; 1 where that is 0."""
+NEAR = 1e-3
+"""Share of that step over which a slope is taken: its error is about as large a share of it, which
+counts for nothing where values have settled, and that of rounding is less."""
 TRANSMITTED = "transmitted"
 """Input of a contact: what goes through its gear."""
 
@@ -57,6 +61,9 @@ class Unknown:
     """Range of what is counted."""
     doubt: float = 0.0
     """Standard uncertainty, where that is stated and the parameter is not looked for."""
+    bent: bool = False
+    """Whether forces are not linear in what is looked for: the column is their slope where it
+    counts from."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,8 +112,12 @@ def forces_along(
     v: Array,
     unknown: Sequence[str],
     doubts: Mapping[str, float] | None = None,
+    *,
+    linear: bool = True,
 ) -> Forces:
     """Return the forces along a record, split by parameters that are looked for or doubtful.
+
+    Where they may not be taken as linear, parameters count from their values here.
 
     Examples
     --------
@@ -118,73 +129,94 @@ def forces_along(
     >>> found.still.round(6).tolist(), found.unknown["mechanism.stiffness"].force.round(6).tolist()
     ([-0.5, -0.5], [0.0, -0.5])
     """
-    if len(mechanism.coordinates) > 1:
-        if unknown:
-            names = joined([path.removeprefix("mechanism.") for path in unknown])
-            why = "`select` finds no parameters of a mechanism with inner bodies"
-            raise InputError(f"vary: {why}, got {names}: give the values, or use `fit` of one law.")
-        inner, none = pushed(mechanism, record, x, v), np.zeros_like(x)
+    count, none = len(x), np.zeros_like(x)
+    load: Array | None = None
+    several = len(mechanism.coordinates) > 1
+    if several:
         recorded = bool(command_of(record))
 
-        def moving(changes: Mapping[str, float]) -> Array:
+        def on(changes: Mapping[str, float]) -> Array:
+            nonlocal load
             one = pushed(vary(mechanism, "mechanism", changes), record, x, v)
-            return np.concatenate([one.force, none, [one.inertia]])
+            load = load if changes else one.load
+            parts = (one.force, none) if recorded else (none, one.force)
+            return np.concatenate([*parts, [one.inertia]])
 
-        return Forces(
-            driven=inner.force if recorded else none,
-            still=none if recorded else inner.force,
-            inertia=inner.inertia,
-            unknown=_doubtful(mechanism, moving, doubts or {}),
-            load=inner.load,
-        )
-    count = len(x)
+    else:
 
-    def on(changes: Mapping[str, float]) -> Array:
-        one = vary(mechanism, "mechanism", changes) if changes else mechanism
-        applied = _applied(one, record)
-        none = np.zeros_like(x)
-        mass, force = known_forces(one, x, v, none if applied is None else applied)
-        still = none
-        if motor_of(one) is not None:  # the back EMF is a part of what the motor gives
-            still = known_forces(replace(one, drive=None), x, v, none)[1]  # type: ignore[call-arg]
-        elif not _closes_loop(record):  # there, spring and damper are gains of a controller
-            still = known_forces(one, x, v, none)[1]
-        return np.concatenate([force - still, still, [mass]])
+        def on(changes: Mapping[str, float]) -> Array:
+            one = vary(mechanism, "mechanism", changes) if changes else mechanism
+            applied = _applied(one, record)
+            mass, force = known_forces(one, x, v, none if applied is None else applied)
+            still = none
+            if motor_of(one) is not None:  # the back EMF is a part of what the motor gives
+                still = known_forces(replace(one, drive=None), x, v, none)[1]  # type: ignore[call-arg]
+            elif not _closes_loop(record):  # there, spring and damper are gains of a controller
+                still = known_forces(one, x, v, none)[1]
+            return np.concatenate([force - still, still, [mass]])
 
-    base = on({})
-    rest, found = base.copy(), dict[str, Unknown]()
+    found, rest = _looked_for(mechanism, on, unknown, linear=linear and not several)
+    found |= _doubtful(mechanism, on, doubts or {})
+    return Forces(
+        driven=rest[:count],
+        still=rest[count:-1],
+        inertia=float(rest[-1]),
+        unknown=found,
+        load=load,
+    )
+
+
+def _looked_for(
+    mechanism: Mechanism,
+    forces: Callable[[Mapping[str, float]], Array],
+    unknown: Sequence[str],
+    *,
+    linear: bool,
+) -> tuple[dict[str, Unknown], Array]:
+    """Return what parameters change that are looked for, and the rest of forces (2 n + 1,).
+
+    Forces that are linear in all of them are divided into columns, if they may be. Else parameters
+    count from their values here, about which a column is the slope.
+    """
+    base = forces({})
+    found, count = dict[str, Unknown](), len(base) // 2
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    ranges, moved = all_paths(mechanism, "mechanism"), dict[str, float]()
-    expected, least = base.copy(), THRESHOLDS.rounding * _rounding(base)
-    for path in unknown:
-        if path.endswith(".offset"):  # a term of its own
-            continue
-        step = _step(mechanism, path, values[path])
-        first, second = (on({path: values[path] + n * step}) - base for n in (1.0, 2.0))
-        changes = bool(np.any(first))
-        if not changes or np.any(np.abs(second - 2.0 * first) > _rounding(first) + least):
-            raise InputError(_refusal([path], changes=changes))
-        moved[path] = values[path] + step
-        expected += first
-        slope, own = first / step, ranges[path]
+    ranges = all_paths(mechanism, "mechanism")
+    looked = [path for path in unknown if not path.endswith(".offset")]  # that is a term of its own
+    steps = {path: _step(mechanism, path, values[path]) for path in looked}
+
+    def changed(share: float, *paths: str) -> Array:
+        return forces({path: values[path] + share * steps[path] for path in paths}) - base
+
+    firsts, least = dict[str, Array](), THRESHOLDS.rounding * _rounding(base)
+    for path in looked if linear else ():
+        first, second = (changed(n, path) for n in (1.0, 2.0))
+        linear &= not np.any(np.abs(second - 2.0 * first) > _rounding(first) + least)
+        firsts[path] = first
+    if linear and len(looked) > 1:
+        together = np.sum([*firsts.values()], axis=0)
+        off = np.abs(changed(1.0, *looked) - together)
+        linear = not np.any(off > _rounding(together) + least)
+    rest = base.copy()
+    for path in looked:
+        share = 1.0 if linear else NEAR
+        first = firsts[path] if linear else changed(share, path)
+        slope = first / (share * steps[path])
+        own = ranges[path]
         low, high = own.low if own.above is None else max(own.low, own.above), own.high
         drives = bool(np.any(np.abs(first[:count]) > _rounding(first)[:count]))
-        given = values[path] if drives else 0.0
+        given = values[path] if drives or not linear else 0.0
         found[path] = Unknown(
             force=slope[:count] + slope[count:-1],
             inertia=float(slope[-1]),
             given=given,
             limits=(low - given, high - given),
+            bent=not linear,
         )
         rest -= (values[path] - given) * slope
-    if len(moved) > 1:
-        off = np.abs(on(moved) - expected)
-        if np.any(off > _rounding(expected - base) + least):
-            raise InputError(_refusal([*moved]))
     # what is left of unknowns is rounding
     rest[(np.abs(rest) <= _rounding(base)) & (rest != base)] = 0.0
-    found |= _doubtful(mechanism, on, doubts or {})
-    return Forces(driven=rest[:count], still=rest[count:-1], inertia=float(rest[-1]), unknown=found)
+    return found, rest
 
 
 def _doubtful(
@@ -294,14 +326,10 @@ def load_slopes(
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     for path in unknown:
         step = _step(mechanism, path, values[path])
-        first, second = (
-            load_of(vary(mechanism, "mechanism", {path: values[path] + n * step})) - base
-            for n in (1.0, 2.0)
-        )
-        if abs(second - 2.0 * first) > THRESHOLDS.rounding * abs(first):
-            raise InputError(_refusal([path]))
-        if abs(first) > THRESHOLDS.rounding * base:
-            found[path] = first / step, values[path]
+        step *= NEAR
+        change = load_of(vary(mechanism, "mechanism", {path: values[path] + step})) - base
+        if abs(change) > NEAR * THRESHOLDS.rounding * base:
+            found[path] = change / step, values[path]
     for path, doubt in (doubts or {}).items():
         ends = span_of(mechanism, path, doubt)
         low, high = (load_of(vary(mechanism, "mechanism", {path: end})) for end in ends)
@@ -333,15 +361,5 @@ def _step(mechanism: Mechanism, path: str, value: float) -> float:
         except ParameterError:
             continue
         return one
-    raise InputError(_refusal([path]))
-
-
-def _refusal(paths: Sequence[str], *, changes: bool = True) -> str:
-    names = joined([path.removeprefix("mechanism.") for path in paths])
-    if not changes:
-        return f"vary: nothing in this record changes with {names}: leave it out."
-    return (
-        f"vary: the force balance is not linear in {names}, so that `select` cannot find"
-        f" {'it' if len(paths) == 1 else 'them'} beside every law: give the value, or use `fit`"
-        " of one law."
-    )
+    name = path.removeprefix("mechanism.")
+    raise InputError(f"vary: {name} cannot be moved from {value:.4g} in its range: leave it out.")

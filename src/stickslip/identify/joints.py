@@ -6,7 +6,7 @@ Links that are looked for are found before, from all joints at once
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
@@ -19,7 +19,7 @@ from scipy.special import stdtrit
 from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at, volts_sentence
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
-from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import Candidate, Verdict, Wording, in_sentence
 from stickslip.identify.fits import (
     JOINTS,
@@ -32,6 +32,7 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.page import figure_section, laws_section, parameters_section
 from stickslip.identify.problems.joints import JointRecords, Links, links_of
+from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.selection import (
     checked,
     families_for,
@@ -140,6 +141,21 @@ class JointVerdict(Verdict[JointLaws]):
             raise InputError(f"joint must be {' or '.join(self.joints)}, got {joint!r}.")
         return self.joints[joint]
 
+    def predict(self, measurement: Measurement) -> dict[str, Foreseen]:
+        """Return readings of another measurement beside their 95 % band, by contact.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            Positions and forces of the joints in another run.
+
+        Returns
+        -------
+        dict of str to Foreseen
+            Force at the rows of each joint that moves, its band, the share in it, and the error.
+        """
+        return {name: one.foreseer(measurement) for name, one in self.joints.items()}
+
     def band(
         self,
         velocity: Array | Sequence[float] | float,
@@ -246,8 +262,8 @@ def select_joints(
         raise InputError("no joint moves in these records: nothing tells friction.")
     held = settings.hold != "first"
     links = links_of(records, held) if paths or zeros else Links(change={}, errors={})
-    others = {} if validate is None else made(validate).at(links, held=held)
     joints = dict[str, BandVerdict]()
+    moved = set() if validate is None else made(validate).at(links, held=held).keys()
     for name, own in records.at(links, held=held).items():
         contact, alone = records.contacts[name], _alone(rig, name, records.inertias[name])
         # forces of another joint may follow none of the laws
@@ -267,10 +283,25 @@ def select_joints(
             checks=replace(checks, findings=tuple(findings)),
             route=JOINTS,
             second=validate and joint_record(mechanism, validate, name),
-            others=others.get(name),
+            other=validate if name in moved else None,
+            again=partial(_joint_again, made, links, held, name),
         )
     values = _values(rig, links, paths)
     return _verdict(mechanism, rig, measurement, joints, values, records, checks)
+
+
+def _joint_again(
+    made: Callable[[Measurement], JointRecords],
+    links: Links,
+    held: bool,
+    name: str,
+    measurement: Measurement,
+) -> Sequence[Record]:
+    """Return the records of a joint in another measurement of all."""
+    found: Mapping[str, Sequence[Record]] = made(measurement).at(links, held=held)
+    if name not in found:
+        raise InputError(f"the {name} does not move in the other measurement.")
+    return found[name]
 
 
 def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:

@@ -24,6 +24,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import (
     LEVEL,
     Array,
+    Foreseen,
     Interval,
     MeasuredPoints,
     PredictionBand,
@@ -264,6 +265,13 @@ class Problem(ABC):
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of the readings about a law [N]."""
 
+    def usual(self, rows: Any) -> Array:
+        """Return what Coulomb + viscous friction by least squares says of other readings (n,).
+
+        NaN where nothing does: no force was read.
+        """
+        return np.full(len(rows.velocity), np.nan)
+
     def rig(self, draws: Sequence[Draws]) -> Mapping[str, Array]:
         """Return what was looked for of the rig (k,) in draws, by path."""
         return {}
@@ -477,6 +485,16 @@ class Judgement:
     def reading_band(self, rows: Any, level: float = LEVEL) -> PredictionBand:
         """Return the band of new readings at rows."""
         return quantile_band(self.problem.readings(rows, self.draws), level)
+
+    def foreseen(self, rows: Any, measured: Array, unit: str) -> Foreseen:
+        """Return readings (n,) of another measurement at rows beside what was foreseen of them."""
+        return Foreseen(
+            measured=measured,
+            band=self.reading_band(rows),
+            usual=self.problem.usual(rows),
+            velocity=rows.velocity,
+            unit=unit,
+        )
 
     @cached_property
     def known(self) -> float:

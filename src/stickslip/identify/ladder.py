@@ -10,14 +10,14 @@
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from stickslip.data import Checks, Measurement
 from stickslip.friction import law as law_class
-from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import (
     MOST,
     NOT_DISTINGUISHED,
@@ -284,9 +284,9 @@ def ladder_verdict(
     advice: Sequence[str] = (),
     largest_speed: float,
     route: str,
+    foreseer: Callable[[Measurement], Foreseen],
     second: Measurement | None = None,
-    inside: float = math.nan,
-    readings: int = 0,
+    foreseen: Foreseen | None = None,
     remarks: Sequence[str] = (),
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
@@ -324,8 +324,8 @@ def ladder_verdict(
     doubts += judgement.problem.untold()
     if far := judgement.outliers:
         doubts.append(outlier_sentence([*far], [*far.values()]))
-    if second is not None:
-        doubts.append(second_sentence(inside, readings))
+    if foreseen is not None:
+        doubts.append(second_sentence(foreseen))
     of_load = {"load_exponent", "adhesion"} & {one.path for one in every}
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
@@ -360,7 +360,8 @@ def ladder_verdict(
         checks=checks,
         route_name=route,
         second=second,
-        inside=inside,
+        foreseen=foreseen,
+        foreseer=foreseer,
         shrinks=proposal.shrinks,
         places=tuple(places),
         intervals=every,

@@ -1,7 +1,7 @@
 """Selection: a measurement of each kind judged, with the verdict in words."""
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -19,15 +19,15 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, law_type
-from stickslip.identify.bands import PredictionBand
+from stickslip.identify.bands import Foreseen
 from stickslip.identify.fits import goes_straight, inside, load_of
 from stickslip.identify.forces import TRANSMITTED, doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
-from stickslip.identify.posterior import Array, Family
+from stickslip.identify.posterior import Family
 from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
-from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_columns import through_gear
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
@@ -49,6 +49,9 @@ from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import joined, quantity
 
+SETTLING, NEAR = 4, 0.25
+"""Times that records are taken again at most, and by how many of its standard deviations a value
+may be off the one about which forces are slopes."""
 STRETCHES_TO_MAKE = 6
 """Stretches of steady motion that are proposed at most."""
 
@@ -119,11 +122,7 @@ def select_table(
         problem.table.total,
         rest,
     )
-    inside, readings = math.nan, 0
-    if validate is not None:
-        other = readings_of(mechanism, validate)
-        inside = _inside(judgement.reading_band(problem.like(other.rows)), other.friction)
-        readings = len(other.friction)
+    foreseer = partial(_foreseen_readings, judgement, mechanism)
     remarks = [ORDERED] * problem.model.is_sorted
     if problem.rests is not None:
         remarks.append(rest_sentence(problem.rests, words.speed_unit))
@@ -137,16 +136,43 @@ def select_table(
         places=tuple(float(offered.velocity[k]) for k in proposal.places),
         largest_speed=problem.model.frame.fastest,
         route=route,
+        foreseer=foreseer,
         second=validate,
-        inside=inside,
-        readings=readings,
+        foreseen=None if validate is None else foreseer(validate),
         remarks=tuple(remarks),
     )
 
 
-def _inside(band: PredictionBand, values: Array) -> float:
-    """Return the share of values (n,) that lie in a band."""
-    return float(np.mean((band.low <= values) & (values <= band.high)))
+def _foreseen_readings(
+    judgement: Judgement, mechanism: Mechanism, measurement: Measurement
+) -> Foreseen:
+    """Return what is foreseen of another table."""
+    problem, other = judgement.problem, readings_of(mechanism, measurement)
+    assert isinstance(problem, TableProblem)
+    rows = problem.like(other.rows)
+    return judgement.foreseen(rows, other.friction, measurement.unit("friction"))
+
+
+def _foreseen_records(
+    judgement: Judgement,
+    again: Callable[[Measurement], Sequence[Record]],
+    measurement: Measurement,
+) -> Foreseen:
+    """Return what is foreseen of records of another run."""
+    problem, records = judgement.problem, again(measurement)
+    assert isinstance(problem, RecordProblem | FreeMotionProblem)
+    rows = problem.like(records)
+    kind = "friction" if records[0].friction else "force"
+    if isinstance(problem, FreeMotionProblem):
+        kind = "position" if problem.balance.each[0].record.located else "velocity"
+    return judgement.foreseen(rows, rows.response, measurement.unit(kind))
+
+
+def _records_again(
+    rig: Mechanism, made: Callable[..., list[Record]], measurement: Measurement
+) -> list[Record]:
+    """Return records of another run of a mechanism that was found."""
+    return made(rig, with_gear(rig, measurement))
 
 
 def _is_held(measurement: Measurement) -> bool:
@@ -237,24 +263,24 @@ def select_record(
     measurement, _ = without_outliers(measurement)
     held = hold != "first" and _is_held(measurement)
     made = partial(
-        records_of, mechanism, unknown=vary, offset=offset, held=held,
+        records_of, unknown=vary, offset=offset, held=held,
         doubts=doubts_of(mechanism, measurement, vary),
     )  # fmt: skip
     problem_of = partial(
-        problem_of_records, mechanism, vary=vary, offset=offset, turning=measurement.turning,
+        problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    records = made(with_gear(mechanism, measurement))
+    rig = settled(mechanism, measurement, vary, offset=offset)
+    records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     families = families_for(laws, records)
-    problem, rig = problem_of(records, families=families), mechanism
-    if vary and isinstance(problem, RecordProblem) and problem.model.frame.transmitted:
-        # what a gear transmits follows from what the balance says of the mechanism
-        drawn = problem.rig(problem.posterior.draws(MIDDLE))
-        values = {path: float(np.median(x)) for path, x in drawn.items() if "." in path}
-        rig = with_values(mechanism, "mechanism", values)
-        problem = problem_of(made(with_gear(rig, measurement)), families=families)
-    others = None if validate is None else made(with_gear(rig, validate))
+    problem = problem_of(rig, records, families=families)
+    for again in range(SETTLING):
+        values = _values_of(problem, first=not again) if isinstance(problem, RecordProblem) else {}
+        if not values:
+            break
+        rig = with_values(rig, "mechanism", values)
+        problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=families)
     return record_verdict(
         problem,
         mechanism,
@@ -264,9 +290,33 @@ def select_record(
         checks=checks,
         route=route,
         second=validate,
-        others=others,
+        other=validate,
+        again=partial(_records_again, rig, made),
         remarks=map(str, checks.of("outliers")),
     )
+
+
+def _values_of(problem: RecordProblem, *, first: bool) -> dict[str, float]:
+    """Return what the balance says of the mechanism, where records are to be taken again with it.
+
+    What a gear transmits follows from it, and slopes of forces that are not linear.
+    """
+    unknown = problem.records[0].unknown
+    drawn = problem.rig(problem.posterior.draws(MIDDLE))
+    off, values = 0.0, dict[str, float]()
+    for path, x in drawn.items():
+        middle = float(np.median(x))
+        if path in unknown:
+            one = unknown[path]
+            room = min(one.limits[1], abs(one.given)), max(one.limits[0], -0.5 * abs(one.given))
+            step = min(max(middle - one.given, 0.9 * room[1]), 0.9 * room[0])
+            if one.bent:
+                off = max(off, abs(step) / (float(np.std(x)) + 1e-300))
+                middle = one.given + step
+        if "." in path:
+            values[path] = middle
+    with_gear_ = first and bool(problem.model.frame.transmitted)
+    return values if with_gear_ or off > NEAR else {}
 
 
 def record_verdict(
@@ -279,10 +329,13 @@ def record_verdict(
     checks: Checks,
     route: str,
     second: Measurement | None,
-    others: Sequence[Record] | None,
+    other: Measurement | None,
+    again: Callable[[Measurement], Sequence[Record]],
     remarks: Iterable[str] = (),
 ) -> BandVerdict:
-    """Return the verdict on records of one coordinate, with what other records say of it.
+    """Return the verdict on records of one coordinate, with what a second measurement says of it.
+
+    Records of that, or of any `other`, are had by `again`.
 
     Levels hold a constant `offset` where the mechanism has none.
     """
@@ -295,10 +348,7 @@ def record_verdict(
         force_unit=measurement.unit("friction" if first.friction else "force"),
         speed_unit=measurement.unit("velocity"),
     )
-    inside, count = math.nan, 0
-    if others is not None:
-        other = problem.like(others)
-        inside, count = _inside(judgement.reading_band(other), other.response), len(other.response)
+    foreseer = partial(_foreseen_records, judgement, again)
     said = [*remarks, *(one.sentence for one in checks.of("volts"))]
     if isinstance(problem, FreeMotionProblem):
         said.append(SCALED)
@@ -333,9 +383,9 @@ def record_verdict(
         advice=next_,
         largest_speed=float(np.max(np.abs(rows.velocity))),
         route=route,
+        foreseer=foreseer,
         second=second,
-        inside=inside,
-        readings=count,
+        foreseen=None if other is None else foreseer(other),
         remarks=said,
     )
 

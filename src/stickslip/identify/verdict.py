@@ -2,17 +2,27 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
+from stickslip.data import (
+    Checks,
+    LawEstimates,
+    Measurement,
+    as_turning,
+    levels_at,
+    refuse_lack,
+    refuse_same,
+    spread_of,
+    tells_load,
+)
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.identify.bands import Interval, PredictionBand
+from stickslip.identify.bands import Foreseen, Interval, PredictionBand
 from stickslip.identify.candidates import (
     Candidate,
     Verdict,
@@ -157,8 +167,10 @@ class BandVerdict(Verdict[LawCandidate]):
     """Route that made it."""
     second: Measurement | None = None
     """The second measurement, which no fit has seen; None without one."""
-    inside: float = float("nan")
-    """Share of the readings of the second measurement in the band of readings."""
+    foreseen: Foreseen | None = field(default=None, repr=False)
+    """Readings of the second measurement beside what was foreseen of them."""
+    foreseer: Callable[[Measurement], Foreseen] = field(repr=False)
+    """Foresees readings of another measurement."""
     shrinks: float = 1.0
     """Expected width of the band after what is proposed, over today's."""
     places: tuple[float, ...] = ()
@@ -173,6 +185,45 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def score_unit(self) -> str:
         return self.measurement.unit("friction")
+
+    @property
+    def inside(self) -> float:
+        """Share of the readings of the second measurement in their band; NaN without one."""
+        return math.nan if self.foreseen is None else self.foreseen.inside
+
+    def predict(self, measurement: Measurement) -> Foreseen:
+        """Return readings of another measurement of the same mechanism beside their 95 % band.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            What another run gave: a table, records, or a free motion, as was judged.
+
+        Returns
+        -------
+        Foreseen
+            Readings (n,), their band, the share in it, the error, and that of Coulomb + viscous
+            friction by least squares.
+
+        Raises
+        ------
+        InputError
+            If it lacks what was judged, or has the same readings.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Measurement, select
+        >>> v = np.linspace(0.1, 1.0, 10)
+        >>> noise = 0.01 * np.random.default_rng(1).normal(size=(2, 10))
+        >>> first, other = (Measurement(velocity=v, friction=2.0 + 0.5 * v + x) for x in noise)
+        >>> found = select(Axis(inertia=1.0), None, first).predict(other)
+        >>> found.inside, bool(found.error < 0.02)
+        (1.0, True)
+        """
+        given = as_turning(measurement, self.mechanism.units)
+        refuse_lack(self.measurement, given, which="the other measurement")
+        refuse_same(self.measurement, given)
+        return self.foreseer(given)
 
     @property
     def scale(self) -> Scale:
@@ -414,7 +465,8 @@ class BandVerdict(Verdict[LawCandidate]):
             **self.judgement.details(),
             "outliers": {str(row + 1): z for row, z in self.outliers.items()},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
-            "inside_second": None if self.second is None else self.inside,
+            "inside_second": None if self.foreseen is None else self.inside,
+            "error_second": None if self.foreseen is None else self.foreseen.error,
         }
 
     @staticmethod

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.identify.bands import ALIKE, PredictionBand
+from stickslip.identify.bands import ALIKE, Foreseen, PredictionBand
 from stickslip.identify.candidates import MOST, in_sentence
 from stickslip.identify.fits import Estimate
 from stickslip.identify.laws import TITLES, Composition
@@ -279,9 +279,18 @@ def start_sentence(places: Sequence[str]) -> str:
     )
 
 
-def second_sentence(share: float, count: int) -> str:
-    """Return how many readings of a second measurement lie in the band of readings."""
-    said = f"{percent(share)} of the {count:,} readings of the second measurement lie in the band"
-    if share >= AS_EXPECTED:
-        return f"{said}, as expected."
-    return f"{said} in which 95 % should: it differs by more than this measurement shows."
+def second_sentence(foreseen: Foreseen) -> str:
+    """Return how many readings of a second measurement lie in the band, and their error."""
+    count = f"{len(foreseen.measured):,} readings of the second measurement"
+    said = f"{percent(foreseen.inside)} of the {count} lie in the band"
+    if foreseen.inside >= AS_EXPECTED:
+        said += ", as expected"
+    else:
+        said += " in which 95 % should: it differs by more than this measurement shows"
+    error = f"They are {quantity(foreseen.error, foreseen.unit, 2)} off its middle"
+    if math.isfinite(foreseen.usual_error):
+        usual = quantity(foreseen.usual_error, foreseen.unit, 2)
+        error += f" (root mean square; {usual} with Coulomb + viscous friction by least squares)"
+    else:
+        error += " (root mean square)"
+    return f"{said}. {error}."

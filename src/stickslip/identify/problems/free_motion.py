@@ -64,6 +64,11 @@ class OtherMotions:
     motions: Sequence[Motion]
 
     @property
+    def velocity(self) -> Array:
+        """NaN (n,): none is told beside a reading."""
+        return np.full(len(self.response), np.nan)
+
+    @property
     def response(self) -> Array:
         """Positions [m], or velocities (n,)."""
         return np.concatenate([one.values for one in self.motions])

@@ -10,15 +10,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stickslip.data import Measurement
 from stickslip.errors import InputError
+from stickslip.identify.forces import Unknown
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows, moves, pieces_of
-from stickslip.identify.problems.record_signals import STRETCHES, Record
+from stickslip.identify.problems.record_signals import STRETCHES, Record, records_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
 from stickslip.show.formatting import percent
 
 EXPLAINED = 0.5
 """Part of what a plain balance leaves that another sign takes off, at least."""
+SETTLING, HALVINGS, STEADY = 20, 6, 1e-4
+"""Steps to where a balance that is not linear leaves least, halvings of each, and the share of the
+mean square that the last one gains."""
 SAME_SPAN = 0.01
 """Part of a column outside a span from which it is told from that."""
 
@@ -34,26 +41,32 @@ def _is_driven(record: Record) -> bool:
     return bool(np.any(record.force))
 
 
-def refuse_wrong_signs(records: Sequence[Record]) -> None:
-    """Refuse records whose force has the other sign, or one that changes."""
-    first, moving = records[0], [one for one in records if moves(one)]
-    if first.friction or not moving or free_form(moving) or not any(map(_is_driven, moving)):
-        return
-    pieces, every = pieces_of(moving)
-    rows, inertia = BalanceRows(pieces, MIDDLE, every), first.inertia is None
-    response = rows.response
-    stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
+def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
+    """Return rows of a balance, and columns (n,): of level and viscous friction, and of the rig."""
+    pieces, every = pieces_of(records)
+    rows, inertia = BalanceRows(pieces, MIDDLE, every), records[0].inertia is None
     direction = rows.seen(
         [p.direction * (1.0 if p.record.load is None else p.record.load) for p in pieces]
     )
     speed = rows.seen([p.velocity for p in pieces])
     rig = [np.ones(rows.count), *([rows.acceleration] if inertia else [])]
-    for path, one in first.unknown.items():
+    for path, one in records[0].unknown.items():
         force = rows.seen([p.record.unknown[path].force for p in pieces])
         rig.append(one.inertia * rows.acceleration - force)
-    beside = np.column_stack(rig)
+    return rows, [direction, speed], rig
+
+
+def refuse_wrong_signs(records: Sequence[Record]) -> None:
+    """Refuse records whose force has the other sign, or one that changes."""
+    first, moving = records[0], [one for one in records if moves(one)]
+    if first.friction or not moving or free_form(moving) or not any(map(_is_driven, moving)):
+        return
+    rows, slides, rig = _plain_columns(moving)
+    inertia, speed = first.inertia is None, slides[1]
+    response, beside = rows.response, np.column_stack(rig)
+    stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
     # of a motion in one direction a level is an offset, and damping may be sought: these may drive
-    laws = [one for one in (direction, speed) if _is_told(one, beside)]
+    laws = [one for one in slides if _is_told(one, beside)]
     if not laws:
         return
     n = len(laws)
@@ -61,7 +74,7 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     x = x / size
     gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
-    driven = rows.seen([p.record.force for p in pieces])
+    driven = rows.seen([p.record.force for p in rows.pieces])
     other = response - driven
     count = int(stretches.max()) + 1
     moments = np.array([x[stretches == k].T @ driven[stretches == k] for k in range(count)])
@@ -92,3 +105,66 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
             "with the sign that the force has, friction would drive the motion: turn the sign of"
             " the force, or that of the position."
         )
+
+
+def settled(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str], *, offset: bool = True
+) -> Mechanism:
+    """Return a mechanism with values of parameters about which the balance may be linear.
+
+    Where forces are not linear in what is looked for, steps of Gauss and Newton with a level and
+    viscous friction lead to where the balance leaves least; none changes a value to less than its
+    half or more than its double, and one that leaves more is halved. A mechanism whose forces are
+    linear stays as it is.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> t = np.arange(0.0, 10.0, 0.01)
+    >>> q = np.sin(t) + np.sin(2.3 * t)
+    >>> torque = 0.5 * (-np.sin(t) - 2.3**2 * np.sin(2.3 * t)) + 9.81 * np.sin(q)  # m l^2, m l
+    >>> swing = Measurement(time=t, position=q, force=torque, turning=True)
+    >>> paths = ["mechanism.mass", "mechanism.length"]
+    >>> found = settled(Pendulum(mass=1.0, length=1.0), swing, paths)
+    >>> round(found.mass, 2), round(found.length, 2)
+    (2.0, 0.5)
+    """
+
+    def left(rig: Mechanism) -> tuple[float, dict[str, Unknown], Array]:
+        """Return the mean square that a balance leaves, what is looked for, and steps (p,)."""
+        records = records_of(rig, measurement, unknown=unknown, offset=offset)
+        looked = {path: one for path, one in records[0].unknown.items() if not one.doubt}
+        if not any(one.bent for one in looked.values()):
+            return 0.0, {}, np.zeros(0)
+        rows, friction, rig_ = _plain_columns([one for one in records if moves(one)])
+        table = np.column_stack([*friction, *rig_])
+        at = len(friction) + len(rig_) - len(records[0].unknown)
+        places = [at + k for k, path in enumerate(records[0].unknown) if path in looked]
+        sizes = np.sqrt(np.mean(table**2, axis=0)) + 1e-300
+        steps = np.linalg.lstsq(table / sizes, rows.response, rcond=1e-9)[0] / sizes
+        own = np.delete(table / sizes, places, axis=1)  # what is left with the values as they are
+        rest = rows.response - own @ np.linalg.lstsq(own, rows.response, rcond=1e-9)[0]
+        return float(np.mean(rest**2)), looked, steps[places]
+
+    least, looked, steps = left(mechanism)
+    for _ in range(SETTLING):
+        moved = dict[str, float]()
+        for (path, one), step in zip(looked.items(), steps.tolist(), strict=True):
+            low, high = (
+                max(one.limits[0], -0.5 * abs(one.given)),
+                min(one.limits[1], abs(one.given)),
+            )
+            moved[path] = min(max(step, 0.9 * low), 0.9 * high)
+        for halved in 0.5 ** np.arange(HALVINGS):
+            values = {path: looked[path].given + halved * x for path, x in moved.items()}
+            nearer = vary(mechanism, "mechanism", values)
+            found = left(nearer)
+            if found[0] < least:
+                break
+        else:
+            break
+        gained, mechanism = 1.0 - found[0] / least, nearer
+        least, looked, steps = found
+        if gained < STEADY:
+            break
+    return mechanism

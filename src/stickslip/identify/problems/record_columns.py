@@ -38,6 +38,8 @@ GEAR = "gear"
 """Term of a level that grows with what the gear transmits, whatever the load is."""
 LEVELS = frozenset({GEAR, *(name for name, part in PARTS.items() if part.dry)})
 """Terms that lag with the bristle."""
+FORCE = "force"
+"""Part of what an input changes that is no friction."""
 WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
@@ -445,6 +447,8 @@ class Balance:
         if len(frame.sides) > 1:
             found["offset"] = np.ones((rows.count, 1))
             found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
+            for name in frame.inputs:  # as a pressure pushes on a rod, whichever way it moves
+                found[f"{FORCE}*{name}"] = rows.seen([self.input(p, name) for p in pieces])[:, None]
         found["slope"] = self.slope(which)[:, None]
         found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
         found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
@@ -461,18 +465,29 @@ class Balance:
             found["inertia"] = rows.acceleration[:, None]
         return found
 
+    def plain(self) -> Array:
+        """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""
+        fixed, rows = self.fixed(MIDDLE), self.rows(MIDDLE)
+        looked = (path for path, one in self.pieces[0].record.unknown.items() if not one.doubt)
+        beside = [name for name in ("offset", "inertia", *looked) if name in fixed]
+        level = [p.direction * self.load(p) for p in self.pieces]
+        return np.hstack([*(fixed[x] for x in beside), fixed["slope"], rows.seen(level)[:, None]])
+
     @cached_property
     def dampings(self) -> list[str]:
-        """Paths of what is looked for and acts as viscous friction does."""
-        slope, rows = self.slope(MIDDLE), self.rows(MIDDLE)
-        found = list[str]()
-        for path, one in self.pieces[0].record.unknown.items():
-            force = rows.seen([p.record.unknown[path].force for p in self.pieces])
-            column = one.inertia * rows.acceleration - force
-            apart = column - slope * float(slope @ column) / float(slope @ slope)
-            if not one.doubt and np.linalg.norm(apart) < SAME_SPAN * np.linalg.norm(column):
-                found.append(path)
-        return found
+        """Paths of what is looked for and acts, alone or together, as viscous friction does."""
+        slope = self.slope(MIDDLE)
+        looked = [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+        if not looked:
+            return []
+        columns = np.column_stack([self.fixed(MIDDLE)[path][:, 0] for path in looked])
+        columns /= np.linalg.norm(columns, axis=0) + 1e-300
+        shares = np.linalg.lstsq(columns, slope, rcond=SAME_SPAN**2)[0]
+        size = float(np.linalg.norm(slope))
+        if np.linalg.norm(slope - columns @ shares) > SAME_SPAN * size:
+            return []
+        each = zip(looked, shares.tolist(), strict=True)
+        return [path for path, share in each if abs(share) > SAME_SPAN * size]
 
     def relaxing(self, piece: Piece) -> Array:
         """Return how far springs are stretched that relax, over the range of positions (n, p).

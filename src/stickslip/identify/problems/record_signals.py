@@ -116,11 +116,13 @@ def records_of(
     offset: bool = True,
     held: bool = True,
     doubts: Mapping[str, float] | None = None,
+    linear: bool = True,
 ) -> list[Record]:
     """Return the records of a measurement between its gaps, with the known forces of a mechanism.
 
     Its constant force is one of them unless it is to be found (`offset`). Standard uncertainties
-    of the mechanism (`doubts`) are by path.
+    of the mechanism (`doubts`) are by path. Where forces are not `linear` in what is looked for in
+    one record, none are taken as such.
 
     Examples
     --------
@@ -149,7 +151,20 @@ def records_of(
                 " or faster."
             )
         known_to = doubts or {}
-        found += [_record(own, one, unknown, known_to, offset=offset, held=held) for one in pieces]
+        found += [
+            _record(own, one, unknown, known_to, offset=offset, held=held, linear=linear)
+            for one in pieces
+        ]
+    for path in found[0].unknown.keys() & {*unknown}:
+        own_ = [one.unknown[path] for one in found]
+        if not any(np.any(one.force) or one.inertia for one in own_):
+            name = path.removeprefix("mechanism.")
+            raise InputError(f"vary: nothing in these records changes with {name}: leave it out.")
+        if linear and len({(one.bent, one.given) for one in own_}) > 1:
+            return records_of(
+                mechanism, measurement, unknown=unknown, offset=offset, held=held, doubts=doubts,
+                linear=False,
+            )  # fmt: skip
     if unknown and not any(_tells_scale(one) for one in found):
         raise InputError(
             "without a force only friction over inertia can be found: give the inertia (J) [kg] of"
@@ -172,6 +187,7 @@ def _record(
     *,
     offset: bool,
     held: bool,
+    linear: bool,
 ) -> Record:
     """Return one piece of a record."""
     record = with_voltage(mechanism, given, "zero")
@@ -206,11 +222,11 @@ def _record(
             transmitted=transmitted,
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
-    forces = forces_along(mechanism, record, x, v, unknown, doubts)
+    forces = forces_along(mechanism, record, x, v, unknown, doubts, linear=linear)
     began = None if located else _began(mechanism, record, x, v, unknown)
     if began is not None:
         x = x + began
-        forces = forces_along(mechanism, record, x, v, unknown, doubts)
+        forces = forces_along(mechanism, record, x, v, unknown, doubts, linear=linear)
     found_too = offset and "mechanism.offset" in unknown
     constant = 0.0 if found_too else float(getattr(mechanism, "offset", 0.0))
     inertia: float | None = forces.inertia

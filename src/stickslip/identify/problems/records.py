@@ -24,6 +24,7 @@ from stickslip.identify.laws import (
 )
 from stickslip.identify.posterior import Array, Column, Draws, Family, Structure
 from stickslip.identify.problems.record_columns import (
+    FORCE,
     GEAR,
     LEVELS,
     LUGRE,
@@ -52,7 +53,7 @@ from stickslip.identify.vocabulary import (
     flow_direction,
     parameters_of,
 )
-from stickslip.show.formatting import percent, quantity
+from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
@@ -193,6 +194,11 @@ class RecordProblem(Problem):
         """Return the rows of other records, which are another run."""
         return OtherRows.of(self.model, records)
 
+    def usual(self, rows: OtherRows) -> Array:
+        own = self.model.balance
+        c = np.linalg.lstsq(own.plain(), own.rows(MIDDLE).response, rcond=None)[0]
+        return np.asarray(rows.balance.plain() @ c)
+
     def at_rest(self, records: Sequence[Record]) -> RestRows:
         """Return the rows of other records at rest, where friction is up to its level."""
         return RestRows.of(self.model, records)
@@ -256,13 +262,16 @@ class RecordProblem(Problem):
         asked = {name for one in self.families or () for name in one if "*" in name}
         if asked or self.families is not None:
             return tuple(sorted(asked))
-        draws, found = self.posterior.draws(DRAWN, seed=5), list[str]()
-        for name in (f"{part}*{of}" for of in self.model.frame.inputs for part in CHANGING):
-            c = np.concatenate([self.model.split(x.node, x.random)[name][0] for x in draws])
-            low, high = np.quantile(c, (0.025, 0.975))
-            if not low <= 0.0 <= high and abs(float(np.median(c))) > 0.5 * TOLERANCE * self.size:
-                found.append(name)
-        return tuple(found)
+        draws = self.posterior.draws(DRAWN, seed=5)
+        # which of the parts changes is told less well than how friction does
+        changes = {of: self._change_with(of, draws) for of in self.model.frame.inputs}
+        sure = [
+            of
+            for of, x in changes.items()
+            if not np.quantile(x, 0.025) <= 0.0 <= np.quantile(x, 0.975)
+            and abs(float(np.median(x))) > TOLERANCE
+        ]
+        return tuple(f"{part}*{of}" for of in sure for part in CHANGING)
 
     @cached_property
     def beside(self) -> tuple[str, ...]:
@@ -602,7 +611,10 @@ class RecordProblem(Problem):
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
         found += [self._given(name, draws) for name in self.model.balance.given]
-        found += [self._input(name, draws) for name in self.model.frame.inputs]
+        inputs = [*self.model.frame.inputs]
+        found += [self._input(name, draws) for name in inputs]
+        if len(self.model.frame.sides) > 1:
+            found += [self._pushed(name, draws) for name in inputs]
         return [one for one in found if one.probability > 0.5]
 
     def untold(self) -> list[str]:
@@ -613,11 +625,12 @@ class RecordProblem(Problem):
                 "A constant offset is not told from a level that differs by direction: a record"
                 " under another load would tell them, or what the sensor shows without a force."
             )
-        for path in balance.dampings:
-            what = path.rpartition(".")[2].replace("_", " ")
+        if balance.dampings:
+            names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
+            are, them = ("is", "it") if len(names) == 1 else ("together are", "them")
             found.append(
-                f"The {what} is not told from viscous friction: what is stated of it has both, and"
-                " no law with viscous friction is compared."
+                f"The {joined(names)} {are} not told from viscous friction: what is stated of"
+                f" {them} has both, and no law with viscous friction is compared."
             )
         return found
 
@@ -688,14 +701,20 @@ class RecordProblem(Problem):
         }[name]
         return f"{what}, by {percent(size)} of friction (standard deviation)."
 
-    def _input(self, name: str, draws: Sequence[Draws]) -> Finding:
-        """Return how much friction changes over two standard deviations of an input."""
-        v = self.asked().velocity
+    def _change_with(self, name: str, draws: Sequence[Draws]) -> Array:
+        """Return the change of friction over two deviations of an input, over its size (k,)."""
+        v = resolved_speeds(self.model, PLACES)
         side = 1.0 if (v > 0.0).any() else -1.0
         mean, size = self.model.frame.inputs[name]
         at = side * float(np.median(np.abs(v[side * v > 0.0]))) * np.ones(2)
-        ends = self.steady(self.at(at, inputs={name: mean + size * np.array([-1.0, 1.0])}), draws)
-        change = np.diff(ends, axis=1)[:, 0] * side / self.size
+        rows = self.at(at, inputs={name: mean + size * np.array([-1.0, 1.0])})
+        ends = steady_curves(self.model, draws, rows)
+        return np.asarray(np.diff(ends, axis=1)[:, 0] * side / self.size)
+
+    def _input(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return how much friction changes over two standard deviations of an input."""
+        mean, size = self.model.frame.inputs[name]
+        change = self._change_with(name, draws)
         low, high = np.quantile(change, (0.025, 0.975)).tolist()
         middle = float(np.median(change))
         likely = max(float(np.mean(change > 0.0)), float(np.mean(change < 0.0)))
@@ -707,6 +726,23 @@ class RecordProblem(Problem):
             size=middle, low=low, high=high,
             sentence=f"Friction {verb} by {percent(abs(middle))} where the {name} goes from"
             f" {units[0]} to {units[1]}.",
+        )  # fmt: skip
+
+    def _pushed(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return how much a force that is no friction changes over two deviations of an input."""
+        key, (mean, size) = f"{FORCE}*{name}", self.model.frame.inputs[name]
+        own = [self.model.split(one.node, one.random)[key][0] for one in draws]
+        change = 2.0 * np.concatenate(own) / self.size
+        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        middle = float(np.median(change))
+        likely = max(float(np.mean(change > 0.0)), float(np.mean(change < 0.0)))
+        units = [quantity(mean + k * size, "", 3) for k in (-1.0, 1.0)]
+        return Finding(
+            term=key, title=f"force beside friction that changes with the {name}",
+            probability=likely if abs(middle) >= NEGLIGIBLE else 0.0,
+            size=middle, low=low, high=high,
+            sentence=f"A force beside friction changes by {percent(abs(middle))} of friction where"
+            f" the {name} goes from {units[0]} to {units[1]}.",
         )  # fmt: skip
 
     def _given(self, name: str, draws: Sequence[Draws]) -> Finding:

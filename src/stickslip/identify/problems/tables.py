@@ -197,6 +197,14 @@ class TableProblem(Problem):
         found = self.at(rows.velocity, rows.load, rows.inputs)
         return replace(found, run=np.full(len(rows.velocity), -2))
 
+    def usual(self, rows: Rows) -> Array:
+        plain: Structure = (("level", ()), ("offset", ()), ("viscous", ()))
+        own = self.design(
+            plain, self.at(*(getattr(self.table.rows, x) for x in ("velocity", "load")))
+        )
+        c = np.linalg.lstsq(own, self.table.friction, rcond=None)[0]
+        return np.asarray(self.design(plain, rows) @ c)
+
     def places(self) -> Rows:
         """Return the rows as measured, and half-way between neighbours of a direction and load."""
         rows = self.table.rows

@@ -363,6 +363,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
             "outliers": {},
             "measure_at": {"setting": list(self.places)},
             "inside_second": None,
+            "error_second": None,
         }  # fmt: skip
 
 
