@@ -23,7 +23,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 from unittest import mock
 
 import numpy as np
@@ -32,15 +32,15 @@ from benchmarks.band_verdict import offset_beside
 from stickslip import Axis, Measurement, Pendulum, select
 from stickslip.data import catalogue, guess_data, parquet_data, read_data, rows_of
 from stickslip.errors import StickslipError
-from stickslip.identify import BandVerdict, selection
-from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify import BandVerdict
+from stickslip.identify.bands import Array, Foreseen
 from stickslip.identify.fits import RecordSettings
+from stickslip.identify.judgement import Judgement
 from stickslip.identify.problems.record_columns import Balance
 from stickslip.identify.problems.record_curves import OtherRows
 from stickslip.identify.problems.record_rows import MIDDLE
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.table_model import Rows
-from stickslip.identify.problems.tables import TableProblem
 from stickslip.study.benchmark import records as tasks
 
 FIRST = 0.6
@@ -397,34 +397,21 @@ SETS: Sequence[Callable[[], Iterator[Case]]] = (
 # ---- judging
 
 
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """What problems were shown of second parts, in order."""
-
-    rows: list[tuple[Any, Any]] = field(default_factory=list)
-    """Problems and rows."""
-    bands: list[tuple[PredictionBand, Array]] = field(default_factory=list)
-    """Bands of readings, and the readings."""
+Seen: TypeAlias = list[tuple[Any, Any, Foreseen]]
+"""Problems with rows of second parts, and what was foreseen of these."""
 
 
 @contextlib.contextmanager
 def watched() -> Iterator[Seen]:
-    """Remember what selections compare with second parts: a verdict keeps the share alone."""
-    seen, inside = Seen(), selection._inside
+    """Remember which rows selections compare with second parts: a verdict keeps no columns."""
+    seen, foreseen = Seen(), Judgement.foreseen
 
-    def counted(band: PredictionBand, values: Array) -> float:
-        seen.bands.append((band, np.asarray(values)))
-        return inside(band, values)
+    def noted(own: Judgement, rows: Any, measured: Array, unit: str) -> Foreseen:
+        found = foreseen(own, rows, measured, unit)
+        seen.append((own.problem, rows, found))
+        return found
 
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(mock.patch.object(selection, "_inside", counted))
-        for kind in (RecordProblem, TableProblem):
-
-            def like(own: Any, given: Any, of: Any = kind.like) -> Any:
-                seen.rows.append((own, of(own, given)))
-                return seen.rows[-1][1]
-
-            stack.enter_context(mock.patch.object(kind, "like", like))
+    with mock.patch.object(Judgement, "foreseen", noted):
         yield seen
 
 
@@ -555,21 +542,17 @@ def judged(case: Case) -> Iterator[Line]:
             continue
         seconds = time.process_time() - began
         joints = getattr(verdict, "joints", {"": verdict})
-        rows = [one for one in seen.rows if any(
-            one[0] is own.judgement.problem for own in joints.values())]  # fmt: skip
-        for (joint, own), (problem, at), (band, values) in zip(
-            joints.items(), rows, seen.bands, strict=True
-        ):
-            off = float(np.sqrt(np.mean((band.median - values) ** 2)))
+        for (joint, own), (problem, at, found) in zip(joints.items(), seen, strict=True):
+            band, values = found.band, found.measured
             published = case.published.get(joint)
             yield Line(
                 name=f"{label}, {joint}" if joint else label,
                 law=own.closest.title,
                 distance=own.closest.distance,
                 known=own.judgement.known,
-                inside=own.inside,
-                ratio=float(np.median(band.high - band.low)) / 2.0 / off,
-                error=off,
+                inside=found.inside,
+                ratio=float(np.median(band.high - band.low)) / 2.0 / found.error,
+                error=found.error,
                 plain=plain_error(problem, at, values),
                 handed=handed_error(own, at, values) if not joint else math.nan,
                 interval=inertia_of(own),
