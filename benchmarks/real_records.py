@@ -481,7 +481,7 @@ def handed_error(verdict: BandVerdict, other: Any, values: Array) -> float:
         said = balance.rows(MIDDLE).seen([steady(one.velocity) for one in balance.pieces])
         columns = plain_columns(balance)
         if "inertia" in columns:
-            said = said + verdict.mechanism.inertia * columns["inertia"]
+            said = said + vars(verdict.mechanism)["inertia"] * columns["inertia"]
     return float(np.sqrt(np.mean((values - said - offset_beside(verdict)) ** 2)))
 
 
