@@ -1,4 +1,7 @@
-"""``python -m benchmarks [case ...]``: print cases; all of them also write docs/benchmarks.md."""
+"""``python -m benchmarks [case ...]``: print cases; all of them also write docs/benchmarks.md.
+
+``python -m benchmarks posterior`` prints what verdicts are worth (`benchmarks.posterior.numbers`).
+"""
 
 import argparse
 import importlib
@@ -6,6 +9,7 @@ import importlib.metadata
 import importlib.util
 import os
 import platform
+import sys
 from pathlib import Path
 
 from benchmarks import tables
@@ -27,6 +31,8 @@ CASES = (
 )
 COMPILE = "compile"
 """Times of compiling, which are printed only: they take minutes and empty caches."""
+POSTERIOR = "posterior"
+"""What verdicts are worth, which is counted and not timed: it takes an hour."""
 PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"
 LIBRARIES = ("stickslip", "numpy", "scipy", "llvmlite", "heyoka", "mujoco", "drake")
 
@@ -78,6 +84,9 @@ def page(results: list[object]) -> str:
 
 
 def main() -> None:
+    if sys.argv[1:2] == [POSTERIOR]:
+        importlib.import_module("benchmarks.posterior.numbers").main(sys.argv[2:])
+        return
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
         "cases", nargs="*", metavar="case", help=f"of {', '.join((*CASES, COMPILE))}"

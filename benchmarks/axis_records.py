@@ -6,7 +6,7 @@ controller is sampled; the motion is a sum of sines, then moves with dwells, slo
 
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -226,12 +226,22 @@ class AxisRecord:
         )
 
 
-def record(truth: Truth, seed: int, seconds: float = SECONDS) -> AxisRecord:
-    """Return a record of an axis; its motion and noise depend on its name and the seed only."""
+def record(
+    truth: Truth, seed: int, seconds: float = SECONDS, speeds: Sequence[float] = ()
+) -> AxisRecord:
+    """Return a record of an axis; its motion and noise depend on its name and the seed only.
+
+    With `speeds` it moves steadily at each of them in turn, for a twentieth of the time.
+    """
     plant = truth.plant
     random = np.random.default_rng([seed, zlib.crc32(truth.name.encode())])
-    t = np.arange(round(seconds * RATE)) / RATE
-    wanted = _reference(random, t, plant.calm)
+    if speeds:
+        wanted = _stretches(speeds, seconds / 20.0)
+        t = np.arange(len(wanted)) / RATE
+        seconds = len(wanted) / RATE
+    else:
+        t = np.arange(round(seconds * RATE)) / RATE
+        wanted = _reference(random, t, plant.calm)
     load = 1.2 + 0.8 * np.sin(
         2.0 * np.pi * random.uniform(0.15, 0.4) * t + random.uniform(0.0, 6.0)
     )
@@ -253,6 +263,17 @@ def record(truth: Truth, seed: int, seconds: float = SECONDS) -> AxisRecord:
     return AxisRecord(
         t=t, q=q, force=force, true_position=x, friction=friction, covariates=covariates
     )
+
+
+def _stretches(speeds: Sequence[float], lasting: float) -> Array:
+    """Return a motion (n,) that is steady at each speed in turn and goes back between them."""
+    ramp, rest = np.linspace(0.0, 1.0, round(0.1 * RATE)), np.zeros(round(0.1 * RATE))
+    hold = np.ones(round(lasting * RATE))
+    shape = np.concatenate([rest, ramp, hold, ramp[::-1], rest])
+    u = np.linspace(0.0, 1.0, len(shape))
+    back = 30.0 * u**2 * (1.0 - u) ** 2
+    back *= np.sum(shape) / np.sum(back)
+    return np.cumsum(np.concatenate([v * x for v in speeds for x in (shape, -back)])) / RATE
 
 
 def _reference(random: np.random.Generator, t: Array, calm: float) -> Array:

@@ -1,5 +1,6 @@
 """What the study of bands asks of a verdict: the one place that knows the public API."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,9 +10,16 @@ from typing_extensions import override
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
+from stickslip.friction import bound
+from stickslip.identify import BandVerdict
+from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.tables import readings_of
+from stickslip.identify.projection import PLACES, Target
 
+MOST_MOTIONS = 4
+"""Further free motions that are made at most."""
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
 
@@ -25,6 +33,55 @@ class Fault:
     """What it is said not to be told from."""
     fault: bool
     """Whether it is a fault."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandedOver:
+    """The law that leaves a verdict, beside the band that was judged."""
+
+    off: float
+    """Share of friction by which it is off the middle of the band, at 95 % of the places ..."""
+    stated: float
+    """... and which share was stated."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is as close as was stated."""
+        return self.off <= self.stated
+
+
+def handed_over(verdict: BandVerdict) -> HandedOver | None:
+    """Return how far the law handed over is from the middle of the band; None where none is."""
+    judgement = verdict.judgement
+    if verdict.best is None or not judgement.named.structure:
+        return None
+    rows = judgement.problem.asked()
+    if np.ptp(judgement.problem.scale(rows)) > 0.0:  # at the load of the law
+        rows = judgement.problem.at(np.unique(rows.velocity))
+    target = Target(
+        draws=judgement.problem.steady(rows, judgement.draws),
+        tolerance=judgement.tolerance,
+        scale=judgement.problem.scale(rows),
+    )
+    composed = judgement.composition
+    law = bound(verdict.law, composed.inputs)
+    force = np.array([float(law.steady(v, composed.normal())) for v in rows.velocity.tolist()])
+    force += offset_beside(verdict)
+    return HandedOver(
+        off=float(np.quantile(np.abs(force - target.middle) / target.size, PLACES)),
+        stated=max(verdict.closest.distance, judgement.tolerance),
+    )
+
+
+def offset_beside(verdict: BandVerdict) -> float:
+    """Return the constant force of the mechanism that was found: one that was given is no part."""
+    found = not verdict.judgement.offset
+    return float(getattr(verdict.mechanism, "offset", 0.0)) if found else 0.0
+
+
+def told(judgement: Judgement) -> bool:
+    """Return whether friction is told from zero and a law of it is named."""
+    return judgement.is_told and bool(judgement.named.structure)
 
 
 def judged(rig: Rig) -> "Judged":
@@ -56,6 +113,8 @@ class Judged:
         self.family = (*self.verdict.family, *own, *memory)
         self.set = [(*one, *own, *memory) for one in self.verdict.set]
         self.gain = self.verdict.judgement.named.distance
+        self.known = self.verdict.judgement.known
+        self.law = handed_over(self.verdict)
         self.parameters = self.verdict.parameters
         self.faults = [
             Fault(kind=one, instead=ALIKE.get(one, frozenset()) | {one}, fault=rig.kind != "tables")
@@ -108,9 +167,31 @@ class Judged:
         bands = [judgement.reading_band(rows, level) for level in levels]
         return [float(np.mean((b.low <= shown) & (shown <= b.high))) for b in bands]
 
+    @property
+    def expected(self) -> float:
+        """Width of the band that is expected after the advised readings, over today's."""
+        further = self._further()
+        if further is None:
+            return float(self.verdict.shrinks)
+        return further[self._motions(further) - 1]
+
+    def _further(self) -> Sequence[float] | None:
+        """Return expected widths after further free motions."""
+        judgement = self.verdict.judgement
+        if not isinstance(judgement.problem, FreeMotionProblem):
+            return None
+        return judgement.problem.further(judgement.draws)
+
+    @staticmethod
+    def _motions(shrinks: Sequence[float]) -> int:
+        """Return how many motions are made: those that halve the band, if these are few."""
+        return min(next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), 1), MOST_MOTIONS)
+
     def advised(self) -> Points | None:
-        """Return where readings are proposed."""
+        """Return where readings are proposed; of free motions the shares of the start."""
         places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
+        if (further := self._further()) is not None:
+            return Points(velocity=np.ones(self._motions(further)))
         if not len(places):
             return None
         rows = problem.at(places)
@@ -128,6 +209,7 @@ class Travelled(Judged):
         self.family = (judgement.named,)
         self.set = list(self.verdict.set)
         self.gain = 0.0 if judgement.explained else 1.0
+        self.known, self.law = math.nan, None
         self.parameters = [
             Limits(path=own.path, low=own.low, high=own.high, low_any=any_.low, high_any=any_.high)
             for own, any_ in zip(

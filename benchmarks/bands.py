@@ -76,6 +76,9 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
         said = f"broke: {type(error).__name__}: {error}"
         return row | {"false": [said], "seconds": time.process_time() - began}
     row |= {"named": "+".join(verdict.family), "set": len(verdict.set), "gain": verdict.gain}
+    row["known"] = verdict.known
+    if verdict.law is not None:
+        row["handed"] = [verdict.law.off, verdict.law.stated]
     if rig.curves and rig.asked is not None:
         row |= _covered(rig, rig.asked, verdict)
     if rig.family is not None:
@@ -137,6 +140,10 @@ def _covered(rig: Rig, asked: Points, verdict: Judged) -> dict[str, Any]:
             best = float(np.sqrt(np.mean(((rig.fitted(asked) - true[0]) / noise) ** 2)))
             found["best"] = best
         found["equal"] = error <= max(1.25 * best, 0.5)
+        # within the tolerance of any law: of friction, at 95 % of the places
+        size = [np.maximum(np.abs(one), 0.1 * np.max(np.abs(one)) + 1e-300) for one in among]
+        shares = zip(among, size, strict=True)
+        found["off"] = min(float(np.quantile(np.abs(law - one) / own, 0.95)) for one, own in shares)
     return found
 
 
@@ -172,7 +179,7 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
     assert rig.asked is not None
     places = verdict.advised()
     if places is None:
-        return {}
+        return {"advised": False}
     try:
         after = judged(rig.more(places, seed))
     except Exception:  # counted as advice that did not help
@@ -180,7 +187,8 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
     before, now = (one.band(rig.asked) for one in (verdict, after))
     shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
     return {
-        "asked": len(places), "shrink": shrink, "advice": shrink <= 0.5 or len(after.set) == 1,
+        "asked": len(places), "expected": verdict.expected, "shrink": shrink,
+        "advice": shrink <= 0.5 or len(after.set) == 1,
     }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Axes under position control, for tests and golden records.
+"""Axes under position control, for golden records and the study of the posterior.
 
 An axis follows slow and fast moves under a sampled proportional-derivative controller with
 feedforward of the acceleration. Recorded are the position by an encoder of 0.1 to 10 um and the
@@ -26,27 +26,19 @@ from stickslip import (
     Measurement,
     Stribeck,
 )
-from stickslip.friction import bound
 from stickslip.study.control import closed_loop
 
 TRUTHS = ("lugre", "stribeck", "elasto-plastic", "gms", "direction-dependent", "backlash")
 ENCODERS = (1e-7, 1e-5)
 """Smallest and largest step of an encoder [m] in the study."""
-NO_FAULT = ("law", "unexplained")
-"""Kinds of findings that say nothing of the rig."""
-BACKLASH = ("backlash", "late or elastic")
-"""Kinds of findings that name backlash."""
 MOVED = 100.0
-"""Steps of the encoder that a record, and the fresh motion beside it, cover at least."""
-SAME = 0.10
-"""A law whose friction on a fresh record is off by this share of the noise more is an equal one."""
-RIGHT, COVERED = 0.95, (0.90, 0.99)
-"""Targets: right or equal laws, and coverage of nominal 95 %."""
-SLIPS = 1e-4
-"""Share of the largest speed above which an axis slips."""
-RESULTS = "closed_loop_axes.jsonl"
-CHOSEN = "chosen"
-"""Stands for the route that selection takes by itself."""
+"""Steps of the encoder that a record covers at least."""
+FAST = (1e4, 1.2e5)
+"""Least and largest rate of a controller whose records are long [Hz]."""
+LASTING = 8.0
+"""Duration of these [s]."""
+ROWS = 80_000
+"""Rows of a record at most: of faster controllers every second or further sample is recorded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,13 +142,12 @@ def reference(rig: ControlledAxis, random: Random) -> tuple[Array, Array, Array,
     return t, x, v, np.gradient(v, t)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """An axis as it moved: what no sensor shows."""
 
     time: Array
     position: Array
-    velocity: Array
     command: Array
 
 
@@ -182,12 +173,7 @@ def moved(rig: ControlledAxis, random: Random) -> Motion:
         solver=SOLVER,
     )
     states = loop.run.at(loop.t)
-    return Motion(
-        time=loop.t,
-        position=np.asarray(states["x"]),
-        velocity=np.asarray(states["v"]),
-        command=loop.commands,
-    )
+    return Motion(loop.t, np.asarray(states["x"]), loop.commands)
 
 
 def _through_gap(rig: ControlledAxis, random: Random) -> Motion:
@@ -212,9 +198,8 @@ def _through_gap(rig: ControlledAxis, random: Random) -> Motion:
     found = machine.run(random)
     if found is None:
         return _through_gap(rig, random)
-    t, x = np.asarray(found.time), np.asarray(found.position)
     return Motion(
-        time=t, position=x, velocity=np.gradient(x, t), command=np.asarray(found.values("force"))
+        np.asarray(found.time), np.asarray(found.position), np.asarray(found.values("force"))
     )
 
 
@@ -230,39 +215,14 @@ def sensed(rig: ControlledAxis, motion: Motion, random: Random) -> Measurement:
     return Measurement(time=motion.time, position=position, force=force)
 
 
-def moving(random: Random, truth: str) -> tuple[ControlledAxis, Measurement, Motion]:
-    """Return a random axis, a record and a fresh motion: its controller does move it in both."""
+def fast_lugre(random: Random) -> tuple[ControlledAxis, Measurement]:
+    """Return a random axis with LuGre friction under a fast controller that moves it, recorded."""
     while True:
-        rig = draw(random, truth, ENCODERS)
-        measurement = record(rig, random)
-        if np.ptp(np.asarray(measurement.position)) <= MOVED * rig.encoder:
-            continue
-        fresh = moved(rig, random)
-        if np.ptp(fresh.position) > MOVED * rig.encoder:
-            return rig, measurement, fresh
-
-
-ROUNDS = 100
-"""Times that the force of a motor is computed from the friction that grows with it."""
-
-
-def _friction(law: FrictionLaw, rig: ControlledAxis, motion: Motion) -> Array:
-    """Return the friction (n,) of a law along a motion, whose motor overcomes just that."""
-    from stickslip.identify.fits.estimation.bristle_integration import Path, follow
-
-    t, v = motion.time, motion.velocity
-    loaded = {*law.inputs} & {"motor", "external", "transmitted"}
-    taken = motion.command - _friction(rig.law, rig, motion) if loaded else 0.0 * v
-    path = Path(time=t, velocity=v, load=np.ones_like(t), travel=np.diff(motion.position))
-    external, force = np.full_like(v, -rig.axis.offset), np.zeros_like(v)
-    for _ in range(ROUNDS if loaded else 1):
-        motor = taken + force
-        gear = {"motor": motor, "external": external, "transmitted": motor - external}
-        inputs = gear | {"position": motion.position}
-        path = replace(path, inputs={name: inputs[name] for name in law.inputs})
-        states: tuple[Array, ...] = ()
-        if law.states:
-            states = tuple(follow(law, path, np.zeros((len(law.states), 1)))[..., 0])
-        told = bound(law, path.inputs) if path.inputs else law
-        force = np.asarray(told.force(v, 1.0, states) if law.states else told.force(v, 1.0))
-    return force
+        rig = replace(
+            draw(random, "lugre", ENCODERS), rate=between(random, *FAST), duration=LASTING
+        )
+        motion = moved(rig, random)
+        if np.ptp(motion.position) > MOVED * rig.encoder:
+            every = math.ceil(len(motion.time) / ROWS)
+            kept = (x[::every] for x in (motion.time, motion.position, motion.command))
+            return rig, sensed(rig, Motion(*kept), random)

@@ -147,11 +147,11 @@ def drawn(number: int, seed: int) -> Rig:
     # the sensor of a second record is the same: its noise does not shrink with the motion
     size = noise * float(np.ptp(motion_of(1.0))) / (2.0 if pendulum else 1.0)
 
-    def measured(share: float) -> Measurement:
+    def again(share: float, random: Random) -> Measurement:
         y = motion_of(share) + size * random.normal(size=len(times))
         return Measurement(time=times, turning=True, **{quantity: y})
 
-    record = measured(1.0)
+    record = again(1.0, random)
 
     def fitted(p: Points) -> Array:
         """Return what the true structure says, fitted to the record by least squares."""
@@ -185,12 +185,21 @@ def drawn(number: int, seed: int) -> Rig:
 
     scale = float(np.mean(np.abs(steady(asked))))
     noises: Curve = lambda p: np.full(len(p), 0.03 * scale)  # noqa: E731
-    return Rig(
+
+    def more(places: Points, number: int) -> Rig:
+        """Return the motion with others that start with shares of it."""
+        then = np.random.default_rng([62, seed, number])
+        others = [again(float(share), then) for share in places.velocity]
+        trials = (record, *others)
+        return found.with_(measurement=Measurement(trials=trials), second=None, more=None)
+
+    found = Rig(
         kind="decays", truth=name, inside=inside, measurement=record, mechanism=mechanism,
         family=TRUTHS[name][0] if inside else None, curves=(steady,), noise=noises,
         asked=asked, beyond=beyond, parameters=parameters, fitted=fitted if inside else None,
-        second=measured(float(random.uniform(0.6, 0.9))),
+        second=again(float(random.uniform(0.6, 0.9)), random), more=more,
     )  # fmt: skip
+    return found
 
 
 def _friction(

@@ -194,7 +194,15 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
         elif p.step_forward and p.step_forward == p.step_backward:
             parameters |= {KINETIC: level, STATIC: level + p.step_forward}
     family = frozenset(NAMES.get(one, one) for one in truth.kinds.split())
-    return Rig(
+
+    def more(places: Points, number: int) -> Rig:
+        """Return the record with another one of steady motion at the places."""
+        then = np.random.default_rng([seed, number])
+        made = record(truth, 2 * number + 1, SECONDS, places.velocity.tolist())
+        trials = (found.measurement, _measured(wrong.change(made, then)))
+        return found.with_(measurement=Measurement(trials=trials), second=None, more=None)
+
+    found = Rig(
         kind="records", truth=name, inside=wrong.inside, measurement=_measured(first),
         mechanism=wrong.mechanism or Axis(inertia=1.3 * p.inertia),
         unknown=("mechanism.inertia",) if wrong.free else (),
@@ -204,7 +212,9 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
         noise=lambda q: np.full(len(q), p.force_noise), asked=asked, beyond=beyond,
         shown=_shown(second),
         parameters={k: v for k, v in parameters.items() if v}, second=_measured(second),
+        more=more if wrong.inside else None,
     )  # fmt: skip
+    return found
 
 
 def _shown(one: AxisRecord) -> Curve:

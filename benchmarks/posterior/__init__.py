@@ -1,5 +1,4 @@
-"""What the posterior says of truths that are known, and of measured records: its study.
+"""What the posterior says of truths that are known and of measured records, beside what is asked.
 
-``python -m benchmarks.posterior`` judges made-up tables, measured records and swings; see
-`benchmarks.posterior.study`.
+``python -m benchmarks posterior`` prints all of it; see `benchmarks.posterior.numbers`.
 """

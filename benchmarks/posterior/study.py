@@ -1,43 +1,37 @@
-"""What the posterior says of truths that are known, and of records of which a part is kept.
+"""Made-up tables and swings of the study of the posterior, and what a judgement says of them.
 
-``python -m benchmarks.posterior tables --seed 1 --count 40`` draws `benchmarks.band_truths`
-and prints how often the band holds the true curve (inside the vocabulary and outside, within the
-measured speeds and beyond), its half-width over the noise, and whether the law is right, or off by
-less than half the noise. ``special`` has tables whose repeats share an error, of several specimens,
-rounded, with stated errors, of a real joint, and whose directions differ. ``records`` judges the
-later part of measured records (`benchmarks.second_records`) and prints the share of its readings in
-their band, the half-width of that over the error, and the error beside Coulomb + viscous.
-``swings`` has pendulums whose length is given .1 to .3 % off.
+Tables here are special in one thing: repeats that share an error, several specimens, rounding,
+errors that are stated, rows in the order of the speed, a joint with a model error of 2 % and two
+rows at rest, noise as large as friction, or no friction. Swings have pendulums whose length is
+given .1 to .3 % off. `benchmarks.band_truths` has all others.
 """
 
-import argparse
+import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.band_truths import tables as truths
-from benchmarks.band_truths.rig import Rig
-from benchmarks.second_records import Pair, pairs
-from stickslip import Axis, CoulombViscous, Measurement, Pendulum, QuadraticDrag, simulate
-from stickslip.identify.fits import goes_straight, load_of
-from stickslip.identify.forces import with_gear
+from benchmarks.band_truths.decays import GRAVITY, OUTSIDE, Body, moved
+from benchmarks.band_truths.rig import factor
+from benchmarks.band_verdict import told
+from stickslip import Axis, Measurement, Pendulum
 from stickslip.identify.judgement import Judgement
-from stickslip.identify.posterior import Family
+from stickslip.identify.problems.free_balance import FreeBalance, before_rest, free_form
 from stickslip.identify.problems.free_motion import FreeMotionProblem
-from stickslip.identify.problems.record_signals import Record, records_of
-from stickslip.identify.problems.records import RecordProblem
+from stickslip.identify.problems.free_runs import Candidate, Runs
+from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.selection import problem_of_records
 from stickslip.mechanisms import Mechanism
 
-Array = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
+Random: TypeAlias = np.random.Generator
 AXIS = Axis(inertia=1.0)
-PLAIN: Sequence[Family] = [("level", "offset", "viscous")]
-"""Coulomb + viscous."""
 
 
 def judged_table(mechanism: Mechanism, measurement: Measurement) -> Judgement:
@@ -45,70 +39,10 @@ def judged_table(mechanism: Mechanism, measurement: Measurement) -> Judgement:
     return Judgement(TableProblem.of(mechanism, measurement))
 
 
-def records_for(
-    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
-) -> list[Record]:
-    """Return the records of a measurement, with what is looked for."""
-    held = all(not goes_straight(one, "zero") for one in measurement.records())
-    return records_of(mechanism, with_gear(mechanism, measurement), unknown=unknown, held=held)
+# ---- special tables
 
 
-# ---- tables whose truth is known
-
-
-def rated(rig: Rig) -> dict[str, float] | None:
-    """Return what the judgement of a table is worth; None where nothing is asked of it."""
-    if not rig.curves or rig.asked is None or rig.noise is None:
-        return None
-    began = time.process_time()
-    judgement = judged_table(rig.mechanism, rig.measurement)
-    named = judgement.named
-    seconds = time.process_time() - began
-    found = {"inside": float(rig.inside), "seconds": seconds}
-    for where, points in (("point", rig.asked), ("beyond", rig.beyond)):
-        if points is None:
-            continue
-        rows = judgement.problem.at(points.velocity, points.load, points.inputs or None)
-        band = judgement.band(rows)
-        true = [curve(points) for curve in rig.curves]
-        found[where] = float(np.mean([(band.low <= y) & (y <= band.high) for y in true]))
-        if where == "point":
-            noise = np.maximum(rig.noise(points), 1e-300)
-            found["width"] = float(np.mean((band.high - band.low) / 2.0 / noise))
-            law = judgement.curve_of(named, rows)
-            errors = [np.sqrt(np.mean(((law - y) / noise) ** 2)) for y in [*true, np.mean(true, 0)]]
-            best = 0.0
-            if rig.fitted is not None:
-                best = float(np.sqrt(np.mean(((rig.fitted(points) - true[0]) / noise) ** 2)))
-            found["equal"] = float(min(errors) <= max(1.25 * best, 0.5))
-    if rig.family is not None:
-        family = {x for x in rig.family if x != "run"}
-        found["right"] = float({*named.family} == family)
-    return found
-
-
-def of_tables(seed: int, count: int) -> Iterator[str]:
-    """Yield the numbers of drawn tables."""
-    rows = [one for k in range(count) if (one := rated(truths.drawn(k, seed))) is not None]
-    yield f"{len(rows)} tables, seed {seed}"
-    for inside, name in ((1.0, "inside"), (0.0, "outside")):
-        own = [one for one in rows if one["inside"] == inside]
-        if not own:
-            continue
-
-        def mean(key: str, rows: Sequence[Mapping[str, float]] = own) -> float:
-            return float(np.mean([one[key] for one in rows if key in one]))
-
-        widths = float(np.median([one["width"] for one in own]))
-        equal = [one["equal"] or one.get("right", 0.0) for one in own]
-        yield (
-            f"{name:8} band {mean('point'):.3f}, beyond {mean('beyond'):.3f}, width over noise"
-            f" {widths:.2f}, right {mean('right'):.2f}, right or equal {np.mean(equal):.2f}"
-        )
-    yield f"processor time {np.median([one['seconds'] for one in rows]):.2f} s"
-
-
-def repeated(random: np.random.Generator) -> tuple[Measurement, Callable[[Array], Array]]:
+def repeated(random: Random) -> tuple[Measurement, Callable[[Array], Array]]:
     """Return three readings at each speed of a specimen that has its own friction there."""
     v = np.repeat(np.geomspace(0.01, 1.0, 10), 3)
     own = np.repeat(random.normal(1.0, 0.06, 10), 3)
@@ -116,16 +50,14 @@ def repeated(random: np.random.Generator) -> tuple[Measurement, Callable[[Array]
     return Measurement(velocity=v, friction=friction), lambda u: 5.0 + 3.0 * u
 
 
-def rounded(random: np.random.Generator) -> tuple[Measurement, Callable[[Array], Array]]:
+def rounded(random: Random) -> tuple[Measurement, Callable[[Array], Array]]:
     """Return readings that were rounded to a tenth."""
     v = np.geomspace(0.01, 1.0, 15)
     friction = np.round(3.0 + 2.0 * v + 0.01 * random.normal(size=15), 1)
     return Measurement(velocity=v, friction=friction), lambda u: 3.0 + 2.0 * u
 
 
-def specimens(
-    random: np.random.Generator, *, new: bool
-) -> tuple[Measurement, Callable[[Array], Array]]:
+def specimens(random: Random, *, new: bool) -> tuple[Measurement, Callable[[Array], Array]]:
     """Return six specimens, and the friction of one of them or of another."""
     v = np.geomspace(0.01, 1.0, 8)
     factors = random.normal(1.0, 0.05, 7)
@@ -141,7 +73,7 @@ def specimens(
     )
 
 
-def of_joint(random: np.random.Generator) -> tuple[Measurement, Callable[[Array], Array]]:
+def of_joint(random: Random) -> tuple[Measurement, Callable[[Array], Array]]:
     """Return a sorted table of a joint: 2 % of model error, and two rows at rest."""
     u = np.geomspace(0.001, 0.3, 40)
     v = np.concatenate([-u[::-1], u])
@@ -160,130 +92,231 @@ def of_joint(random: np.random.Generator) -> tuple[Measurement, Callable[[Array]
     )
 
 
-def of_special(seed: int, count: int) -> Iterator[str]:
-    """Yield how often bands of special tables hold the truth."""
-    kinds = {
-        "repeats": repeated,
-        "rounded": rounded,
-        "one of six specimens": partial(specimens, new=False),
-        "a new specimen": partial(specimens, new=True),
-        "a joint": of_joint,
-    }
-    for name, made in kinds.items():
-        held, widths, laws = [], [], list[str]()
-        for k in range(count):
-            table, true = made(np.random.default_rng([seed, k]))
-            judgement = judged_table(AXIS, table)
-            rows = judgement.problem.asked()
-            band = judgement.band(rows, new="new" in name)
-            y = true(rows.velocity)
-            held.append(np.mean((band.low <= y) & (y <= band.high)))
-            widths.append(np.median((band.high - band.low) / 2.0 / np.abs(y)))
-            laws.append("+".join(judgement.named.family))
-        most = max(set(laws), key=laws.count)
-        yield (
-            f"{name:22} inside {np.mean(held):.3f}, half-width {np.median(widths):.1%},"
-            f" {most} in {laws.count(most)} of {count}"
-        )
+def ordered(random: Random) -> tuple[Measurement, Callable[[Array], Array]]:
+    """Return a table of both directions in the order of the speed, with 1 % of drift in time."""
+    u = np.geomspace(0.01, 1.0, 20)
+    v = np.concatenate([-u[::-1], u])
+
+    def true(v: Array) -> Array:
+        return np.asarray(np.sign(v) * (5.0 + 3.0 * np.exp(-((v / 0.1) ** 2))) + 4.0 * v)
+
+    # measured in random order, filed by speed
+    late = 1.0 + 0.01 * random.permutation(np.linspace(-0.5, 0.5, len(v)))
+    return Measurement(velocity=v, friction=true(v) * late * random.normal(1.0, 0.004, 40)), true
 
 
-# ---- measured records, of which the later part is kept
+def with_errors(random: Random) -> tuple[Measurement, Callable[[Array], Array]]:
+    """Return readings of which every second has a stated error ten times that of the others."""
+    v = np.geomspace(0.01, 1.0, 20)
+    error = np.where(np.arange(20) % 2 == 0, 0.003, 0.03) * (5.0 + 3.0 * v)
+    friction = 5.0 + 3.0 * v + error * random.normal(size=20)
+    table = Measurement(velocity=v, friction=friction, uncertainty={"friction": error})
+    return table, lambda u: 5.0 + 3.0 * u
 
 
-def of_pair(pair: Pair) -> Iterator[str]:
-    """Yield how another record of a machine lies in the band of its first."""
-    first = records_for(pair.mechanism, pair.first, pair.unknown)
-    began = time.process_time()
-    judgement = Judgement(problem_of_records(pair.mechanism, first, vary=pair.unknown))
-    problem = judgement.problem
-    assert isinstance(problem, RecordProblem)
-    law = "+".join(judgement.named.family)
-    seconds = time.process_time() - began
-    plain = problem_of_records(pair.mechanism, first, vary=pair.unknown, families=PLAIN)
-    yield (
-        f"{pair.name}: {law} within {judgement.named.distance:.1%}, steady ±{judgement.known:.1%},"
-        f" {seconds:.1f} s"
-    )
-    for path, x in problem.rig(judgement.draws).items():
-        low, high = np.quantile(x, (0.025, 0.975))
-        yield f"    {path} {low:.4g} to {high:.4g}"
-    for name, other in pair.others.items():
-        again = records_for(pair.mechanism, other, pair.unknown)
-        rows = problem.like(again)
-        band, y = judgement.reading_band(rows), rows.response
-        error = float(np.sqrt(np.mean((band.median - y) ** 2)))
-        inside = float(np.mean((band.low <= y) & (y <= band.high)))
-        ratio = float(np.median(band.high - band.low)) / 2.0 / error
-        less = Judgement(plain).reading_band(plain.like(again))
-        usual = float(np.sqrt(np.mean((less.median - plain.like(again).response) ** 2)))
-        yield (
-            f"    {name}: {inside:.3f} inside, half-width over error {ratio:.2f}, error {error:.3g}"
-            f" ({usual:.3g} with Coulomb + viscous)"
-        )
+SPECIAL: Mapping[str, Callable[[Random], tuple[Measurement, Callable[[Array], Array]]]] = {
+    "repeats": repeated,
+    "one of six specimens": partial(specimens, new=False),
+    "a new specimen": partial(specimens, new=True),
+    "rounded": rounded,
+    "ordered": ordered,
+    "stated errors": with_errors,
+    "sorted joint": of_joint,
+}
 
 
-def of_records(only: str) -> Iterator[str]:
-    """Yield the numbers of all measured records whose names begin so."""
-    for pair in pairs():
-        if pair.name.startswith(only):
-            yield from of_pair(pair)
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """How much of the truth lies in the band, and its half-width over friction."""
+
+    inside: float
+    width: float
 
 
-# ---- swings
-
-
-def of_swings(seed: int, count: int) -> Iterator[str]:
-    """Yield how swings are stated whose length is given .1 to .3 % off."""
-    laws = (
-        CoulombViscous(kinetic_coefficient=0.004, viscous_coefficient=0.003),
-        QuadraticDrag(
-            kinetic_coefficient=0.002, viscous_coefficient=0.002, quadratic_coefficient=0.002
-        ),
-    )
-    t = np.arange(0.0, 30.0, 0.02)
+def of_special(name: str, seed: int, count: int) -> list[Held]:
+    """Return what bands of special tables hold of the truth."""
+    found = []
     for k in range(count):
-        random = np.random.default_rng([seed, k])
-        length, law = float(random.uniform(0.25, 0.4)), laws[k % 2]
-        arm = Pendulum(mass=1.0, length=length)
-        begin = {"theta": float(random.uniform(0.6, 1.0))}
-        run = simulate(arm, law, t_end=30.0, y0=begin)
-        read = run.at(t)["theta"] + 1e-3 * random.normal(size=len(t))
-        given = replace(arm, length=length * (1.0 + 0.002 * random.choice([-1.0, 1.0])))
-        records = records_of(given, Measurement(time=t, position=read, turning=True))
-        began = time.process_time()
-        problem = problem_of_records(given, records)
-        assert isinstance(problem, FreeMotionProblem)
-        judgement = Judgement(problem)
-        rows = problem.asked()
-        band = judgement.band(rows)
-        load = load_of(given)
-        y = np.array([float(law.force(v, load)) for v in rows.velocity.tolist()])
-        held = float(np.mean((band.low <= y) & (y <= band.high)))
-        low, high = np.quantile(problem.rig(judgement.draws)["mechanism.length"], (0.025, 0.975))
-        left = problem.followed(judgement.named)
-        yield (
-            f"{law.title:26} {'+'.join(judgement.named.family):24} band {held:.2f}"
-            f" ±{judgement.known:.1%}, length {'in' if low <= length <= high else 'out'}"
-            f" ±{(high - low) / 2.0 / length:.1e}, run {1e3 * left.typical:.2f} mrad,"
-            f" {time.process_time() - began:.1f} s"
+        table, true = SPECIAL[name](np.random.default_rng([seed, k]))
+        judgement = judged_table(AXIS, table)
+        rows = judgement.problem.asked()
+        band, y = judgement.band(rows, new="new" in name), true(rows.velocity)
+        found.append(
+            Held(
+                inside=float(np.mean((band.low <= y) & (y <= band.high))),
+                width=float(np.median((band.high - band.low) / 2.0 / np.abs(y))),
+            )
+        )
+    return found
+
+
+# ---- tables with noise as large as friction, and tables of noise
+
+LEAST_NOISE, MOST_NOISE = 0.09, 1.0
+"""Noise of weak tables over friction."""
+
+
+def weak(random: Random) -> Measurement:
+    """Return 30 to 60 readings of a law in one direction or both, with much noise."""
+    count = int(random.integers(30, 61))
+    v = np.geomspace(factor(0.003, 0.05, random), 1.0, count)
+    v *= random.choice([-1.0, 1.0], count) if random.random() < 0.5 else 1.0
+    u, surplus = np.abs(v), random.uniform(0.3, 1.0) * (random.random() < 0.4)
+    curve = 1.0 + surplus * np.exp(-((u / 0.1) ** 2)) + random.uniform(0.0, 1.0) * u
+    size = factor(LEAST_NOISE, MOST_NOISE, random) * float(np.sqrt(np.mean(curve**2)))
+    level = factor(0.01, 100.0, random)
+    return Measurement(
+        velocity=v, friction=level * (np.sign(v) * curve + size * random.normal(size=count))
+    )
+
+
+def frictionless(random: Random) -> Measurement:
+    """Return as many readings of noise about zero."""
+    table = weak(random)
+    level = factor(0.01, 100.0, random)
+    return replace(table, friction=level * random.normal(size=len(np.asarray(table.velocity))))
+
+
+def is_told(table: Measurement) -> bool:
+    """Return whether a table is said to have friction."""
+    return told(judged_table(AXIS, table))
+
+
+# ---- swings whose length is given off
+
+LASTING, RATE, NOISE = 60.0, 50.0, 1e-3
+"""Duration [s], samples a second and error of a reading [rad]."""
+KEPT = 0.4
+"""Last part of a motion that is not shown."""
+INSIDE = (
+    "level", "viscous", "level viscous", "viscous drag", "level drag", "level viscous drag",
+)  # fmt: skip
+POWERS = {"level": 0, "viscous": 1, "drag": 2}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swing:
+    """A pendulum that swings out, as it is and as it is told."""
+
+    truth: str
+    inside: bool
+    """Whether the vocabulary has its law."""
+    length: float
+    told: Pendulum
+    friction: Callable[[float], float]
+    """Friction at speeds above 0 [N m]."""
+    time: Array
+    position: Array
+
+    def record(self, rows: slice = slice(None)) -> Measurement:
+        """Return its record, or a part."""
+        return Measurement(time=self.time[rows], position=self.position[rows], turning=True)
+
+
+def swing(number: int, seed: int) -> Swing:
+    """Return a swing: laws of the vocabulary in turn, and every second one of none of them."""
+    random = np.random.default_rng([77, seed, number])
+    inside, half = number % 2 == 0, number // 2
+    length, mass, start = (random.uniform(*one) for one in ((0.25, 0.6), (0.3, 2.0), (0.6, 1.0)))
+    weight, inertia = mass * length * GRAVITY, mass * length**2
+    top = 2.0 * math.sqrt(GRAVITY / length) * math.sin(0.5 * start)
+    swings = LASTING / (2.0 * math.pi * math.sqrt(length / GRAVITY))
+    # most of the energy is gone at the end, and it still moves
+    amount = 0.5 * weight * start / swings * random.uniform(0.3, 0.6)
+    if inside:
+        truth = INSIDE[half % len(INSIDE)]
+        friction = _parts(random, truth, amount, top)
+    else:
+        truth = [*OUTSIDE][half % len(OUTSIDE)]
+        friction = OUTSIDE[truth](amount, top)
+    body = Body(inertia=inertia, pull=lambda q: -weight * math.sin(q), level=friction(0.0),
+                friction=friction)  # fmt: skip
+    t = np.arange(0.0, LASTING, 1.0 / RATE)
+    q, _ = moved(body, start, 0.0, t, 0.25 / RATE)
+    off = random.uniform(0.001, 0.003) * random.choice([-1.0, 1.0])
+    return Swing(
+        truth=truth,
+        inside=inside,
+        length=length,
+        told=Pendulum(mass=mass, length=length * (1.0 + off), gravity=GRAVITY),
+        friction=friction,
+        time=t,
+        position=q + NOISE * random.normal(size=len(t)),
+    )
+
+
+def _parts(random: Random, names: str, amount: float, top: float) -> Callable[[float], float]:
+    """Return friction over speeds above 0 of parts that share an amount at the top speed."""
+    powers = [POWERS[one] for one in names.split()]
+    shares = random.dirichlet(np.full(len(powers), 4.0)).tolist()
+    known = [(amount * share / top**n, n) for share, n in zip(shares, powers, strict=True)]
+    return lambda v: math.fsum(c * v**n for c, n in known)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swung:
+    """What a judgement says of the first part of a swing."""
+
+    truth: str
+    inside: bool
+    law: str
+    held: float
+    """Share of speeds at which the true friction lies in the band."""
+    width: float
+    length: bool
+    """Whether the length lies in its interval."""
+    ahead: float
+    """Root mean square of what a run of the law leaves of the part not shown, over the error of a
+    reading."""
+    seconds: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.truth:22} {self.law:24} band {self.held:.2f} ±{self.width:.1%}, length"
+            f" {'in' if self.length else 'out'}, ahead {self.ahead:.2f}, {self.seconds:.1f} s"
         )
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the numbers of what is asked for."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.posterior")
-    kinds = ("tables", "special", "records", "swings")
-    parser.add_argument("kinds", nargs="*", choices=[[], *kinds], default=[*kinds])
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--only", default="", help="beginning of the names of records")
-    given = parser.parse_args(arguments)
-    every: Mapping[str, Iterator[str]] = {
-        "tables": of_tables(given.seed, given.count),
-        "special": of_special(given.seed, given.count),
-        "records": of_records(given.only),
-        "swings": of_swings(given.seed, given.count),
-    }
-    for kind in given.kinds:
-        for line in every[kind]:
-            print(line, flush=True)
+def swung(one: Swing) -> Swung:
+    """Judge the first part of a swing."""
+    shown = int((1.0 - KEPT) * len(one.time))
+    began = time.process_time()
+    problem = problem_of_records(one.told, records_of(one.told, one.record(slice(shown))))
+    assert isinstance(problem, FreeMotionProblem)
+    judgement = Judgement(problem)
+    band, rows = judgement.band(problem.asked()), problem.asked()
+    law, length = judgement.named, problem.rig(judgement.draws)["mechanism.length"]
+    seconds = time.process_time() - began
+    y = np.sign(rows.velocity) * [one.friction(v) for v in np.abs(rows.velocity).tolist()]
+    low, high = np.quantile(length, (0.025, 0.975))
+    return Swung(
+        truth=one.truth,
+        inside=one.inside,
+        law="+".join(law.family),
+        held=float(np.mean((band.low <= y) & (y <= band.high))),
+        width=judgement.known,
+        length=bool(low <= one.length <= high),
+        ahead=_ahead(problem, judgement, one, shown) / NOISE,
+        seconds=seconds,
+    )
+
+
+def _ahead(problem: FreeMotionProblem, judgement: Judgement, one: Swing, shown: int) -> float:
+    """Return the root mean square that a run of the law leaves of the part not shown [rad]."""
+    law, posterior = judgement.named, problem.posterior
+    candidate = Candidate(structure=law.structure, coefficients=law.coefficients)
+    runs = Runs(posterior.motion, candidate)
+    x, free = runs.first.copy(), np.zeros(runs.starts.stop, dtype=bool)
+    _, best = posterior.best
+    x[runs.ratio.start :] = posterior.linear[best].x[posterior.runs[best].ratio.start :]
+    free[runs.ratio.start :] = True
+    found = runs.solved(x, free=free)
+    if found is None:
+        return math.inf
+    own = [before_rest(x) for x in records_of(one.told, one.record())]
+    motions = FreeBalance(own, free_form(own)).motions
+    whole = Runs(replace(posterior.motion, motions=motions), candidate)
+    made = whole.run(found.x)
+    if made is None:
+        return math.inf
+    return float(np.sqrt(np.mean(np.square(made[0][shown:]))))

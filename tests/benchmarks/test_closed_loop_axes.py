@@ -1,23 +1,28 @@
-"""Axes under control: what is compared moves."""
-
-from types import SimpleNamespace
+"""Axes under control: what is recorded moves, and long records are thinned."""
 
 import numpy as np
 from benchmarks import closed_loop_axes
-from benchmarks.closed_loop_axes import MOVED, moving
+from benchmarks.closed_loop_axes import FAST, LASTING, MOVED, ROWS, Motion, draw, fast_lugre
 
 
-def test_an_axis_is_drawn_again_where_record_or_fresh_motion_does_not_move(monkeypatch):
-    rigs = iter([SimpleNamespace(number=n, encoder=1e-6) for n in range(3)])
-    still, far = np.zeros(10), np.linspace(0.0, 2.0 * MOVED * 1e-6, 10)
-    recorded, fresh = {0: still, 1: far, 2: far}, {1: still, 2: far}
+def test_an_axis_is_drawn_again_where_its_record_does_not_move(monkeypatch):
+    drawn, real = [], draw
 
-    def motion(of):
-        return lambda rig, random: SimpleNamespace(position=of[rig.number])
+    def noted(*given):
+        drawn.append(real(*given))
+        return drawn[-1]
 
-    monkeypatch.setattr(closed_loop_axes, "draw", lambda *given: next(rigs))
-    monkeypatch.setattr(closed_loop_axes, "record", motion(recorded))
-    monkeypatch.setattr(closed_loop_axes, "moved", motion(fresh))
-    rig, measurement, again = moving(np.random.default_rng(1), "lugre")
-    assert rig.number == 2
-    assert measurement.position is again.position is far
+    def motion(rig, random):
+        time = np.arange(0.0, rig.duration, 1.0 / rig.rate)
+        far = 2.0 * MOVED * rig.encoder * (len(drawn) > 1)
+        return Motion(time, np.linspace(0.0, far, len(time)), np.zeros(len(time)))
+
+    monkeypatch.setattr(closed_loop_axes, "draw", noted)
+    monkeypatch.setattr(closed_loop_axes, "moved", motion)
+    rig, measurement = fast_lugre(np.random.default_rng(1))
+    assert len(drawn) == 2
+    assert rig.encoder == drawn[1].encoder
+    assert FAST[0] <= rig.rate <= FAST[1]
+    assert np.ptp(measurement.position) > MOVED * rig.encoder
+    assert ROWS / 2 < len(measurement.time) <= ROWS
+    assert measurement.time[-1] > 0.99 * LASTING

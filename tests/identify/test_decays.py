@@ -221,3 +221,21 @@ def test_a_decay_has_a_figure_at_any_rate(rate):
     found = select(RIG, ["coulomb", "viscous"], swings(rate=rate))
     drawing = found.drawing()
     assert len(drawing.weights) == len(drawing.velocity)
+
+
+def test_further_motions_are_expected_to_narrow_the_band(verdict):
+    judgement = verdict.judgement
+    widths = judgement.problem.further(judgement.draws)
+    assert list(widths) == sorted(widths, reverse=True)
+    assert 0.0 < widths[-1] < widths[0] < 1.0
+    assert verdict.shrinks == widths[0]
+    assert any("Record another such motion" in said for said in verdict.words.measure_next)
+
+
+def test_a_further_motion_narrows_the_band_about_as_expected(verdict):
+    both = Measurement(trials=(swings(), swings(seed=1)))
+    after = select(RIG, None, both, route="balance").judgement
+    rows = after.problem.asked()
+    before, now = (np.std(one.curves(rows), axis=0).mean() for one in (verdict.judgement, after))
+    # it also tells laws apart, which is not in what is expected
+    assert 0.3 < now / before / verdict.shrinks < 1.3

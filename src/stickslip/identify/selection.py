@@ -33,10 +33,17 @@ from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import Proposal, propose
+from stickslip.identify.propose import WORTH, Proposal, propose
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.vocabulary import PARTS as PARTS_OF_LAWS
-from stickslip.identify.wording import ORDERED, SCALED, Words, again_sentence, start_sentence
+from stickslip.identify.wording import (
+    ORDERED,
+    SCALED,
+    Words,
+    again_sentence,
+    motions_sentence,
+    start_sentence,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
@@ -349,16 +356,20 @@ def record_verdict(
     if begun := [one.began for one in problem.records if one.began is not None]:
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
-    rows, offered = problem.asked(), problem.offered()
-    proposal = Proposal(places=(), shrinks=1.0)
+    rows, next_, places = problem.asked(), list[str](), tuple[float, ...]()
     if isinstance(problem, RecordProblem):
+        offered = problem.offered()
         proposal = propose(
             judgement.curves(rows),
             judgement.curves(offered),
             problem.noise_of_stretch(offered),
             taken=STRETCHES_TO_MAKE,
         )
-    next_ = []
+        places = tuple(float(offered.velocity[k]) for k in proposal.places)
+    else:
+        widths = problem.further(judgement.draws)
+        proposal = Proposal(places=(), shrinks=widths[0])
+        next_ += [motions_sentence(widths)] * (widths[0] < WORTH)
     if problem.runs < 2 and second is None:
         next_.append(again_sentence(judgement.band(rows), judgement.band(rows, new=True)))
     return ladder_verdict(
@@ -368,7 +379,7 @@ def record_verdict(
         words,
         checks=checks,
         proposal=proposal,
-        places=tuple(float(offered.velocity[k]) for k in proposal.places),
+        places=places,
         advice=next_,
         largest_speed=float(np.max(np.abs(rows.velocity))),
         route=route,

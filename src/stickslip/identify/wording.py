@@ -188,6 +188,16 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     return f"{said} (all are in verdict.json): {expected}."
 
 
+def motions_sentence(shrinks: Sequence[float]) -> str:
+    """Return what further free motions take off the band, by its width after one, two ... ."""
+    enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
+    many = f"even {len(shrinks)} of them do not" if enough is None else f"{enough} of them"
+    return (
+        "Record another such motion as a further trial: with it the band is expected to be"
+        f" {percent(shrinks[0])} as wide; {many} halve it."
+    )
+
+
 def again_sentence(own: PredictionBand, other: PredictionBand) -> str:
     """Return what a second record would tell, by the bands of this one and of another run."""
     mine, new = (percent(float(np.median(relative(one)))) for one in (own, other))

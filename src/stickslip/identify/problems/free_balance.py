@@ -22,10 +22,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
+from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
 from stickslip.identify.posterior import Array, Family
-from stickslip.identify.problems.free_runs import Candidate, FreeMotion, Motion, Term, Unseen
+from stickslip.identify.problems.free_runs import (
+    COEFFICIENT,
+    Candidate,
+    FreeMotion,
+    Motion,
+    Term,
+    Unseen,
+)
 from stickslip.identify.problems.record_signals import Record, noise_of
 from stickslip.identify.vocabulary import FAMILIES, PARTS, Grid
 from stickslip.mechanisms import Mechanism
@@ -54,8 +62,6 @@ LEAST_PART = 0.02
 """Least coefficient with which runs begin, over the size of the friction."""
 LEAST_SCATTER = 0.3
 """Least scatter of rows over that by which noise of the readings moves them."""
-COEFFICIENT = 1.5
-"""Prior standard deviation of a coefficient, over the size of the friction."""
 SEEN = (0.04, 0.98)
 """Quantiles of the speed between which it was seen."""
 KNOWN_SPEED = 3.0
@@ -293,14 +299,10 @@ class FreeBalance:
         names = ["level", "viscous", "drag"]
         columns = [self.column(name, ()) for name in names]
         size = np.array([math.sqrt(float(np.mean(self.curve(name, ()) ** 2))) for name in names])
-        c, _, _ = self.solved(columns, np.full(3, 1e-12))
-        for _ in range(3):  # those below 0 are left out
-            kept = c > 0.0
-            own, _, _ = self.solved([x for x, k in zip(columns, kept, strict=True) if k],
-                                    np.full(int(kept.sum()), 1e-12))  # fmt: skip
-            c = np.where(kept, 0.0, 0.0)
-            c[kept] = own
-        c = np.maximum(c, 0.0)
+        x = np.column_stack([self.base, *columns])
+        norm = np.linalg.norm(x, axis=0) + 1e-300
+        least = np.where(np.arange(x.shape[1]) < self.base.shape[1], -np.inf, 0.0)
+        c = lsq_linear(x / norm, self.y, (least, np.inf), method="bvls").x[-3:] / norm[-3:]
         total = float(np.sum(c * size)) or 1.0
         c[0] += 0.02 * total
         return tuple(Term(part=n, coefficient=float(x)) for n, x in zip(names, c, strict=True))

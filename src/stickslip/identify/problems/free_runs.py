@@ -627,6 +627,20 @@ class RunPosterior:
                 )
         return found
 
+    def told_by_another(self) -> Array:
+        """Return what a motion like the first tells of the knots and what is unseen (p, p).
+
+        It is the precision that the rows of the first give them, less what its start takes.
+        """
+        _, s = self.best
+        runs, at = self.runs[s], slice(self.runs[s].starts.start, self.runs[s].starts.start + 3)
+        slopes = self.linear[s].slopes[: len(self.motion.motions[0].time)]
+        slopes = math.sqrt(self.kappa) / self.sigma * slopes
+        common, start = slopes[:, runs.knots.start : runs.ratio.stop], slopes[:, at]
+        own, _ = _inverse(start.T @ start + np.diag(runs.deviations[at] ** -2.0))
+        cross = common.T @ start
+        return np.asarray(common.T @ common - cross @ own @ cross.T)
+
     def another(self, motions: Sequence[Motion], draws: Sequence[Draws]) -> Array:
         """Return readings of other motions of the same mechanism in draws (k, n).
 

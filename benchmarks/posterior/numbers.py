@@ -1,0 +1,425 @@
+"""The numbers that the judgement of a measurement is asked for, beside those that are measured.
+
+``python -m benchmarks posterior`` prints a row for each: what, what is asked, what is measured, and
+whether that is met. ``python -m benchmarks posterior swings costs`` prints the parts that are named
+(``--seed S``; ``--quick`` takes a sixth of the made-up truths). Rows of made-up truths are
+kept in a file of lines by seed and number, as `benchmarks.bands` has it: after each change of the
+judge a fresh seed is to be drawn. Processor times depend on the machine.
+"""
+
+import argparse
+import math
+import sys
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tools.budget import BUDGET, counted
+
+from benchmarks import bands, real_records
+from benchmarks.closed_loop_axes import fast_lugre
+from benchmarks.posterior import costs, study
+from stickslip import select
+from stickslip.errors import StickslipError
+
+Rows = Sequence[Mapping[str, Any]]
+COUNTS: Mapping[str, int] = {"tables": 100, "maps": 24, "records": 40, "decays": 36}
+"""Made-up measurements of each kind: 200."""
+QUICK = 6
+"""Part of the made-up truths that is drawn in haste."""
+SWINGS = 48
+"""Swings: 24 inside the vocabulary, and as many outside."""
+WEAK = 60
+"""Tables with much noise, and of noise alone."""
+SPECIAL = 10
+"""Tables of each special kind."""
+AXES = 10
+"""Axes with LuGre friction."""
+HELD = (0.93, 0.99)
+"""Share of truths that bands of 95 % are to hold."""
+CLASSES = 14
+CODE, CONSTANTS = 21_500, 180
+"""What `identify` may have of code lines, named numbers and classes of results."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A number that is asked for."""
+
+    what: str
+    asked: str
+    measured: str
+    met: bool | None = None
+    """None where nothing is asked, or nothing could be measured."""
+
+    def __str__(self) -> str:
+        met = {True: "met", False: "NOT MET", None: ""}[self.met]
+        return f"| {self.what} | {self.asked} | {self.measured} | {met} |"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What the study is asked to draw."""
+
+    seed: int
+    quick: bool = False
+    results: Path = Path(bands.RESULTS)
+
+    def count(self, usual: int) -> int:
+        """Return how many truths are drawn."""
+        return math.ceil(usual / QUICK) if self.quick else usual
+
+    def rows(self, kind: str) -> list[dict[str, Any]]:
+        """Return what verdicts on made-up measurements of a kind are worth."""
+        return bands.run([kind], self.seed, self.count(COUNTS[kind]), self.results, 1)
+
+
+def least(what: str, asked: float, value: float, more: str = "") -> Number:
+    """Return a share that is to be as large as is asked."""
+    met = None if math.isnan(value) else value >= asked
+    return Number(what=what, asked=f">= {asked:g}", measured=f"{value:.3f}{more}", met=met)
+
+
+def most(what: str, asked: float, value: float, unit: str = "", form: str = ".3g") -> Number:
+    """Return a size that is to be as small as is asked."""
+    met = None if math.isnan(value) else value <= asked
+    return Number(what=what, asked=f"<= {asked:g}{unit}", measured=f"{value:{form}}{unit}", met=met)
+
+
+def held(what: str, value: float, more: str = "", low: float = HELD[0]) -> Number:
+    """Return a share of truths that bands are to hold."""
+    met = None if math.isnan(value) else low <= value <= HELD[1]
+    return Number(
+        what=what, asked=f"{low:g} to {HELD[1]:g}", measured=f"{value:.3f}{more}", met=met
+    )
+
+
+def _mean(rows: Rows, key: str) -> float:
+    found = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.mean(found)) if found else math.nan
+
+
+def _middle(rows: Rows, key: str) -> float:
+    found = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.median(found)) if found else math.nan
+
+
+# ---- made-up tables, maps, records and decays
+
+
+def is_right(row: Mapping[str, Any]) -> bool:
+    """Return whether a verdict is right, predicts as well or within 2 %, or names the cause."""
+    near = row.get("off", math.inf) <= 0.02
+    return bool(row.get("good") or row.get("equal") or near or row.get("found") or row["hidden"])
+
+
+def made_up(asked: Asked) -> Iterator[Number]:
+    """Yield what all made-up measurements show."""
+    rows = [row for kind in COUNTS for row in asked.rows(kind)]
+    false = [row for row in rows if row["false"]]
+    yield most(f"false statements, {len(rows)} made-up", 0.02, len(false) / len(rows))
+    judged = [row for row in rows if "named" in row]
+    right = [row for row in judged if is_right(row)]
+    doubt = [row for row in judged if not is_right(row) and not row["false"]]
+    yield least("right, equal within 2 %, or cause named", 0.9, len(right) / len(judged))
+    yield most("in doubt: neither that nor false", 0.1, len(doubt) / len(judged))
+    handed = [row["handed"] for row in rows if row.get("handed")]
+    beyond = [off - said for off, said in handed if off > said]
+    yield Number(
+        what=f"law handed over within the stated share of the band's middle, {len(handed)}",
+        asked="all",
+        measured=f"{len(handed) - len(beyond)}, beyond it by {max(beyond, default=0.0):.1%}",
+        met=not beyond,
+    )
+
+
+def tables(asked: Asked) -> Iterator[Number]:
+    """Yield what made-up tables show."""
+    rows = asked.rows("tables")
+    for inside, where, width in ((True, "inside", 1.15), (False, "outside", 1.65)):
+        own = [row for row in rows if row["inside"] == inside]
+        yield held(f"tables, {where}: band", _mean(own, "point"))
+        yield least(f"tables, {where}: beyond", 0.9, _mean(own, "beyond"))
+        yield most(f"tables, {where}: width over noise, median", width, _middle(own, "width"))
+        if inside:
+            yield least("tables, inside: law right", 0.85, _mean(own, "right"))
+            yield least("tables, inside: right or equal", 0.92, _mean(own, "good"))
+        else:
+            equal = [{"equal": is_right(row)} for row in own if "equal" in row]
+            yield least("tables, outside: equal within 2 %", 0.92, _mean(equal, "equal"))
+    yield from _intervals("tables", rows)
+    yield from _advice("tables", rows)
+
+
+def _intervals(kind: str, rows: Rows) -> Iterator[Number]:
+    every = [one for row in rows for one in row.get("intervals", ()) if one["bounded"]]
+    for key, words in (("law", "named law"), ("any", "whichever law")):
+        yield held(f"{kind}: intervals, {words}", _mean(every, key), f" of {len(every)}")
+
+
+def _advice(kind: str, rows: Rows) -> Iterator[Number]:
+    own = [row for row in rows if "advice" in row]
+    numbers = [row["asked"] for row in own if "asked" in row]
+    none = sum(row.get("advised") is False for row in rows)
+    count = f", {len(own)} rehearsed, none given for {none}"
+    if numbers:
+        came, expected = _middle(own, "shrink"), _middle(own, "expected")
+        count += f"; {np.median(numbers):.0f} readings in the median, width {came:.2f}"
+        count += f" (expected {expected:.2f})"
+    yield least(f"{kind}: advice decides or halves", 0.7, _mean(own, "advice"), count)
+
+
+def maps(asked: Asked) -> Iterator[Number]:
+    """Yield what tables of many loads or temperatures show."""
+    rows = asked.rows("maps")
+    yield held("maps: band", _mean(rows, "point"))
+    yield from _intervals("maps", rows)
+    yield from _advice("maps", rows)
+
+
+def records(asked: Asked) -> Iterator[Number]:
+    """Yield what made-up records show."""
+    rows = asked.rows("records")
+    sound = [row for row in rows if row["inside"]]
+    yield held("records, sound: steady band", _mean(sound, "point"))
+    yield most("records, sound: half-width over friction", 0.004, _middle(sound, "known"))
+    yield held("records, wrong or outside: steady band", _mean([*set_of(rows, False)], "point"))
+    for name in ("inertia", "viscous_coefficient"):
+        own = [
+            one["any"]
+            for row in sound
+            for one in row.get("intervals", ())
+            if one["path"].endswith(name)
+        ]
+        share = float(np.mean(own)) if own else math.nan
+        yield held(f"records, sound: {name} inside", share, f" of {len(own)}")
+    yield least("records: readings of a second record", 0.93, _mean(rows, "second"))
+    yield least("records, sound: right or equal", 0.92, _mean(sound, "good"))
+    yield from _intervals("records", rows)
+    yield from _advice("records", rows)
+
+
+def set_of(rows: Rows, inside: bool) -> Iterator[Mapping[str, Any]]:
+    """Yield rows of truths that the vocabulary has, or of others."""
+    return (row for row in rows if row["inside"] == inside)
+
+
+def decays(asked: Asked) -> Iterator[Number]:
+    """Yield what made-up free motions show."""
+    rows = asked.rows("decays")
+    for inside, where in ((True, "inside"), (False, "outside")):
+        own = [*set_of(rows, inside)]
+        yield held(f"decays, {where}: band", _mean(own, "point"))
+    yield least("decays, inside: right or equal", 0.92, _mean([*set_of(rows, True)], "good"))
+    yield least("decays: readings of a second record", 0.93, _mean(rows, "second"))
+    yield from _intervals("decays", rows)
+    yield from _advice("decays", rows)
+
+
+# ---- special tables, odds of friction
+
+
+def special(asked: Asked) -> Iterator[Number]:
+    """Yield what tables that are special in one thing show."""
+    for name in study.SPECIAL:
+        found = study.of_special(name, asked.seed, asked.count(SPECIAL))
+        width = float(np.median([one.width for one in found]))
+        share = float(np.mean([one.inside for one in found]))
+        yield least(f"special tables, {name}", 0.93, share, f", ±{width:.1%}")
+        if name == "sorted joint":
+            yield most("sorted joint tables: half-width over friction", 0.03, width)
+
+
+def odds(asked: Asked) -> Iterator[Number]:
+    """Yield how often friction is told from zero, and noise is."""
+    count = asked.count(WEAK)
+    for what, made, wrong, allowed in (
+        ("weak sound tables not told from zero", study.weak, False, 0),
+        ("frictionless tables told to have friction", study.frictionless, True, 1),
+    ):
+        found = [
+            study.is_told(made(np.random.default_rng([asked.seed, 60, k]))) for k in range(count)
+        ]
+        number = sum(one == wrong for one in found)
+        yield Number(
+            what=f"{what}, {count}", asked=f"<= {allowed}", measured=str(number),
+            met=number <= allowed,
+        )  # fmt: skip
+
+
+# ---- closed-loop axes, swings
+
+
+LUGRE = {
+    "kinetic_coefficient", "static_coefficient", "stribeck_velocity", "viscous_coefficient",
+    "bristle_stiffness", "inertia",
+}  # fmt: skip
+"""Parameters of an axis with LuGre friction that its record tells."""
+
+
+def lugre(asked: Asked) -> Iterator[Number]:
+    """Yield what records of axes with LuGre friction in closed loop show."""
+    named, inside, count = 0, list[bool](), asked.count(AXES)
+    for k in range(count):
+        rig, record = fast_lugre(np.random.default_rng([asked.seed, 10, k]))
+        guess = replace(rig.axis, inertia=1.3 * rig.axis.inertia, offset=0.0)
+        vary = ["friction.*", "mechanism.inertia", "mechanism.offset"]
+        verdict: Any = select(guess, None, record, vary=vary, route="balance")
+        named += "LuGre" in verdict.closest.title
+        truth = {**vars(rig.law), "inertia": rig.axis.inertia}
+        known = {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+        own = [
+            name in known and known[name].low_any <= truth[name] <= known[name].high_any
+            for name in sorted(LUGRE)
+        ]
+        inside += own
+        out = [name for name, x in zip(sorted(LUGRE), own, strict=True) if not x]
+        print(
+            f"axis {k}: {rig.rate / 1e3:.0f} kHz, {verdict.closest.title}, not inside: {out}",
+            file=sys.stderr,
+        )
+    yield least(f"closed-loop LuGre axes: named, of {count}", 0.9 * count, float(named))
+    yield least("closed-loop LuGre axes: six intervals", 0.93, float(np.mean(inside)))
+
+
+def swings(asked: Asked) -> Iterator[Number]:
+    """Yield what swings show whose length is given off."""
+    found = []
+    for k in range(asked.count(SWINGS)):
+        found.append(study.swung(study.swing(k, asked.seed)))
+        print(found[-1], file=sys.stderr)
+    for inside, where, low in ((True, "inside", 0.93), (False, "outside", 0.9)):
+        own = [one for one in found if one.inside == inside]
+        width = float(np.median([one.width for one in own]))
+        share = float(np.mean([one.held for one in own]))
+        yield held(f"swings, {where}, {len(own)}: steady band", share, f", ±{width:.1%}", low)
+        ahead = float(np.median([one.ahead for one in own]))
+        yield most(f"swings, {where}: last 40 % over the reading error, median", 1.3, ahead)
+        lengths = float(np.mean([one.length for one in own]))
+        yield least(f"swings, {where}: length inside", 0.93, lengths)
+
+
+# ---- measured records
+
+
+def real(asked: Asked) -> Iterator[Number]:
+    """Yield what the second parts of measured records show."""
+    every = []
+    for line in real_records.lines():
+        every.append(line)
+        print(line, file=sys.stderr)
+    found = [one for one in every if not one.reason]
+    false = sum(bool(one.false) for one in every)
+    yield Number(
+        what=f"real sets: lines with a false statement, {len(every)}", asked="0",
+        measured=str(false), met=not false,
+    )  # fmt: skip
+    inside = [one.inside for one in found]
+    enough = sum(x >= 0.9 for x in inside)
+    yield Number(
+        what="real sets: readings of another part inside", asked=">= 0.9 each, .94 median",
+        measured=f"{enough} of {len(found)} above .9, median {np.median(inside):.3f}",
+        met=enough == len(found) and float(np.median(inside)) >= 0.94,
+    )  # fmt: skip
+    ratios = [one.ratio for one in found]
+    yield most("real sets: half-width over error, median", 2.0, float(np.median(ratios)))
+    yield most("real sets: half-width over error, worst", 4.0, max(ratios))
+    above = [one for one in found if one.excess > 1.05]
+    below = sum(one.excess < 1.0 for one in found)
+    yield Number(
+        what="real sets: error above Coulomb + viscous by 5 %", asked="0",
+        measured=f"{len(above)}, below it on {below}", met=not above,
+    )  # fmt: skip
+    axis = [one for one in found if one.name.startswith("EMPS")]
+    known = max((one.known for one in axis), default=math.nan)
+    yield most("EMPS, other half: steady half-width", 0.025, known)
+    mass = not any("inertia" in said for one in axis for said in one.false)
+    yield Number(
+        what="EMPS: mass 95.15 kg", asked="inside", met=mass,
+        measured=", ".join(one.interval for one in axis),
+    )  # fmt: skip
+    handed = max((one.handed / one.spread for one in axis), default=math.nan)
+    yield most("EMPS, other half: error of the law handed over, over the force", 0.082, handed)
+    yield Number(
+        what="sorted public joint tables", asked="half-width .03, readings .93",
+        measured="not among the public sets here: see the sorted joint of special tables",
+    )  # fmt: skip
+
+
+# ---- what it takes
+
+
+def times(asked: Asked) -> Iterator[Number]:
+    """Yield processor time and peak memory."""
+    peaks = []
+    for name, kind in costs.KINDS.items():
+        cost = costs.alone(name)
+        peaks.append(cost.peak)
+        doc = (kind.made.__doc__ or name).splitlines()[0].rstrip(".")
+        yield most(f"processor time: {doc} ({cost.peak:.2f} GB)", kind.most, cost.seconds, " s")
+    yield most("peak memory", costs.PEAK, max(peaks), " GB", ".2f")
+
+
+def sizes(asked: Asked) -> Iterator[Number]:
+    """Yield how large the code is."""
+    found = counted(tomllib.loads(BUDGET.read_text(encoding="utf-8"))["rooms"])
+    yield most("code lines of identify", CODE, found["judge"], form=",.0f")
+    yield most("named numbers of identify", CONSTANTS, found["constants"], form=".0f")
+    yield most("classes of results of identify", CLASSES, len(result_classes()), form=".0f")
+
+
+def result_classes() -> list[str]:
+    """Return the classes of fits, candidates and verdicts that `stickslip.identify` has."""
+    from stickslip.identify.candidates import Candidate, Verdict
+    from stickslip.identify.fits import Fit
+    from stickslip.identify.kinds import registry
+
+    registry.kinds()  # which loads all of them
+
+    def below(kind: Any) -> set[type]:
+        return {kind}.union(*(below(one) for one in kind.__subclasses__()))
+
+    kinds: tuple[Any, ...] = (Fit, Candidate, Verdict)
+    every = set[type]().union(*(below(one) for one in kinds))
+    own = {one.__name__ for one in every if one.__module__.startswith("stickslip.identify")}
+    return sorted(own)
+
+
+PARTS: Mapping[str, Callable[[Asked], Iterator[Number]]] = {
+    "made-up": made_up,
+    "tables": tables,
+    "maps": maps,
+    "records": records,
+    "decays": decays,
+    "special": special,
+    "odds": odds,
+    "lugre": lugre,
+    "swings": swings,
+    "real": real,
+    "costs": times,
+    "sizes": sizes,
+}
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print the parts that are named, all of them if none is."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks posterior")
+    parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(PARTS)}")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--quick", action="store_true", help="a sixth of the made-up truths")
+    parser.add_argument("-o", "--results", type=Path, default=Path(bands.RESULTS))
+    given = parser.parse_args(arguments)
+    if unknown := [one for one in given.parts if one not in PARTS]:
+        parser.error(f"no part {', '.join(unknown)}; there are {', '.join(PARTS)}")
+    asked = Asked(seed=given.seed, quick=given.quick, results=given.results)
+    print(f"seed {given.seed}{', a sixth of the truths' * given.quick}")
+    print("| what | asked | measured | |\n|---|---|---|---|", flush=True)
+    for name in given.parts or PARTS:
+        try:
+            for number in PARTS[name](asked):
+                print(number, flush=True)
+        except (StickslipError, OSError) as error:
+            print(f"| {name} | | {error} | |", flush=True)
