@@ -328,6 +328,17 @@ def test_any_single_signal_of_any_length_gets_sentences(name, size):
 # --- signals beside each other
 
 
+def test_a_derivative_that_is_noisier_than_the_velocity_is_of_no_other_unit():
+    """Times of samples that jitter make the derivative noisy, and least squares through 0 small."""
+    random = np.random.default_rng(2)
+    t = np.arange(0.0, 8.0, 0.001)
+    x, v = np.sin(3.0 * t), 3.0 * np.cos(3.0 * t)
+    read = Measurement(time=t, position=x + 6e-3 * random.normal(size=len(t)), velocity=v)
+    (finding,) = check(read).of("velocity")
+    assert finding.numbers["factor"] < 0.9
+    assert finding.severity == "info"
+
+
 @pytest.mark.parametrize(
     ("factor", "words"),
     [

@@ -323,7 +323,8 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
     power = float(derived @ derived)
     if power == 0.0 or not measured.any():
         return
-    # Least squares through 0.
+    # least squares through 0, either way: noise of the derivative lowers this, of the velocity raises
+    # the other, and the true factor lies between
     factor = float(derived @ measured) / power
     alike = float(derived @ measured) / float(np.sqrt(power * (measured @ measured)))
     numbers = {"factor": factor, "correlation": alike}
@@ -335,7 +336,7 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
             " different time bases."
         )
         severity = "warning"
-    elif abs(factor - 1.0) <= OFF:
+    elif factor <= 1.0 + OFF and factor / alike**2 >= 1.0 - OFF:
         sentence = "Velocity agrees with the derivative of position"
         sentence += f" (factor {number(factor)}, correlation {number(alike)})."
     else:

@@ -155,9 +155,8 @@ class FreeMotionProblem(Problem):
         They are like the first. Drawn curves have a covariance with their values at the knots and
         with what is unseen, :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
         :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A further motion also
-        tells laws apart, which no draw shows: of six decays the width came out at .74 of this in
-        the median. (Motions from lower starts told less in 8 of 8, and a length that is measured
-        well takes nothing off: runs tell it to some parts in 1e5.)
+        tells laws apart, which no draw shows: the width that comes may be smaller. A length is not
+        proposed, as runs tell it to some parts in 1e5.
         """
         motion = self.posterior.motion
         knots, count = self.at(self.side * np.exp(motion.knots)), motion.knots.size
