@@ -11,23 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_balance import free_form
+from stickslip.identify.problems.record_columns import is_told
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows, moves, pieces_of
 from stickslip.identify.problems.record_signals import STRETCHES, Record
 from stickslip.show.formatting import percent
 
 EXPLAINED = 0.5
 """Part of what a plain balance leaves that another sign takes off, at least."""
-SAME_SPAN = 0.01
-"""Part of a column outside a span from which it is told from that."""
-
-
-def _is_told(column: Array, beside: Array) -> bool:
-    """Return whether a column (n,) is none of those beside (n, p)."""
-    size = np.sqrt(np.mean(beside * beside, axis=0)) + 1e-300
-    apart = column - beside / size @ np.linalg.lstsq(beside / size, column, rcond=1e-9)[0]
-    return bool(np.linalg.norm(apart) > SAME_SPAN * np.linalg.norm(column))
 
 
 def _is_driven(record: Record) -> bool:
@@ -51,9 +42,8 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
     for path, one in first.unknown.items():
         force = rows.seen([p.record.unknown[path].force for p in pieces])
         rig.append(one.inertia * rows.acceleration - force)
-    beside = np.column_stack(rig)
     # of a motion in one direction a level is an offset, and damping may be sought: these may drive
-    laws = [one for one in (direction, speed) if _is_told(one, beside)]
+    laws = [one for one in (direction, speed) if is_told(one, rig)]
     if not laws:
         return
     n = len(laws)

@@ -181,9 +181,14 @@ def readings(
     found = np.concatenate([maker.of(one, fixed) for one in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
+    more = np.zeros(rows.count)
+    if not model.balance.measured:  # the sensors may be noisier there, or have spikes
+        own = np.mean(model.balance.rows(MIDDLE).sensed(model.inertia) ** 2)
+        more = np.sqrt(np.maximum(rows.sensed(model.inertia) ** 2 - own, 0.0))
     tail = rng.standard_t(STUDENT, size=found.shape) * math.sqrt((STUDENT - 2.0) / STUDENT)
     factors = np.repeat([model.at(one.node, "noise") for one in draws], _numbers(draws))
-    return np.asarray(found + factors[:, None] * size * float(noise.pieces.max()) * tail)
+    sizes = np.hypot(factors[:, None] * size * float(noise.pieces.max()), more)
+    return np.asarray(found + sizes * tail)
 
 
 class _Readings:

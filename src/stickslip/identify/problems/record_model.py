@@ -534,7 +534,7 @@ class RecordModel(Model):
         balance.forget(self.memories)
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
-        self.inertia = inertia if balance.finds_inertia else balance.pieces[0].record.inertia or 0.0
+        self.inertia = inertia if balance.finds_inertia else balance.inertia
         balance.waves = waves_of(rows, frame.span, frame.noise, left)
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left

@@ -601,7 +601,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
-        found += [self._given(name, draws) for name in self.model.balance.given]
+        found += self._given(draws)
         found += [self._input(name, draws) for name in self.model.frame.inputs]
         return [one for one in found if one.probability > 0.5]
 
@@ -709,25 +709,42 @@ class RecordProblem(Problem):
             f" {units[0]} to {units[1]}.",
         )  # fmt: skip
 
-    def _given(self, name: str, draws: Sequence[Draws]) -> Finding:
-        """Return by how much the inertia, or the mechanism's forces, are not as given."""
-        at = self.model.balance.given.index(name)
+    def _given(self, draws: Sequence[Draws]) -> list[Finding]:
+        """Return by how much the inertia, or the mechanism's forces, are not as given.
+
+        Where something is looked for that moves both, what is told is the inertia beside the
+        forces of the mechanism.
+        """
+        names = self.model.balance.given
+        if not names:
+            return []
         parts = [self.model.split(one.node, one.random)["given"] for one in draws]
-        several = len(self.model.balance.given) > 1  # the last column is that of both
-        off = np.concatenate([b[at] + (b[-1] if several else 0.0) for b in parts])
-        low, high = np.quantile(off, (0.025, 0.975)).tolist()
-        middle = float(np.median(off))
-        factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
-        what = {
-            "inertia": "The inertia is {} times as given ({} to {})",
-            "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
-            "body": "What the rigid body takes is {} times as given ({} to {})",
-        }[name].format(*factors)
-        return Finding(
-            term=f"{name}_given", title=GIVEN[name],
-            probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low, high=high,
-            sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
-        )  # fmt: skip
+        every = dict(zip(names, np.concatenate(parts, axis=1), strict=True))
+        gain, beside = every.pop("both", None), {"inertia", "mechanism"} <= {*names}
+        if beside and gain is None:
+            every = {"beside": every["inertia"] - every["mechanism"]}
+        found = []
+        for name, own in every.items():
+            of, off = name.replace("beside", "inertia"), own if gain is None else own + gain
+            low, high = np.quantile(off, (0.025, 0.975)).tolist()
+            middle = float(np.median(off))
+            factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
+            what = {
+                "inertia": "The inertia is {} times as given ({} to {})",
+                "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
+                "body": "What the rigid body takes is {} times as given ({} to {})",
+                "beside": "Beside the forces of the mechanism, the inertia is {} times as given"
+                " ({} to {})",
+            }[name].format(*factors)
+            found.append(
+                Finding(
+                    term=f"{of}_given", title=GIVEN[of],
+                    probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low,
+                    high=high,
+                    sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
+                )
+            )  # fmt: skip
+        return found
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
