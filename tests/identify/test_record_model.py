@@ -2,9 +2,11 @@
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
@@ -164,3 +166,54 @@ def test_where_a_coefficient_is_bounded_the_others_follow() -> None:
     assert np.all(draws.law >= 0.0)
     # the sum stays what was measured, 1, whatever is at its bound
     np.testing.assert_allclose(draws.law.sum(axis=0), 1.0, atol=0.02)
+
+
+class Crossed(Model):
+    """A parabola of which three columns, one of them negative, say more than any that are not.
+
+    The columns are 1, t and t + t^2, and what is measured is 1 + 1.5 t - (t + t^2).
+    """
+
+    scales = (Scale(name="size", values=(1e-3,), prior=(1.0,)),)
+
+    def system(self, node: Node, columns: object) -> System:
+        t = np.linspace(0.0, 1.0, 60)
+        x = np.column_stack([0.0 * t, np.ones(60), t, t + t * t, 1.0 + 0.5 * t - t * t])
+        x *= 200.0
+        return System(gram=x.T @ x, deviations=np.ones(1), volume=0.0, sizes=np.ones(3))
+
+
+def test_draws_at_several_bounds_are_those_that_fit_best() -> None:
+    law: tuple[Column, ...] = (("level", ()), ("stribeck", ()), ("viscous", ()))
+    posterior = Posterior(Crossed(), [law], np.zeros(1), begin=[(0,)], most=1)
+    (draws,) = posterior.draws(40)
+    t = np.linspace(0.0, 1.0, 60)
+    x, y = np.column_stack([np.ones(60), t, t + t * t]), 1.0 + 0.5 * t - t * t
+    expected = nnls(x, y)[0]
+    assert np.sum(expected > 0.0) == 1  # two of them are at their bounds
+    np.testing.assert_allclose(draws.law, np.tile(expected[:, None], 40), atol=0.02)
+
+
+def test_a_law_that_fits_with_a_negative_coefficient_alone_has_no_weight() -> None:
+    plain: tuple[Column, ...] = (("level", ()),)
+    three: tuple[Column, ...] = (*plain, ("stribeck", ()), ("viscous", ()))
+    posterior = Posterior(Crossed(), [plain, three], np.zeros(2), begin=[(0,)], most=1)
+    assert posterior.shares[0] > 0.5
+
+
+def unsteady(seed: int, begin: float) -> Record:
+    """Return a record beside which a force acts that is no friction and of no place."""
+    record = driven(seed, duration=8.0)
+    t = record.time
+    force = 0.5 * LEVEL * np.sin(2.0 * math.pi * t / 6.0 + 1.7 * seed)
+    return replace(record, time=t + begin, force=record.force + force)
+
+
+@pytest.mark.parametrize("begin", [0.0, 8.0])
+def test_another_record_has_another_course_of_a_force_in_time(begin: float) -> None:
+    problem = RecordProblem([unsteady(1, 0.0)])
+    rows = problem.like([unsteady(2, begin)])
+    band = Judgement(problem).reading_band(rows)
+    inside = np.mean((band.low <= rows.response) & (rows.response <= band.high))
+    assert inside > 0.9
+    assert np.median(band.high - band.low) / 2.0 < 4.0 * 0.5 * LEVEL

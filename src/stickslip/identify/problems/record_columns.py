@@ -409,14 +409,12 @@ class Balance:
 
     def moving(
         self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array,
-        when: float | None = None,
     ) -> tuple[dict[str, Array], Array]:  # fmt: skip
         """Return what depends on a bristle at the samples (n, ...): by group, and of laws."""
         frame, v = self.frame, piece.velocity
         z = state * self.load(piece)
         hats = self._hats(piece)
-        time = piece.record.time if when is None else np.full(len(v), when)
-        course = frame.course(time)
+        course = frame.course(piece.record.time)
         through = self.transmitted(piece)
         x = np.column_stack([law_column(one, v, z, frame.least, through) for one in laws])
         groups = {
@@ -608,14 +606,11 @@ class Balance:
 
     # ---- at the rows
     def columns(
-        self, which: int, memory: Memory, laws: Sequence[Column], when: float | None = None
+        self, which: int, memory: Memory, laws: Sequence[Column]
     ) -> tuple[dict[str, Array], Array]:
-        """Return columns that depend on a bristle at the rows of a cutoff: by group, and of laws.
-
-        What drifts has the value that it has at a time (`when` [s]), if one is given.
-        """
+        """Return columns that depend on a bristle at the rows of a cutoff, and those of laws."""
         parts = [
-            self.moving(memory, laws, piece, state, when)
+            self.moving(memory, laws, piece, state)
             for piece, state in zip(self.pieces, self.states(memory), strict=True)
         ]
         names = list(parts[0][0])
