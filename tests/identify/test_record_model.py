@@ -13,7 +13,7 @@ from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
 from stickslip.identify.problems.record_columns import Memory, relaxed
 from stickslip.identify.problems.record_rows import continued, cutoff_of
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordProblem
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
@@ -217,3 +217,30 @@ def test_another_record_has_another_course_of_a_force_in_time(begin: float) -> N
     inside = np.mean((band.low <= rows.response) & (rows.response <= band.high))
     assert inside > 0.9
     assert np.median(band.high - band.low) / 2.0 < 4.0 * 0.5 * LEVEL
+
+
+def test_a_bristle_of_another_exponent_is_found_with_the_inertia() -> None:
+    record, length = driven(3), 0.006
+    t, x = record.time, record.position
+    v = np.gradient(x, t)
+    sliding = record.force - LEVEL * np.sign(v)
+    force = sliding + LEVEL * bristle(x, length, 2.0)
+    problem = RecordProblem([replace(record, force=force)])
+    model = problem.model
+    best = model.memories[int(np.argmax(problem.posterior.scale("bristle")))]
+    assert best.exponent == 2.0
+    assert best.length == pytest.approx(length, rel=0.2)
+    judgement = Judgement(problem)
+    (inertia,) = (one for one in judgement.intervals if one.path == "inertia")
+    assert inertia.value == pytest.approx(INERTIA, rel=0.01)
+
+
+@pytest.mark.parametrize(("heavier", "told"), [(0.02, False), (1.0, True)])
+def test_a_dead_zone_is_told_from_the_level_where_much_accelerates(
+    heavier: float, told: bool
+) -> None:
+    record = driven()
+    a = np.gradient(np.gradient(record.position, record.time), record.time)
+    force = record.force + (heavier - 1.0) * INERTIA * np.convolve(a, np.ones(25) / 25, "same")
+    sentences = RecordProblem([replace(record, force=force)]).untold()
+    assert any("dead zone of the drive" in one for one in sentences) is not told

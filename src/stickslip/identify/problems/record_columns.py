@@ -6,8 +6,8 @@ direction where :math:`r = 0`, a level :math:`g` that depends on speed lags as i
 .. math:: \frac{dL}{dx} = \frac{\operatorname{sgn}(dx)\, g(v) - L}{r(v)} ,
           \qquad r(v) = r_0\, g(v) / g(v_0) ,
 
-which is one triangular system with two diagonals for all levels. Bristles that yield at once
-(exponent 0) have :math:`z\,g(v)`. The filter then makes rows of all columns.
+which is one triangular system with two diagonals for all levels. Bristles of other exponents, of
+which 0 yields at once, have :math:`z\,g(v)`. The filter then makes rows of all columns.
 """
 
 import math
@@ -78,13 +78,18 @@ class Memory:
     length: float = 0.0
     """Way along which it yields [m]; 0 if at once."""
     exponent: float = 1.0
-    """0 if it yields at once after its length, 1 as Dahl, `LUGRE` with a length that follows."""
+    """That of Dahl's law, 0 if it yields at once after its length; `LUGRE` if that follows."""
     ratio: Array | None = None
     """Length over `length` at the knots of speed (k,)."""
     speed: float = 0.0
     """Speed at which it has `length` [m/s]."""
     spread: float = 0.0
     """Standard deviation of the logarithm of lengths for which it stands."""
+
+    @property
+    def lags(self) -> bool:
+        """Whether levels follow it by a linear equation along the way; else they are times it."""
+        return self.exponent in (1.0, LUGRE)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -379,8 +384,8 @@ class Balance:
             return np.ones(len(piece.way))
         if memory.length == 0.0:
             return piece.direction
-        if memory.exponent == 0.0:
-            return bristle(piece.along(memory.length), memory.length, 0.0)
+        if not memory.lags:
+            return bristle(piece.along(memory.length), memory.length, memory.exponent)
         ones = np.ones((len(piece.way), 1))
         return relaxed(piece.along(memory.length), self.lengths(memory, piece), ones)[:, 0]
 
@@ -436,7 +441,7 @@ class Balance:
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
             groups["load"] = (z * np.log(np.maximum(self.load(piece), 1e-3)))[:, None]
-        if memory.length > SHORT * frame.noise and memory.exponent:
+        if memory.length > SHORT * frame.noise and memory.lags:
             self._lag(memory, laws, piece, hats, x, groups)
         return groups, x
 

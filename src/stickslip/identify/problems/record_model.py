@@ -20,6 +20,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -140,6 +141,10 @@ BRISTLE = 1.0 / (2.0 * LENGTHS)
 as none are all, of which the others count for nothing."""
 ABOUT = (0.5, 0.71, 1.41, 2.0)
 """Further lengths about the two best, over them."""
+EXPONENTS = (0.5, 2.0)
+"""Further exponents about them."""
+NEARER = (0.84, 1.19)
+"""Lengths about the best, if that has another exponent than Dahl's usual one."""
 KEPT = 2
 """Bristles that are kept, beside none."""
 SEEN = 0.03
@@ -526,9 +531,14 @@ class RecordModel(Model):
         if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
             return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
-        for one in best:
-            for factor in ABOUT:
-                look(replace(one, length=max(factor * one.length, shortest)))
+        about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
+        about += [replace(one, exponent=n) for one, n in product([*best, *about], EXPONENTS)]
+        for one in about:
+            look(replace(one, length=max(one.length, shortest)))
+        looked.sort(key=lambda one: one[0])
+        nearest = [looked[0][1]] * (not looked[0][1].lags)  # other lengths are refined later
+        for one, factor in product(nearest, NEARER):
+            look(replace(one, length=max(factor * one.length, shortest)))
         looked.sort(key=lambda one: one[0])
         bristles = [one[1] for one in looked if one[1].length]
         balance.first = bristles[0].length

@@ -22,7 +22,7 @@ from stickslip.identify.laws import (
     bounds_of,
     compose,
 )
-from stickslip.identify.posterior import Array, Column, Draws, Family, Structure
+from stickslip.identify.posterior import COEFFICIENT, Array, Column, Draws, Family, Structure
 from stickslip.identify.problems.record_columns import (
     GEAR,
     LEVELS,
@@ -86,6 +86,8 @@ GIVEN: Mapping[str, str] = {
     "body": "rigid body heavier or lighter than given",
 }
 """What may be given wrong."""
+TOLD_ZONE = 0.05
+"""Deviation of a dead zone of the drive over friction, up to which the level is told from it."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -613,6 +615,12 @@ class RecordProblem(Problem):
                 "A constant offset is not told from a level that differs by direction: a record"
                 " under another load would tell them, or what the sensor shows without a force."
             )
+        if not balance.measured and self._spread_of_dead_zone() > TOLD_ZONE:
+            found.append(
+                "A dead zone of the drive, a part of the force that is recorded and does not act,"
+                " is not told from the level of friction, which is stated without one: a record"
+                " with added mass or larger accelerations would tell them."
+            )
         for path in balance.dampings:
             what = path.rpartition(".")[2].replace("_", " ")
             found.append(
@@ -620,6 +628,27 @@ class RecordProblem(Problem):
                 " no law with viscous friction is compared."
             )
         return found
+
+    def _spread_of_dead_zone(self) -> float:
+        """Return the deviation of a dead zone of the drive over friction, were one sought.
+
+        It takes the force with its sign, beside the best law and all that is always there.
+        """
+        model, posterior = self.model, self.posterior
+        node, balance = posterior.best, self.model.balance
+        if not any(np.any(one.record.force) for one in balance.pieces):
+            return 0.0
+        law = posterior.structures[int(np.argmax(posterior.weights[posterior.nodes.index(node)]))]
+        which, memory = model.key(node)
+        rows, design = balance.rows(which), model.design(which, memory)
+        column = rows.seen([np.sign(one.record.force) for one in balance.pieces])
+        at = [model.columns.index(one) for one in law]
+        beside = [design.random * model.deviations(node), COEFFICIENT * design.law[:, at]]
+        weights = model.weights[which] / model.at(node, "noise")
+        x, c = np.hstack(beside) * weights[:, None], column * weights
+        moment = x.T @ c
+        told = c @ c - moment @ np.linalg.solve(x.T @ x + np.eye(len(moment)), moment)
+        return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little."""
