@@ -244,3 +244,16 @@ def test_a_dead_zone_is_told_from_the_level_where_much_accelerates(
     force = record.force + (heavier - 1.0) * INERTIA * np.convolve(a, np.ones(25) / 25, "same")
     sentences = RecordProblem([replace(record, force=force)]).untold()
     assert any("dead zone of the drive" in one for one in sentences) is not told
+
+
+def test_a_level_with_a_part_that_no_load_changes_is_in_its_band() -> None:
+    record = driven(5)
+    load = 1.0 + 0.5 * np.sin(2.0 * math.pi * record.time / 2.3)
+    own = LEVEL * (0.4 + 0.6 * load - 1.0) * np.sign(np.gradient(record.position))
+    problem = RecordProblem([replace(record, force=record.force + own, load=load)])
+    judgement = Judgement(problem)
+    rows = problem.at(np.array([0.05, 0.05, 0.05]), load=np.array([0.6, 1.0, 1.4]))
+    band, v = judgement.band(rows), 0.05
+    true = LEVEL * (0.4 + 0.6 * rows.load) + VISCOUS * v
+    assert np.all((band.low <= true) & (true <= band.high))
+    assert np.max(band.high - band.low) < 0.1 * LEVEL

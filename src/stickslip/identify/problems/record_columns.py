@@ -246,6 +246,15 @@ def is_told(column: Array, beside: Sequence[Array]) -> bool:
     return bool(np.linalg.norm(apart) > SAME_SPAN * np.linalg.norm(column))
 
 
+def powers_of_load(ratio: Array | float) -> Array:
+    """Return what a level over its load changes by with the load over the usual one (n, 2).
+
+    The logarithm and its square: a level of a + b N is no power of the load.
+    """
+    x = np.log(np.maximum(np.atleast_1d(ratio), 1e-3))
+    return np.column_stack([x, x * x])
+
+
 class Balance:
     """The force balance of records, as columns at rows of all cutoffs.
 
@@ -440,7 +449,7 @@ class Balance:
             groups[f"level*{name}"] = (z * u)[:, None]
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
-            groups["load"] = (z * np.log(np.maximum(self.load(piece), 1e-3)))[:, None]
+            groups["load"] = z[:, None] * powers_of_load(self.load(piece))
         if memory.length > SHORT * frame.noise and memory.lags:
             self._lag(memory, laws, piece, hats, x, groups)
         return groups, x

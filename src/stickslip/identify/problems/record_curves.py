@@ -7,7 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.identify.posterior import Array, Draws
-from stickslip.identify.problems.record_columns import RESOLVED, Balance, Memory, law_column
+from stickslip.identify.problems.record_columns import (
+    RESOLVED,
+    Balance,
+    Memory,
+    law_column,
+    powers_of_load,
+)
 from stickslip.identify.problems.record_model import BELOW, SCALES, STRETCHES, RecordModel
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
@@ -118,7 +124,7 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
             f += np.outer(plain[f"level*{name}"][0], state * u)
             f += np.outer(plain[f"viscous*{name}"][0], side * speed * u)
         if "load" in plain:
-            f += np.outer(plain["load"][0], state * np.log(np.maximum(at.ratio, 1e-3)))
+            f += (state[:, None] * powers_of_load(at.ratio) @ plain["load"]).T
         if "sides" in plain:
             f += at.ratio * (hats @ plain["sides"]).T + plain["offset"].T
             f += np.outer(plain["side"], speed)

@@ -83,6 +83,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "turn": ((0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0), (1 / 7,) * 7),
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
+    "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
     "noise": ((0.71, 1.0, 1.41, 2.0, 2.83, 4.0), (1 / 6,) * 6),
@@ -92,27 +93,25 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place; of springs that relax; of the level and viscous friction of a twentieth of the
 record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the change with
-an input by its standard deviation; level and viscous friction of another run; noise over what the
-last round left, which a fit that follows the noise makes too small; errors of the inertia and of
-the forces that are given, over these, of which the last are wrong units. They say what a careful
-experimenter would expect."""
+an e-fold of the load that is not in proportion, and with an input by its standard deviation; level
+and viscous friction of another run; noise over what the last round left, which a fit that follows
+the noise makes too small; errors of the inertia and of the forces that are given, over these, of
+which the last are wrong units. They say what a careful experimenter would expect."""
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
     "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "input": 1, "run": 1, "noise": 1,
+    "turn": 3, "others": 1, "delay": 0, "load": 1, "input": 1, "run": 1, "noise": 1,
     "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
     "offset": 0.3,
-    "load": 0.1,
     "side": 0.003,
 }
-"""Sizes that are no scales: a constant force, the change by an
-e-fold of the load that is not in proportion, and the least of the slope by direction."""
+"""Sizes that are no scales: a constant force, and the least of the slope by direction."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
 TIMED = 0.1
@@ -348,6 +347,7 @@ class RecordModel(Model):
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
             "relaxing": not balance.measured,
+            "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "run": balance.runs > 1,
             "given": bool(balance.given),
