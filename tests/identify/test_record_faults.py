@@ -7,11 +7,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, DirectionDependent, FrictionLaw, LuGre, simulate
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    DirectionDependent,
+    FrictionLaw,
+    LuGre,
+    Measurement,
+    Pendulum,
+    simulate,
+)
 from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
-from stickslip.identify.problems.record_rows import cutoff_of, pieces_of
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.record_rows import (
+    MIDDLE,
+    BalanceRows,
+    by_best_sensor,
+    cutoff_of,
+    pieces_of,
+)
+from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
 
@@ -113,6 +128,31 @@ def test_a_record_at_rest_beside_one_that_moves_is_no_error() -> None:
     assert judged(record, still).named.family == ("level", "viscous")
 
 
+# ---- sensors
+
+
+def test_positions_are_taken_where_velocities_are_coarse_at_the_lowest_cutoff() -> None:
+    record, rng = driven(), np.random.default_rng(3)
+    velocity = np.gradient(record.position, record.time)
+    coarse = replace(record, velocity=velocity + 0.05 * rng.normal(size=len(velocity)))
+    noisy = replace(coarse, position=record.position + 1e-2 * rng.normal(size=len(velocity)))
+    assert by_best_sensor([coarse])[0].velocity is None
+    assert by_best_sensor([noisy])[0].velocity is not None
+
+
+def test_noise_of_rows_is_that_of_the_force_where_it_stands() -> None:
+    record, rng = driven(level=0.0, noise=0.0), np.random.default_rng(4)
+    count, deviation = len(record.time), 0.5
+    noise = deviation * rng.normal(size=count) * (np.arange(count) > count // 2)
+    pieces, every = pieces_of([replace(record, force=record.force + noise)], cutoff=15.0)
+    rows = BalanceRows(pieces, MIDDLE, every)
+    own, late = rows.sensed(INERTIA), rows.time > 4.5
+    # white noise of deviation s in samples of h has s sqrt(2 h f) below f
+    expected = deviation * math.sqrt(2.0 * pieces[0].step * 15.0)
+    assert np.median(own[late]) == pytest.approx(expected, rel=0.15)
+    assert np.median(own[rows.time < 3.5]) < 0.2 * expected
+
+
 # ---- what is given wrong
 
 
@@ -131,6 +171,43 @@ def test_an_inertia_that_is_not_as_given_is_named_and_changes_no_law(
     assert found.asserted
     assert 1.0 + found.size == pytest.approx(INERTIA / length / inertia, rel=0.02)
     assert "times as given" in found.sentence
+
+
+def swung(frequency: float, heavier: float = 1.2) -> Record:
+    """Return a driven pendulum whose inertia is so many times that of its mass at its length."""
+    rng, t = np.random.default_rng(2), np.arange(0.0, 12.0, 0.004)
+    w, x, v, a = 2.0 * math.pi * frequency, *np.zeros((3, len(t)))
+    for size, k in ((1.1, 1.0), (0.35, 2.7), (0.1, 6.1)):
+        x += size * np.sin(k * w * t)
+        v += size * k * w * np.cos(k * w * t)
+        a -= size * (k * w) ** 2 * np.sin(k * w * t)
+    arm = Pendulum(mass=2.0, length=0.5)
+    inertia, weight = arm.mass * arm.length**2, arm.mass * 9.80665 * arm.length
+    torque = heavier * inertia * a + weight * np.sin(x) + 0.4 * np.sign(v) + 0.05 * v
+    measured = Measurement(
+        time=t, position=x + 1e-5 * rng.normal(size=len(t)),
+        force=torque + 0.05 * rng.normal(size=len(t)), turning=True,
+    )  # fmt: skip
+    return records_of(replace(arm, mass=1.0), measured, unknown=["mechanism.mass"])[0]
+
+
+def test_a_wrong_length_is_let_in_and_named_where_the_mass_is_looked_for() -> None:
+    judgement = judged(swung(0.25))
+    (found,) = [one for one in judgement.findings if one.term == "inertia_given"]
+    assert found.asserted
+    assert found.size == pytest.approx(0.2, abs=0.02)
+    assert "Beside the forces of the mechanism, the inertia is 1.2" in found.sentence
+    rows = judgement.problem.like([swung(0.4)])
+    band = judgement.reading_band(rows)
+    inside = np.mean((band.low <= rows.response) & (rows.response <= band.high))
+    assert inside > 0.93
+
+
+def test_a_mass_at_its_length_is_found_and_nothing_is_named() -> None:
+    judgement = judged(swung(0.25, heavier=1.0))
+    assert not [one for one in judgement.findings if one.term.endswith("_given") and one.asserted]
+    (mass,) = [one for one in judgement.intervals if one.path == "mechanism.mass"]
+    assert mass.low <= 2.0 <= mass.high
 
 
 def test_an_inertia_as_given_is_no_finding() -> None:

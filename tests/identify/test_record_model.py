@@ -2,9 +2,11 @@
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
@@ -12,7 +14,7 @@ from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
 from stickslip.identify.problems.record_columns import Memory, relaxed
 from stickslip.identify.problems.record_rows import continued, cutoff_of
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordProblem
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
@@ -189,3 +191,94 @@ def test_a_pressure_that_pushes_is_no_friction():
         assert high - low < 0.5 * (3.4 + 0.65 * pressure)
     said = [one.sentence for one in verdict.findings if one.asserted]
     assert any(x.startswith("A force beside friction changes by") for x in said)
+
+
+class Crossed(Model):
+    """A parabola of which three columns, one of them negative, say more than any that are not.
+
+    The columns are 1, t and t + t^2, and what is measured is 1 + 1.5 t - (t + t^2).
+    """
+
+    scales = (Scale(name="size", values=(1e-3,), prior=(1.0,)),)
+
+    def system(self, node: Node, columns: object) -> System:
+        t = np.linspace(0.0, 1.0, 60)
+        x = np.column_stack([0.0 * t, np.ones(60), t, t + t * t, 1.0 + 0.5 * t - t * t])
+        x *= 200.0
+        return System(gram=x.T @ x, deviations=np.ones(1), volume=0.0, sizes=np.ones(3))
+
+
+def test_draws_at_several_bounds_are_those_that_fit_best() -> None:
+    law: tuple[Column, ...] = (("level", ()), ("stribeck", ()), ("viscous", ()))
+    posterior = Posterior(Crossed(), [law], np.zeros(1), begin=[(0,)], most=1)
+    (draws,) = posterior.draws(40)
+    t = np.linspace(0.0, 1.0, 60)
+    x, y = np.column_stack([np.ones(60), t, t + t * t]), 1.0 + 0.5 * t - t * t
+    expected = nnls(x, y)[0]
+    assert np.sum(expected > 0.0) == 1  # two of them are at their bounds
+    np.testing.assert_allclose(draws.law, np.tile(expected[:, None], 40), atol=0.02)
+
+
+def test_a_law_that_fits_with_a_negative_coefficient_alone_has_no_weight() -> None:
+    plain: tuple[Column, ...] = (("level", ()),)
+    three: tuple[Column, ...] = (*plain, ("stribeck", ()), ("viscous", ()))
+    posterior = Posterior(Crossed(), [plain, three], np.zeros(2), begin=[(0,)], most=1)
+    assert posterior.shares[0] > 0.5
+
+
+def unsteady(seed: int, begin: float) -> Record:
+    """Return a record beside which a force acts that is no friction and of no place."""
+    record = driven(seed, duration=8.0)
+    t = record.time
+    force = 0.5 * LEVEL * np.sin(2.0 * math.pi * t / 6.0 + 1.7 * seed)
+    return replace(record, time=t + begin, force=record.force + force)
+
+
+@pytest.mark.parametrize("begin", [0.0, 8.0])
+def test_another_record_has_another_course_of_a_force_in_time(begin: float) -> None:
+    problem = RecordProblem([unsteady(1, 0.0)])
+    rows = problem.like([unsteady(2, begin)])
+    band = Judgement(problem).reading_band(rows)
+    inside = np.mean((band.low <= rows.response) & (rows.response <= band.high))
+    assert inside > 0.9
+    assert np.median(band.high - band.low) / 2.0 < 4.0 * 0.5 * LEVEL
+
+
+def test_a_bristle_of_another_exponent_is_found_with_the_inertia() -> None:
+    record, length = driven(3), 0.006
+    t, x = record.time, record.position
+    v = np.gradient(x, t)
+    sliding = record.force - LEVEL * np.sign(v)
+    force = sliding + LEVEL * bristle(x, length, 2.0)
+    problem = RecordProblem([replace(record, force=force)])
+    model = problem.model
+    best = model.memories[int(np.argmax(problem.posterior.scale("bristle")))]
+    assert best.exponent == 2.0
+    assert best.length == pytest.approx(length, rel=0.2)
+    judgement = Judgement(problem)
+    (inertia,) = (one for one in judgement.intervals if one.path == "inertia")
+    assert inertia.value == pytest.approx(INERTIA, rel=0.01)
+
+
+@pytest.mark.parametrize(("heavier", "told"), [(0.02, False), (1.0, True)])
+def test_a_dead_zone_is_told_from_the_level_where_much_accelerates(
+    heavier: float, told: bool
+) -> None:
+    record = driven()
+    a = np.gradient(np.gradient(record.position, record.time), record.time)
+    force = record.force + (heavier - 1.0) * INERTIA * np.convolve(a, np.ones(25) / 25, "same")
+    sentences = RecordProblem([replace(record, force=force)]).untold()
+    assert any("dead zone of the drive" in one for one in sentences) is not told
+
+
+def test_a_level_with_a_part_that_no_load_changes_is_in_its_band() -> None:
+    record = driven(5)
+    load = 1.0 + 0.5 * np.sin(2.0 * math.pi * record.time / 2.3)
+    own = LEVEL * (0.4 + 0.6 * load - 1.0) * np.sign(np.gradient(record.position))
+    problem = RecordProblem([replace(record, force=record.force + own, load=load)])
+    judgement = Judgement(problem)
+    rows = problem.at(np.array([0.05, 0.05, 0.05]), load=np.array([0.6, 1.0, 1.4]))
+    band, v = judgement.band(rows), 0.05
+    true = LEVEL * (0.4 + 0.6 * rows.load) + VISCOUS * v
+    assert np.all((band.low <= true) & (true <= band.high))
+    assert np.max(band.high - band.low) < 0.1 * LEVEL

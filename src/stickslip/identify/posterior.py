@@ -22,7 +22,9 @@ and those of all laws :math:`X`,
        + \tfrac12 (S_{yX}\, c - \log|M|) - d \log s + \sum_t \log 2\Phi(c_t / \sigma_t) ,
 
 where :math:`M = S_{XX} + s^{-2}`, :math:`c = M^{-1} S_{Xy}`, columns are scaled to the size of the
-friction, :math:`s` is `COEFFICIENT`, and the last sum is over coefficients that are not negative.
+friction, :math:`s` is `COEFFICIENT`, and the last sum is over coefficients that are not negative,
+the least likely first and each given those before it (Mendell and Elston, 1974): of two that fit
+together only, one of them negative, no margin shows it.
 One Cholesky factor serves all laws of a node.
 
 1. A *node* is a value of each scale. Nodes are visited best first from where the problem begins,
@@ -63,6 +65,11 @@ than what it leaves after another part is taken off."""
 DEPTH = 4.5
 """Logarithm of the weight below the best from which nodes are not opened: 1 % of it."""
 TINY = 1e-300
+AT_BOUND = -6.0
+"""Deviations below 0 from which a coefficient is at 0: what is left of its variance, a thirtieth,
+would hide how badly others fit then."""
+ROUNDING = 1e-9
+"""Part of its deviation by which a coefficient that is held to 0 may be off."""
 SPARE = 4
 """Draws of coefficients for each that is kept, so that those that are physics suffice."""
 
@@ -144,6 +151,59 @@ def neighbours(scales: Sequence[Scale], node: Node) -> Iterator[Node]:
         for other in steps:
             if 0 <= other < len(scale.values) and other != own:
                 yield (*node[:at], other, *node[at + 1 :])
+
+
+def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") -> Array:
+    """Return logarithms of the probability (s,) that coefficients (s, d) are not negative.
+
+    In turn, the least likely first: each given those before, whose moments are those of a truncated
+    normal distribution.
+
+    Examples
+    --------
+    >>> both = np.array([[[1.0, -0.5], [-0.5, 1.0]]])
+    >>> found = not_negative(np.zeros((1, 2)), both, np.ones((1, 2), dtype=bool))
+    >>> round(float(np.exp(found[0])), 2)  # 1/4 + arcsin(-1/2) / 2 pi = 1/6
+    0.17
+    """
+    mean, covariance, total = mean.copy(), covariance.copy(), np.zeros(len(mean))
+    every, left = np.arange(len(mean)), positive.copy()
+    for _ in range(mean.shape[1]):
+        size = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), TINY))
+        at = np.argmin(np.where(left, mean / size, np.inf), axis=1)
+        counts = left[every, at]
+        left[every, at] = False
+        z = mean[every, at] / size[every, at]
+        inside = log_ndtr(z)
+        total += counts * inside
+        if not left.any():
+            break
+        mills = np.exp(-0.5 * z * z - inside) / math.sqrt(2.0 * math.pi)
+        mills = counts * np.where(z < AT_BOUND, -z, mills)
+        slope = covariance[every, at] / size[every, at, None]
+        mean += slope * mills[:, None]
+        less = np.where(z < AT_BOUND, counts, np.clip(mills * (mills + z), 0.0, 1.0))[:, None, None]
+        covariance -= less * slope[:, :, None] * slope[:, None, :]
+    return np.asarray(total)
+
+
+def held_to_zero(x: Array, root: Array, bounded: Places) -> None:
+    """Hold what is negative of the bounded coefficients of draws (n, k) to 0; the others follow.
+
+    What is negative then is held as well, so that draws stay on the fit.
+    """
+    covariance = root @ root[bounded].T
+    held = np.zeros((len(bounded), x.shape[1]), dtype=bool)
+    for _ in range(len(bounded)):
+        more = x[bounded] < -ROUNDING * np.sqrt(np.diag(covariance[bounded]))[:, None]
+        if not more.any():
+            return
+        held |= more
+        for kept in np.unique(held[:, more.any(axis=0)], axis=1).T:
+            at = np.flatnonzero(np.all(held == kept[:, None], axis=0))
+            own = bounded[kept]
+            gain = covariance[:, kept] @ np.linalg.pinv(covariance[np.ix_(own, kept)])
+            x[:, at] -= gain @ x[np.ix_(own, at)]
 
 
 class Posterior:
@@ -255,9 +315,9 @@ class Posterior:
             moment = left[of, -1]
             inverse, logarithm = inverted(m)
             c = np.einsum("sij,sj->si", inverse, moment)
-            z = c / np.sqrt(np.maximum(inverse[:, range(size), range(size)], TINY))
             gain = 0.5 * np.sum(moment * c, axis=1) - 0.5 * logarithm - size * math.log(COEFFICIENT)
-            found[at] = base + gain + np.sum(positive * (log_ndtr(z) + math.log(2.0)), axis=1)
+            inside = positive.sum(axis=1) * math.log(2.0) + not_negative(c, inverse, positive)
+            found[at] = base + gain + inside
         return np.asarray(found + self._priors + self.model.prior(node))
 
     @property
@@ -305,10 +365,8 @@ class Posterior:
             if name not in self.model.signed:
                 kept &= x[m + place] > 0.0
         x = x[:, np.argsort(~kept, kind="stable")[:count]]
-        for place, (name, _) in enumerate(structure):
-            if name not in self.model.signed:  # what is below 0 is 0, and the others follow
-                own = root @ root[m + place]
-                x += np.outer(own / own[m + place], np.maximum(-x[m + place], 0.0))
+        bounded = m + np.flatnonzero(self._is_positive(structure))
+        held_to_zero(x, root, bounded)
         sizes = system.sizes[[self.columns.index(one) for one in structure]]
         return Draws(
             node=node,

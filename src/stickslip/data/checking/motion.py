@@ -323,8 +323,8 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
     power = float(derived @ derived)
     if power == 0.0 or not measured.any():
         return
-    # least squares through 0, either way: noise of the derivative lowers this, of the velocity raises
-    # the other, and the true factor lies between
+    # least squares through 0, either way: noise of the derivative lowers this, that of the velocity
+    # raises the other, and the true factor lies between
     factor = float(derived @ measured) / power
     alike = float(derived @ measured) / float(np.sqrt(power * (measured @ measured)))
     numbers = {"factor": factor, "correlation": alike}

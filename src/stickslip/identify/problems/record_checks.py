@@ -15,6 +15,7 @@ from stickslip.errors import InputError
 from stickslip.identify.forces import Unknown
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_balance import free_form
+from stickslip.identify.problems.record_columns import is_told
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows, moves, pieces_of
 from stickslip.identify.problems.record_signals import STRETCHES, Record, records_of
 from stickslip.mechanisms import Mechanism
@@ -26,15 +27,6 @@ EXPLAINED = 0.5
 SETTLING, HALVINGS, STEADY = 20, 6, 1e-4
 """Steps to where a balance that is not linear leaves least, halvings of each, and the share of the
 mean square that the last one gains."""
-SAME_SPAN = 0.01
-"""Part of a column outside a span from which it is told from that."""
-
-
-def _is_told(column: Array, beside: Array) -> bool:
-    """Return whether a column (n,) is none of those beside (n, p)."""
-    size = np.sqrt(np.mean(beside * beside, axis=0)) + 1e-300
-    apart = column - beside / size @ np.linalg.lstsq(beside / size, column, rcond=1e-9)[0]
-    return bool(np.linalg.norm(apart) > SAME_SPAN * np.linalg.norm(column))
 
 
 def _is_driven(record: Record) -> bool:
@@ -63,10 +55,10 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
         return
     rows, slides, rig = _plain_columns(moving)
     inertia, speed = first.inertia is None, slides[1]
-    response, beside = rows.response, np.column_stack(rig)
+    response = rows.response
     stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
     # of a motion in one direction a level is an offset, and damping may be sought: these may drive
-    laws = [one for one in slides if _is_told(one, beside)]
+    laws = [one for one in slides if is_told(one, rig)]
     if not laws:
         return
     n = len(laws)

@@ -6,8 +6,8 @@ direction where :math:`r = 0`, a level :math:`g` that depends on speed lags as i
 .. math:: \frac{dL}{dx} = \frac{\operatorname{sgn}(dx)\, g(v) - L}{r(v)} ,
           \qquad r(v) = r_0\, g(v) / g(v_0) ,
 
-which is one triangular system with two diagonals for all levels. Bristles that yield at once
-(exponent 0) have :math:`z\,g(v)`. The filter then makes rows of all columns.
+which is one triangular system with two diagonals for all levels. Bristles of other exponents, of
+which 0 yields at once, have :math:`z\,g(v)`. The filter then makes rows of all columns.
 """
 
 import math
@@ -68,6 +68,7 @@ AT_ONCE = 64
 """Columns that are filtered at once, which bounds the memory."""
 SAME_SPAN = 0.01
 """Part of a column outside another from which they are told apart."""
+TINY = 1e-300
 LUGRE = -1.0
 """Exponent that stands for a length that follows the level."""
 
@@ -79,13 +80,18 @@ class Memory:
     length: float = 0.0
     """Way along which it yields [m]; 0 if at once."""
     exponent: float = 1.0
-    """0 if it yields at once after its length, 1 as Dahl, `LUGRE` with a length that follows."""
+    """That of Dahl's law, 0 if it yields at once after its length; `LUGRE` if that follows."""
     ratio: Array | None = None
     """Length over `length` at the knots of speed (k,)."""
     speed: float = 0.0
     """Speed at which it has `length` [m/s]."""
     spread: float = 0.0
     """Standard deviation of the logarithm of lengths for which it stands."""
+
+    @property
+    def lags(self) -> bool:
+        """Whether levels follow it by a linear equation along the way; else they are times it."""
+        return self.exponent in (1.0, LUGRE)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -226,6 +232,31 @@ def relaxed(way: Array, length: Array | float, levels: Array) -> Array:
     return np.asarray(found)
 
 
+def is_told(column: Array, beside: Sequence[Array]) -> bool:
+    """Return whether a column (n,) is none of those beside (n,).
+
+    Examples
+    --------
+    >>> x = np.array([1.0, 0.0, 2.0])
+    >>> is_told(2.0 * x, [x]), is_told(2.0 * x, [x**2])
+    (False, True)
+    """
+    if not beside:
+        return bool(np.any(column))
+    x = np.column_stack([one / (np.linalg.norm(one) + TINY) for one in beside])
+    apart = column - x @ np.linalg.lstsq(x, column, rcond=1e-9)[0]
+    return bool(np.linalg.norm(apart) > SAME_SPAN * np.linalg.norm(column))
+
+
+def powers_of_load(ratio: Array | float) -> Array:
+    """Return what a level over its load changes by with the load over the usual one (n, 2).
+
+    The logarithm and its square: a level of a + b N is no power of the load.
+    """
+    x = np.log(np.maximum(np.atleast_1d(ratio), 1e-3))
+    return np.column_stack([x, x * x])
+
+
 class Balance:
     """The force balance of records, as columns at rows of all cutoffs.
 
@@ -291,21 +322,31 @@ class Balance:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """What is given beside the force and may be given wrong, where nothing else is sought."""
-        records = [one.record for one in self._from.pieces]
-        unknown = records[0].unknown.values()
-        if self.measured or any(not one.doubt for one in unknown):
+        """What is given beside the force and may be given wrong: "inertia", "mechanism", "body".
+
+        "both" is the inertia with the mechanism, as a gain of the force would change them. What is
+        looked for takes up no less than itself: errors that are in its span are no others.
+        """
+        return self._from._given
+
+    @cached_property
+    def _given(self) -> tuple[str, ...]:
+        records = [one.record for one in self.pieces]
+        unknown = [one for one in records[0].unknown.values() if not one.doubt]
+        if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
-            return () if unknown else ("body",)
-        told = {
-            "inertia": any(one.inertia for one in records),
-            "mechanism": any(one.mechanism is not None for one in records),
-        }
-        found = tuple(name for name, is_given in told.items() if is_given)
-        if any(np.any(one.force) for one in records):
-            return found
-        return found[:1] if len(found) > 1 else ()  # nothing else has a scale
+            return () if records[0].unknown else ("body",)
+        found = self._taken(MIDDLE)
+        if not any(np.any(one.force) for one in records):
+            names = tuple(name for name in found if name != "both")
+            return names[:1] if len(names) > 1 and not unknown else ()  # nothing else has a scale
+        if any(one.given for one in unknown):  # so it has where a gain of the force is sought
+            return ()
+        paths = [path for path, one in records[0].unknown.items() if not one.doubt]
+        sought = [self.unknown(MIDDLE, path) for path in paths]
+        sought += [self.rows(MIDDLE).acceleration] * self.finds_inertia
+        return tuple(name for name, x in found.items() if is_told(x, sought))
 
     def delay(self, late: float) -> None:
         """Let forces act later than recorded [s], as found along the records."""
@@ -321,6 +362,8 @@ class Balance:
     def take(self, pieces: Sequence[Piece]) -> None:
         """Take pieces as they are now, with other rows."""
         self.pieces, self._rows, self._states = [*pieces], {}, {}
+        for name in ("_given", "_likely"):
+            self.__dict__.pop(name, None)
 
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
@@ -352,8 +395,8 @@ class Balance:
             return np.ones(len(piece.way))
         if memory.length == 0.0:
             return piece.direction
-        if memory.exponent == 0.0:
-            return bristle(piece.along(memory.length), memory.length, 0.0)
+        if not memory.lags:
+            return bristle(piece.along(memory.length), memory.length, memory.exponent)
         ones = np.ones((len(piece.way), 1))
         return relaxed(piece.along(memory.length), self.lengths(memory, piece), ones)[:, 0]
 
@@ -382,14 +425,12 @@ class Balance:
 
     def moving(
         self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array,
-        when: float | None = None,
     ) -> tuple[dict[str, Array], Array]:  # fmt: skip
         """Return what depends on a bristle at the samples (n, ...): by group, and of laws."""
         frame, v = self.frame, piece.velocity
         z = state * self.load(piece)
         hats = self._hats(piece)
-        time = piece.record.time if when is None else np.full(len(v), when)
-        course = frame.course(time)
+        course = frame.course(piece.record.time)
         through = self.transmitted(piece)
         x = np.column_stack([law_column(one, v, z, frame.least, through) for one in laws])
         groups = {
@@ -410,8 +451,8 @@ class Balance:
             groups[f"level*{name}"] = (z * u)[:, None]
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
-            groups["load"] = (z * np.log(np.maximum(self.load(piece), 1e-3)))[:, None]
-        if memory.length > SHORT * frame.noise and memory.exponent:
+            groups["load"] = z[:, None] * powers_of_load(self.load(piece))
+        if memory.length > SHORT * frame.noise and memory.lags:
             self._lag(memory, laws, piece, hats, x, groups)
         return groups, x
 
@@ -458,9 +499,8 @@ class Balance:
         found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
         if self.given:
             found["given"] = self.errors(which)
-        for path, one in pieces[0].record.unknown.items():
-            force = rows.seen([p.record.unknown[path].force for p in pieces])
-            found[path] = (one.inertia * rows.acceleration - force)[:, None]
+        for path in pieces[0].record.unknown:
+            found[path] = self.unknown(which, path)[:, None]
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
@@ -480,7 +520,7 @@ class Balance:
         looked = [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
         if not looked:
             return []
-        columns = np.column_stack([self.fixed(MIDDLE)[path][:, 0] for path in looked])
+        columns = np.column_stack([self.unknown(MIDDLE, path) for path in looked])
         columns /= np.linalg.norm(columns, axis=0) + 1e-300
         shares = np.linalg.lstsq(columns, slope, rcond=SAME_SPAN**2)[0]
         size = float(np.linalg.norm(slope))
@@ -488,6 +528,35 @@ class Balance:
             return []
         each = zip(looked, shares.tolist(), strict=True)
         return [path for path, share in each if abs(share) > SAME_SPAN * size]
+
+    def unknown(self, which: int, path: str) -> Array:
+        """Return what a unit of a parameter that is looked for takes, at the rows (n,)."""
+        rows = self.rows(which)
+        force = rows.seen([p.record.unknown[path].force for p in self.pieces])
+        inertia = self.pieces[0].record.unknown[path].inertia
+        return np.asarray(inertia * rows.acceleration - force)
+
+    @property
+    def inertia(self) -> float:
+        """Inertia that is given, with that of what is looked for as it is likely."""
+        first = self.pieces[0].record
+        more = [x * first.unknown[path].inertia for path, x in self._from._likely.items()]
+        return (first.inertia or 0.0) + sum(more)
+
+    @cached_property
+    def _likely(self) -> dict[str, float]:
+        """Sizes of what is looked for, but for gains, by which a plain balance leaves least."""
+        unknown = self.pieces[0].record.unknown
+        paths = [path for path, one in unknown.items() if not one.doubt and not one.given]
+        if not paths:
+            return {}
+        rows, slope = self.rows(MIDDLE), self.slope(MIDDLE)
+        level = rows.seen([p.direction * self.load(p) for p in self.pieces])
+        known = [self.unknown(MIDDLE, path) for path in paths]
+        x = np.column_stack([*known, level, slope, np.ones(rows.count)])
+        size = np.sqrt(np.mean(x * x, axis=0)) + TINY
+        c = np.linalg.lstsq(x / size, rows.response, rcond=SAME_SPAN)[0] / size
+        return dict(zip(paths, np.abs(c).tolist(), strict=False))
 
     def relaxing(self, piece: Piece) -> Array:
         """Return how far springs are stretched that relax, over the range of positions (n, p).
@@ -508,18 +577,36 @@ class Balance:
         Of that of the inertia, that of the mechanism, or of both: then the force has another gain.
         Of one joint of several it is that of the rigid body.
         """
-        rows, found = self.rows(which), list[Array]()
-        if "inertia" in self.given or "body" in self.given:
-            own = np.array([one.record.inertia or 0.0 for one in self.pieces])
-            found.append(own[rows.piece] * rows.acceleration)
-        if "mechanism" in self.given or "body" in self.given:
-            forces = [
-                0.0 * one.record.time if one.record.mechanism is None else one.record.mechanism
-                for one in self.pieces
-            ]
-            found.append(-rows.seen(forces))
-        both = [found[0] + found[1]] if len(found) > 1 else []
-        return np.column_stack(both if "body" in self.given else [*found, *both])
+        found = self._taken(which)
+        return np.column_stack([found[name] for name in self.given])
+
+    def _taken(self, which: int) -> dict[str, Array]:
+        """Return what the inertia and the mechanism take at the rows (n,), and both.
+
+        What is looked for takes its likely share.
+        """
+        rows, likely, records = (
+            self.rows(which),
+            self._from._likely,
+            [p.record for p in self.pieces],
+        )
+        inertia = np.array([one.inertia or 0.0 for one in records])
+        inertia += sum(x * records[0].unknown[path].inertia for path, x in likely.items())
+        forces = [
+            (0.0 * one.time if one.mechanism is None else one.mechanism)
+            + sum(x * one.unknown[path].force for path, x in likely.items())
+            for one in records
+        ]
+        found = {}
+        if np.any(inertia):
+            found["inertia"] = inertia[rows.piece] * rows.acceleration
+        if any(np.any(one) for one in forces):
+            found["mechanism"] = -rows.seen(forces)
+        if len(found) > 1:
+            found["both"] = sum(found.values(), np.zeros(rows.count))
+        if records[0].joint:
+            return {"body": found.get("both", sum(found.values(), np.zeros(rows.count)))}
+        return found
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""
@@ -551,14 +638,11 @@ class Balance:
 
     # ---- at the rows
     def columns(
-        self, which: int, memory: Memory, laws: Sequence[Column], when: float | None = None
+        self, which: int, memory: Memory, laws: Sequence[Column]
     ) -> tuple[dict[str, Array], Array]:
-        """Return columns that depend on a bristle at the rows of a cutoff: by group, and of laws.
-
-        What drifts has the value that it has at a time (`when` [s]), if one is given.
-        """
+        """Return columns that depend on a bristle at the rows of a cutoff, and those of laws."""
         parts = [
-            self.moving(memory, laws, piece, state, when)
+            self.moving(memory, laws, piece, state)
             for piece, state in zip(self.pieces, self.states(memory), strict=True)
         ]
         names = list(parts[0][0])

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.identify.posterior import Array, Draws
-from stickslip.identify.problems.record_columns import RESOLVED, Balance, Memory, law_column
+from stickslip.identify.problems.record_columns import (
+    RESOLVED,
+    Balance,
+    Memory,
+    law_column,
+    powers_of_load,
+)
 from stickslip.identify.problems.record_model import BELOW, SCALES, STRETCHES, RecordModel
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
@@ -27,8 +33,13 @@ BRISTLES = ("others", "damping")
 """What bristles do beside their level, which at rest says nothing of what they can hold."""
 AT_LEVEL = 1.25
 """Range of friction at rest in draws over its level, at which what is above it ends."""
-MOMENTS = (0.0, 0.5, 1.0)
-"""When another record was made, in the drift of the one fitted, if its time does not say."""
+COURSES = ("drift", "stretch", "zero")
+"""What was learned as a course in time."""
+BY_PLACE = {"place": "drift", "force": "zero"}
+"""What was learned of places, and what as a course in time that looks alike."""
+GOES_ON = 0.5
+"""Share of draws in which a course goes on in a record that follows: warming does, but what another
+joint did, or an edge of a fit, does not."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +124,7 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
             f += np.outer(plain[f"level*{name}"][0], state * u)
             f += np.outer(plain[f"viscous*{name}"][0], side * speed * u)
         if "load" in plain:
-            f += np.outer(plain["load"][0], state * np.log(np.maximum(at.ratio, 1e-3)))
+            f += (state[:, None] * powers_of_load(at.ratio) @ plain["load"]).T
         if "sides" in plain:
             f += at.ratio * (hats @ plain["sides"]).T + plain["offset"].T
             f += np.outer(plain["side"], speed)
@@ -124,6 +135,11 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
 def _mean(x: Array, half: int) -> Array:
     """Return the mean of the levels, or the slopes, of parts (k,)."""
     return np.asarray(x.reshape(2, -1, x.shape[1])[half].mean(axis=0))
+
+
+def rms(x: Array) -> Array:
+    """Return root mean squares of columns (n, k) as (k,)."""
+    return np.asarray(np.sqrt(np.mean(x * x, axis=0)))
 
 
 def _numbers(draws: Sequence[Draws]) -> list[int]:
@@ -181,13 +197,24 @@ def readings(
     found = np.concatenate([maker.of(one, fixed) for one in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
+    more = np.zeros(rows.count)
+    if not model.balance.measured:  # the sensors may be noisier there, or have spikes
+        own = np.mean(model.balance.rows(MIDDLE).sensed(model.inertia) ** 2)
+        more = np.sqrt(np.maximum(rows.sensed(model.inertia) ** 2 - own, 0.0))
     tail = rng.standard_t(STUDENT, size=found.shape) * math.sqrt((STUDENT - 2.0) / STUDENT)
     factors = np.repeat([model.at(one.node, "noise") for one in draws], _numbers(draws))
-    return np.asarray(found + factors[:, None] * size * float(noise.pieces.max()) * tail)
+    sizes = np.hypot(factors[:, None] * size * float(noise.pieces.max()), more)
+    return np.asarray(found + sizes * tail)
 
 
 class _Readings:
-    """Draws of the readings of other records, one structure at one node at a time."""
+    """Draws of the readings of other records, one structure at one node at a time.
+
+    What was learned of the law and of inputs holds there. What was learned as a course in time is
+    that of the record fitted: another has another, as large as that learned, which may go on from
+    the end of the record fitted where it follows that in time. What was learned of places holds
+    where they were seen, but for the share that changes in time have: so much may have been one.
+    """
 
     def __init__(
         self, model: RecordModel, other: Balance, rng: np.random.Generator, *, rests: bool = False
@@ -205,63 +232,58 @@ class _Readings:
         self.near = np.exp(-0.5 * gap**2)
         self.far = far_from(model, self.rows.velocity)
         ends = frame.start + frame.duration
-        self.after = float(self.rows.time.min()) >= ends - 0.02 * frame.duration
-        self.ahead = np.sqrt(np.maximum(self.rows.time - ends, 0.0) / frame.duration)
+        begins = float(self.rows.time.min())
+        self.after = begins >= ends - 0.02 * frame.duration
+        self.course = frame.course(frame.start + self.rows.time - begins)
+        """Course in time of another record (n, p)."""
+        self.first, self.last = frame.course(np.array([frame.start, ends]))
         self.parts = np.minimum(
             np.arange(self.rows.count) * STRETCHES // self.rows.count, STRETCHES - 1
         )
-        self.seen: dict[tuple[int, float], tuple[dict[str, Array], Array]] = {}
+        self.seen: dict[int, tuple[dict[str, Array], Array]] = {}
 
-    def columns(self, memory: int, moment: float) -> tuple[dict[str, Array], Array]:
-        """Return the columns with a bristle at a moment of the drift."""
-        key = memory, moment
-        if key not in self.seen:
-            frame = self.model.frame
-            self.seen[key] = self.other.columns(
-                MIDDLE, Memory() if self.rests else self.model.memories[memory],
-                self.model.columns,
-                when=frame.start + moment * frame.duration,
-            )  # fmt: skip
-        return self.seen[key]
+    def columns(self, memory: int) -> tuple[dict[str, Array], Array]:
+        """Return the columns with a bristle."""
+        if memory not in self.seen:
+            bristle = Memory() if self.rests else self.model.memories[memory]
+            self.seen[memory] = self.other.columns(MIDDLE, bristle, self.model.columns)
+        return self.seen[memory]
 
     def of(self, one: Draws, fixed: dict[str, Array]) -> Array:
         """Return the readings of draws (k, n), without noise."""
         model, rng, node = self.model, self.rng, one.node
         count, size = one.random.shape[1], model.size
-        moment = 1.0 if self.after else MOMENTS[int(rng.integers(len(MOMENTS)))]
-        groups, x = self.columns(node[-2], moment)
+        groups, x = self.columns(node[-2])
         plain = model.split(node, one.random)
         at = [model.columns.index(column) for column in one.structure]
         f = (x[:, at] @ one.law).T
-        beside = np.zeros_like(f)
+        beside = self.in_time(plain["zero"])
         every = {**groups, **fixed}
         z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)
         for name, b in plain.items():
-            if name in ("stretch", "turn", "run") or (self.rests and name in BRISTLES):
+            if name in (*COURSES, "turn", "run") or (self.rests and name in BRISTLES):
                 continue
-            of = b
-            if name == "zero":  # another record has another course in time
-                of = model.at(node, "force") * size * rng.normal(size=b.shape)
-            learned = (every[name] @ of).T
-            if name in ("place", "force"):
-                new = model.at(node, name) * size * rng.normal(size=b.shape)
-                learned = self.near * learned
-                learned += np.sqrt(1.0 - self.near**2) * (every[name] @ new).T
+            learned = (every[name] @ b).T
+            if name in BY_PLACE:
+                new = (every[name] @ (rms(b) * rng.normal(size=b.shape))).T
+                in_time = np.sum(plain[BY_PLACE[name]] ** 2, axis=0)
+                of_place = rng.uniform(size=count) > in_time / (in_time + np.sum(b * b, axis=0))
+                near = of_place[:, None] * self.near
+                learned = near * learned + np.sqrt(1.0 - near**2) * new
             if name in (*fixed, "sides"):
                 beside += learned
             else:
                 f += learned
-        spread = model.at(node, "stretch") * size * rng.normal(size=(2, count, STRETCHES))
-        level = _mean(plain["stretch"], 0)[:, None] + spread[0][:, self.parts]
-        tilt = _mean(plain["stretch"], 1)[:, None] + spread[1][:, self.parts]
+        level, tilt = (
+            _mean(plain["stretch"], half)[:, None]
+            + self.in_time(plain["drift"].reshape(2, -1, count)[half])
+            + (rms(plain["stretch"]) * rng.normal(size=(STRETCHES, count))).T[:, self.parts]
+            for half in (0, 1)
+        )
         runs = run_sizes(model, [one], rng)
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
         level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
-        if self.after:
-            level = level + self.ahead * model.at(node, "drift") * size * rng.normal(
-                size=(count, 1)
-            )
         f += level * z + tilt * slope
         f += self.beyond_inputs(plain, z)
         if self.rests:  # one in ten draws is at each level, so that the band has them both
@@ -272,6 +294,15 @@ class _Readings:
             turned = model.at(node, "turn") * size * rng.normal(size=(count, self.pulses.shape[1]))
             f += turned @ self.pulses.T
         return f
+
+    def in_time(self, learned: Array) -> Array:
+        """Return another course in time (k, n), as large as that with coefficients (p, k)."""
+        new = rms(learned) * self.rng.normal(size=learned.shape)
+        found = (self.course @ new).T
+        if self.after:
+            goes_on = self.rng.uniform(size=learned.shape[1]) < GOES_ON
+            found += (goes_on * (self.last @ learned - self.first @ new))[:, None]
+        return np.asarray(found)
 
     def beyond_inputs(self, plain: dict[str, Array], z: Array) -> Array:
         """Return what inputs beyond their range may change (k, n): by as much as within it."""

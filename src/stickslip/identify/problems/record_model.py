@@ -22,6 +22,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -62,7 +63,7 @@ FINE = 1.6
 NO_CURVE, CURVE = 0.4, 0.1
 """Prior probability that laws say all, and the half-normal size of what they do not, else."""
 COMMON = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
-BY_PLACE = (0.002, 0.01, 0.04, 0.15)
+BY_PLACE = (0.002, 0.01, 0.04, 0.15, 0.5)
 SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "common": (
         COMMON,
@@ -73,14 +74,18 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     ),
     "sides": ((0.001, 0.01, 0.03, 0.1, 0.3), (0.5, 0.2, 0.15, 0.1, 0.05)),
     "length": ((0.5, 1.0, 2.0), (1 / 3, 1 / 3, 1 / 3)),
-    "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.05)),
-    "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.1)),
-    "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.1)),
+    "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.045, 0.005)),
+    "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
+    "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
     "relaxing": ((0.0005, 0.03, 0.2, 1.0), (0.94, 0.03, 0.02, 0.01)),
-    "stretch": ((0.0005, 0.003, 0.01, 0.03, 0.08, 0.2), (0.2, 0.25, 0.25, 0.15, 0.1, 0.05)),
+    "stretch": (
+        (0.0005, 0.003, 0.01, 0.03, 0.08, 0.2, 0.5),
+        (0.2, 0.25, 0.25, 0.15, 0.1, 0.04, 0.01),
+    ),
     "turn": ((0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0), (1 / 7,) * 7),
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
+    "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
     "noise": ((0.71, 1.0, 1.41, 2.0, 2.83, 4.0), (1 / 6,) * 6),
@@ -90,27 +95,25 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place; of springs that relax; of the level and viscous friction of a twentieth of the
 record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the change with
-an input by its standard deviation; level and viscous friction of another run; noise over what the
-last round left, which a fit that follows the noise makes too small; errors of the inertia and of
-the forces that are given, over these, of which the last are wrong units. They say what a careful
-experimenter would expect."""
+an e-fold of the load that is not in proportion, and with an input by its standard deviation; level
+and viscous friction of another run; noise over what the last round left, which a fit that follows
+the noise makes too small; errors of the inertia and of the forces that are given, over these, of
+which the last are wrong units. They say what a careful experimenter would expect."""
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
     "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "input": 1, "run": 1, "noise": 1,
+    "turn": 3, "others": 1, "delay": 0, "load": 1, "input": 1, "run": 1, "noise": 1,
     "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
     "offset": 0.3,
-    "load": 0.1,
     "side": 0.003,
 }
-"""Sizes that are no scales: a constant force, the change by an
-e-fold of the load that is not in proportion, and the least of the slope by direction."""
+"""Sizes that are no scales: a constant force, and the least of the slope by direction."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
 TIMED = 0.1
@@ -139,6 +142,10 @@ BRISTLE = 1.0 / (2.0 * LENGTHS)
 as none are all, of which the others count for nothing."""
 ABOUT = (0.5, 0.71, 1.41, 2.0)
 """Further lengths about the two best, over them."""
+EXPONENTS = (0.5, 2.0)
+"""Further exponents about them."""
+NEARER = (0.84, 1.19)
+"""Lengths about the best, if that has another exponent than Dahl's usual one."""
 KEPT = 2
 """Bristles that are kept, beside none."""
 SEEN = 0.03
@@ -350,6 +357,7 @@ class RecordModel(Model):
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
             "relaxing": not balance.measured,
+            "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "run": balance.runs > 1,
             "given": bool(balance.given),
@@ -536,9 +544,14 @@ class RecordModel(Model):
         if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
             return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
-        for one in best:
-            for factor in ABOUT:
-                look(replace(one, length=max(factor * one.length, shortest)))
+        about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
+        about += [replace(one, exponent=n) for one, n in product([*best, *about], EXPONENTS)]
+        for one in about:
+            look(replace(one, length=max(one.length, shortest)))
+        looked.sort(key=lambda one: one[0])
+        nearest = [looked[0][1]] * (not looked[0][1].lags)  # other lengths are refined later
+        for one, factor in product(nearest, NEARER):
+            look(replace(one, length=max(factor * one.length, shortest)))
         looked.sort(key=lambda one: one[0])
         bristles = [one[1] for one in looked if one[1].length]
         balance.first = bristles[0].length
@@ -547,7 +560,7 @@ class RecordModel(Model):
         balance.forget(self.memories)
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
-        self.inertia = inertia if balance.finds_inertia else balance.pieces[0].record.inertia or 0.0
+        self.inertia = inertia if balance.finds_inertia else balance.inertia
         balance.waves = waves_of(rows, frame.span, frame.noise, left)
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left

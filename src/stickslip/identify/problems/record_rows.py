@@ -22,7 +22,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_signals import Filter, Record, followed
@@ -72,6 +72,8 @@ WAY, WAY_MEASURED = 0.1, 0.8
 """Way over the range of positions from which on bristles are stretched as the motion says."""
 SHORTEST = 10
 """Part of a record that both are at most, for the start of a motion tells its inertia."""
+THIRD = 20.0
+"""Variance of third differences over that of white noise."""
 SIGMA = 1.4826
 """Standard deviation over the median size, of normal noise."""
 TURNS = 0.6
@@ -212,7 +214,7 @@ def noise_in_motion(record: Record) -> float:
     if size < PARTS or np.mean(moving) > 0.7:
         return record.position_noise
     parts = [float(np.std(third[k * size : (k + 1) * size])) for k in range(PARTS)]
-    return max(record.position_noise, float(np.quantile(parts, 0.2)) / math.sqrt(20.0))
+    return max(record.position_noise, float(np.quantile(parts, 0.2)) / math.sqrt(THIRD))
 
 
 def cutoff_of(record: Record) -> float:
@@ -245,16 +247,22 @@ def cutoff_of(record: Record) -> float:
         inertia = record.inertia
     most = min(SAMPLES / step, HIGHEST)
     # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
-    if record.velocity is None:
-        of_noise, power = 2.0 * step * (2.0 * math.pi) ** 4 / 5.0, 5.0
-        noise = noise_in_motion(record)
-    else:
-        of_noise, power = 2.0 * step * (2.0 * math.pi) ** 2 / 3.0, 3.0
-        noise = record.velocity_noise
-    costs = record.gain * inertia * noise * math.sqrt(of_noise * most**power)
+    costs = record.gain * inertia * _noise_of_acceleration(record, most)
     share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
-    band = most * min(share, 1.0) ** (2.0 / power)
+    band = most * min(share, 1.0) ** (2.0 / (5.0 if record.velocity is None else 3.0))
     return float(np.clip(max(band, least), min(LOWEST, most), most))
+
+
+def _noise_of_acceleration(record: Record, band: float) -> float:
+    """Return the deviation that white noise of the sensor gives accelerations below a band."""
+    by_place, step = record.velocity is None, float(record.time[1] - record.time[0])
+    noise = noise_in_motion(record) if by_place else record.velocity_noise
+    return noise * _derived(step, band, 2 if by_place else 1)
+
+
+def _derived(step: float, band: float, times: int) -> float:
+    """Return the deviation of white noise derived so many times below a band, over its own."""
+    return math.sqrt(2.0 * step * band / (2.0 * times + 1.0)) * (2.0 * math.pi * band) ** times
 
 
 def mean_frequency(records: Sequence[Record]) -> float:
@@ -339,10 +347,11 @@ class Piece:
         if self.given.located:
             return noise_in_motion(self.given) * self._fewer
         share = math.sqrt(min(2.0 * self.step * self.cutoff, 1.0))
-        return self._velocity_noise * share / (2.0 * math.pi * self.cutoff)
+        return self.velocity_noise * share / (2.0 * math.pi * self.cutoff)
 
     @property
-    def _velocity_noise(self) -> float:
+    def velocity_noise(self) -> float:
+        """Standard deviation of the noise of velocities, where they were measured [m/s]."""
         return self.given.velocity_noise * self._fewer
 
     @cached_property
@@ -359,7 +368,7 @@ class Piece:
         band = wider / WIDER * self.cutoff
         if self.record.velocity is None:
             return self.noise * math.sqrt(2.0 * self.step * (2.0 * math.pi) ** 2 * band**3 / 3.0)
-        return self._velocity_noise * math.sqrt(min(4.0 * self.step * band, 1.0))
+        return self.velocity_noise * math.sqrt(min(4.0 * self.step * band, 1.0))
 
     @cached_property
     def velocity(self) -> Array:
@@ -518,6 +527,24 @@ class BalanceRows:
             found.append(piece.filters[self.which](x, slope=slope, late=delay)[pick])
         return np.concatenate(found)
 
+    def sensed(self, inertia: float) -> Array:
+        """Return what the noise of sensors makes of the rows of a balance (n,) [N].
+
+        That of the force is looked at where it is: spikes are noise where they stand.
+        """
+        found = []
+        for piece, pick in zip(self.pieces, self.picks, strict=True):
+            band, step = piece.filters[self.which].band, piece.step
+            third = np.zeros_like(piece.record.force)
+            third[1:-2] = np.diff(piece.record.force, 3) ** 2 / THIRD
+            width = max(round(1.0 / band / step), 1)
+            here = uniform_filter1d(uniform_filter1d(third, width), width)[pick * piece.every]
+            by_place = piece.record.velocity is None
+            noise = piece.noise if by_place else piece.velocity_noise
+            of_inertia = inertia * noise * _derived(step, band, 2 if by_place else 1)
+            found.append(_derived(step, band, 0) ** 2 * here + of_inertia**2)
+        return np.asarray(np.sqrt(np.concatenate(found)))
+
     @cached_property
     def acceleration(self) -> Array:
         """Accelerations (n,) [m/s^2]."""
@@ -566,14 +593,17 @@ def _distance(piece: Piece, usable: Mask) -> Array:
 
 def by_best_sensor(records: Sequence[Record]) -> list[Record]:
     """Return records without velocities where positions tell accelerations better."""
+    moving = [even(one) for one in records if moves(one)]
     if not all(one.velocity is not None and one.located for one in records):
         return [*records]
-    bare = [replace(one, velocity=None) for one in records]
-    cutoffs = [
-        float(np.median([cutoff_of(even(one)) for one in own if moves(one)]))
-        for own in (records, bare)
+    bare = [replace(one, velocity=None) for one in moving]
+    band = float(np.median([cutoff_of(one) for one in [*moving, *bare]]))
+    less = [
+        _noise_of_acceleration(own, band) < _noise_of_acceleration(one, band)
+        for own, one in zip(bare, moving, strict=True)
     ]
-    return bare if cutoffs[1] > cutoffs[0] else [*records]
+    better = 2 * sum(less) > len(less)
+    return [replace(one, velocity=None) for one in records] if better else [*records]
 
 
 def pieces_of(

@@ -22,7 +22,7 @@ from stickslip.identify.laws import (
     bounds_of,
     compose,
 )
-from stickslip.identify.posterior import Array, Column, Draws, Family, Structure
+from stickslip.identify.posterior import COEFFICIENT, Array, Column, Draws, Family, Structure
 from stickslip.identify.problems.record_columns import (
     FORCE,
     GEAR,
@@ -87,6 +87,8 @@ GIVEN: Mapping[str, str] = {
     "body": "rigid body heavier or lighter than given",
 }
 """What may be given wrong."""
+TOLD_ZONE = 0.05
+"""Deviation of a dead zone of the drive over friction, up to which the level is told from it."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -614,7 +616,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
-        found += [self._given(name, draws) for name in self.model.balance.given]
+        found += self._given(draws)
         inputs = [*self.model.frame.inputs]
         found += [self._input(name, draws) for name in inputs]
         if len(self.model.frame.sides) > 1:
@@ -629,6 +631,12 @@ class RecordProblem(Problem):
                 "A constant offset is not told from a level that differs by direction: a record"
                 " under another load would tell them, or what the sensor shows without a force."
             )
+        if not balance.measured and self._spread_of_dead_zone() > TOLD_ZONE:
+            found.append(
+                "A dead zone of the drive, a part of the force that is recorded and does not act,"
+                " is not told from the level of friction, which is stated without one: a record"
+                " with added mass or larger accelerations would tell them."
+            )
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             are, them = ("is", "it") if len(names) == 1 else ("together are", "them")
@@ -637,6 +645,27 @@ class RecordProblem(Problem):
                 f" {them} has both, and no law with viscous friction is compared."
             )
         return found
+
+    def _spread_of_dead_zone(self) -> float:
+        """Return the deviation of a dead zone of the drive over friction, were one sought.
+
+        It takes the force with its sign, beside the best law and all that is always there.
+        """
+        model, posterior = self.model, self.posterior
+        node, balance = posterior.best, self.model.balance
+        if not any(np.any(one.record.force) for one in balance.pieces):
+            return 0.0
+        law = posterior.structures[int(np.argmax(posterior.weights[posterior.nodes.index(node)]))]
+        which, memory = model.key(node)
+        rows, design = balance.rows(which), model.design(which, memory)
+        column = rows.seen([np.sign(one.record.force) for one in balance.pieces])
+        at = [model.columns.index(one) for one in law]
+        beside = [design.random * model.deviations(node), COEFFICIENT * design.law[:, at]]
+        weights = model.weights[which] / model.at(node, "noise")
+        x, c = np.hstack(beside) * weights[:, None], column * weights
+        moment = x.T @ c
+        told = c @ c - moment @ np.linalg.solve(x.T @ x + np.eye(len(moment)), moment)
+        return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little."""
@@ -749,25 +778,42 @@ class RecordProblem(Problem):
             f" the {name} goes from {units[0]} to {units[1]}.",
         )  # fmt: skip
 
-    def _given(self, name: str, draws: Sequence[Draws]) -> Finding:
-        """Return by how much the inertia, or the mechanism's forces, are not as given."""
-        at = self.model.balance.given.index(name)
+    def _given(self, draws: Sequence[Draws]) -> list[Finding]:
+        """Return by how much the inertia, or the mechanism's forces, are not as given.
+
+        Where something is looked for that moves both, what is told is the inertia beside the
+        forces of the mechanism.
+        """
+        names = self.model.balance.given
+        if not names:
+            return []
         parts = [self.model.split(one.node, one.random)["given"] for one in draws]
-        several = len(self.model.balance.given) > 1  # the last column is that of both
-        off = np.concatenate([b[at] + (b[-1] if several else 0.0) for b in parts])
-        low, high = np.quantile(off, (0.025, 0.975)).tolist()
-        middle = float(np.median(off))
-        factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
-        what = {
-            "inertia": "The inertia is {} times as given ({} to {})",
-            "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
-            "body": "What the rigid body takes is {} times as given ({} to {})",
-        }[name].format(*factors)
-        return Finding(
-            term=f"{name}_given", title=GIVEN[name],
-            probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low, high=high,
-            sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
-        )  # fmt: skip
+        every = dict(zip(names, np.concatenate(parts, axis=1), strict=True))
+        gain, beside = every.pop("both", None), {"inertia", "mechanism"} <= {*names}
+        if beside and gain is None:
+            every = {"beside": every["inertia"] - every["mechanism"]}
+        found = []
+        for name, own in every.items():
+            of, off = name.replace("beside", "inertia"), own if gain is None else own + gain
+            low, high = np.quantile(off, (0.025, 0.975)).tolist()
+            middle = float(np.median(off))
+            factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
+            what = {
+                "inertia": "The inertia is {} times as given ({} to {})",
+                "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
+                "body": "What the rigid body takes is {} times as given ({} to {})",
+                "beside": "Beside the forces of the mechanism, the inertia is {} times as given"
+                " ({} to {})",
+            }[name].format(*factors)
+            found.append(
+                Finding(
+                    term=f"{of}_given", title=GIVEN[of],
+                    probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low,
+                    high=high,
+                    sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
+                )
+            )  # fmt: skip
+        return found
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
