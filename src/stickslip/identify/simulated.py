@@ -34,37 +34,33 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from stickslip.identify.bands import Array
-from stickslip.identify.fits import effective_size
+from stickslip.identify.fits import BLOCKS, effective_size
 from stickslip.identify.posterior import allotted
+from stickslip.identify.thresholds import THRESHOLDS
 
 ROUNDS = 40
 """Steps of the search from a start at most."""
 SETTLED = 0.01
 """Logarithm of the posterior that a step gains, below which a search ends."""
-FAR = 14.0
+FAR = -math.log(THRESHOLDS.rounding)
 """Logarithm of the evidence by Laplace below the best from which a family needs no runs: its share
 would be one in a million."""
-PROPOSED = 300
-"""Draws of a family in each round."""
+PROPOSED = 400
+"""Draws of a family in each round, and those that are kept, each with the same weight."""
 ENOUGH = 150.0
 """Effective draws of a family, or of all together, from which no further round is made: quantiles
 of 95 % are then known to a fifth of the half width."""
 AGAIN = 3
 """Rounds of draws at most."""
-TAILS = 5.0
+TAILS = THRESHOLDS.freedom
 """Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
-WIDER = 1.15
-"""Widening of proposals about a mode."""
 WHITE = 0.5
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
-FEWEST = 12.0
-"""Rows that count at least, in effect."""
-KEPT = 500
-"""Draws that are kept: each with the same weight."""
 
 Watch: TypeAlias = Callable[[str, float], object]
 
@@ -84,7 +80,6 @@ class Unknowns:
 class Always:
     """What every experiment may have: linear columns, each with the sizes it may have."""
 
-    names: tuple[str, ...]
     columns: Array
     """Columns (n, q)."""
     sizes: Array
@@ -115,7 +110,7 @@ class Simulated(ABC):
 
     @abstractmethod
     def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
-        """Return where searches begin (m, p), given the modes (p,) of families of earlier stages."""
+        """Return where searches begin (m, p), from the modes (p,) of families of earlier stages."""
 
     @abstractmethod
     def simulate(self, asked: Mapping[str, Array]) -> Mapping[str, Array]:
@@ -167,8 +162,8 @@ class FamilyPosterior:
     Laplace's approximation."""
     coefficients: Array
     """Draws of the coefficients of what is always there (k, q)."""
-    changed: Array
-    """Whether a draw has more than the least sizes of what is always there (k,)."""
+    sets: NDArray[np.intp]
+    """Sets of sizes (k,) of what is always there, from which the draws are."""
     usual: Array
     """Coefficients of what is always there (q,) at the mode."""
     band: Array
@@ -229,7 +224,7 @@ class SimulatedPosterior:
     @property
     def counted(self) -> float:
         """Rows that count."""
-        return max(self.kappa * len(self.problem.measured), FEWEST)
+        return max(self.kappa * len(self.problem.measured), float(BLOCKS))
 
     def _set_scales(self) -> None:
         """Prepare what the linear part needs for the noise and share of rows."""
@@ -397,9 +392,14 @@ class SimulatedPosterior:
         """Return what is said of each family: by weighed draws where it may hold."""
         rough = {name: self._laplace(one) for name, one in self._searches.items()}
         best = max(value + self.problem.prior(name) for name, value in rough.items())
-        proposals = {name: [(one.at[k], _root(one.curvature[k], one.unknowns.deviation))
-                            for k in self._places(one)]
-                     for name, one in self._searches.items() if math.isfinite(rough[name])}  # fmt: skip
+        proposals = {
+            name: [
+                (one.at[k], _root(one.curvature[k], one.unknowns.deviation))
+                for k in self._places(one)
+            ]
+            for name, one in self._searches.items()
+            if math.isfinite(rough[name])
+        }
         near = [name for name in proposals
                 if rough[name] + self.problem.prior(name) > best - FAR
                 and self._searches[name].at.shape[1]]  # fmt: skip
@@ -461,7 +461,7 @@ class SimulatedPosterior:
         off = points - centre
         spread = (off.T * w) @ off
         spread += 1e-6 * np.diag(np.diag(spread)) + 1e-12 * np.eye(len(centre))
-        return [*proposals[:2], (centre, WIDER * np.linalg.cholesky(spread))]
+        return [*proposals[:2], (centre, np.linalg.cholesky(spread))]
 
     def _family(
         self,
@@ -473,26 +473,26 @@ class SimulatedPosterior:
         one = self._searches[name]
         mode = one.at[int(np.argmax(one.value))]
         if not one.at.shape[1]:
-            points = np.zeros((KEPT, 0))
-            residual = np.repeat(self._runs({name: points[:1]})[name], KEPT, axis=1)
-            evidence, effective = laplace, float(KEPT)
+            points = np.zeros((PROPOSED, 0))
+            residual = np.repeat(self._runs({name: points[:1]})[name], PROPOSED, axis=1)
+            evidence, effective = laplace, float(PROPOSED)
         elif weighed is None:
             evidence, effective = laplace, 0.0
             points = mode[None] if name not in proposals else np.concatenate(
-                [mode[None], self._proposed(proposals[name])[: KEPT // 10]]
+                [mode[None], self._proposed(proposals[name])[: PROPOSED // 10]]
             )  # fmt: skip
             residual = self._runs({name: points})[name]
-            works = np.isfinite(residual).all(axis=0)
-            points, residual = points[works], residual[:, works]
+            finite = np.isfinite(residual).all(axis=0)
+            points, residual = points[finite], residual[:, finite]
         else:
             drawn, value, left = weighed
             evidence = float(logsumexp(value) - math.log(len(value)))
             effective = _effective(value)
             order = np.argsort(drawn[:, 0], kind="stable")
-            counts = allotted(np.exp(value - value.max())[order], KEPT)
+            counts = allotted(np.exp(value - value.max())[order], PROPOSED)
             kept = np.repeat(order, counts)
             points, residual = drawn[kept], left[:, kept]
-        coefficients, changed = self._coefficients(residual)
+        coefficients, sets = self._coefficients(residual)
         rows = self.problem.measured[:, None] - residual
         rows = rows + self.problem.always.columns @ coefficients.T
         own = self._runs({name: mode[None]})[name][:, 0]
@@ -507,17 +507,14 @@ class SimulatedPosterior:
             effective=effective,
             points=points,
             coefficients=coefficients,
-            changed=changed,
+            sets=sets,
             usual=usual,
             band=np.quantile(rows, (0.025, 0.5, 0.975), axis=1) if works else np.zeros((3, 0)),
             rms=rms,
         )
 
-    def _coefficients(self, left: Array) -> tuple[Array, Array]:
-        """Return draws of the coefficients of columns (k, q) for residuals (n, k), and their size.
-
-        The size (k,) says whether they have more than the least.
-        """
+    def _coefficients(self, left: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Return draws of coefficients of columns (k, q) for residuals (n, k), and their sets."""
         squares = self._squares(left)
         chance = self._likelihoods(squares)
         chance = np.exp(chance - logsumexp(chance, axis=0))
@@ -529,7 +526,7 @@ class SimulatedPosterior:
             noise = self._rng.normal(size=(len(at), len(inverse)))
             noise = noise @ np.linalg.cholesky(inverse).T
             found[at] = (inverse @ moment[:, at]).T + spread[:, None] * noise
-        return found, which > 0
+        return found, which
 
 
 _Proposal: TypeAlias = tuple[Array, Array]
@@ -537,7 +534,7 @@ _Proposal: TypeAlias = tuple[Array, Array]
 
 def _root(curvature: Array, deviation: Array) -> Array:
     """Return a root (p, p) of the covariance of proposals about a mode."""
-    return WIDER * deviation[:, None] * np.linalg.cholesky(np.linalg.inv(curvature))
+    return deviation[:, None] * np.linalg.cholesky(np.linalg.inv(curvature))
 
 
 def _effective(logarithms: Array) -> float:

@@ -15,7 +15,8 @@ slide by tens of critical distances between steps. A frame, grips and a sample g
 spring, so the stiffness of a machine is known to a third unless its uncertainty is stated. Beside
 every law friction may change along the way: linearly, and as it settles from an earlier step or a
 fresh surface, over .1 and .3 of the record; by .01 %, 1 % or 5 % of m. A second state is prior to
-lie within a decade of the first, as one over a longer way is a trend.
+lie within a decade of the first, as one over a longer way is a trend. (A smooth change over a
+twentieth of the way as well was refuted: on a rock it took a third of the step for itself.)
 
 .. [M] C. Marone, "Laboratory-derived friction laws and their application to seismic faulting",
    Annual Review of Earth and Planetary Sciences 26 (1998) 643-696.
@@ -43,11 +44,11 @@ from stickslip.show.formatting import number, quantity
 DIRECT, EVOLVED, DISTANCE = "direct_effect", "evolution_effect", "critical_distance"
 SECOND, FURTHER, STRESS = "second_evolution_effect", "second_critical_distance", "stress_effect"
 STIFFNESS, LEVEL = "stiffness", "reference_coefficient"
-MACHINE = 0.3
-"""Prior deviation of the logarithm of a stiffness whose uncertainty is not stated ..."""
 UNKNOWN = math.log(10.0)
-"""... and of one that is looked for, of which what is given is a guess."""
+"""Prior deviation of the logarithm of a stiffness that is looked for: what is given is a guess."""
 PRIORS = {
+    STIFFNESS: (1.0, 0.3),
+    LEVEL: (1.0, 0.5),
     DIRECT: (0.015, 1.0),
     EVOLVED: (0.015, 0.025),
     DISTANCE: (0.03, 1.6),
@@ -56,24 +57,22 @@ PRIORS = {
     STRESS: (1.3, 0.7),
 }
 """Medians, and deviations of the logarithm or, of effects of states, of the value: see above."""
-TRENDS, CHANCES = (1e-4, 0.01, 0.05), (0.4, 0.4, 0.2)
-"""Sizes of what changes along the way, over the mean coefficient, and their probabilities."""
+TRENDS = {1e-4: 0.4, 0.01: 0.4, 0.05: 0.2}
+"""Sizes of what changes along the way, over the mean coefficient, with their probabilities."""
 SETTLING = (0.1, 0.3)
 """Shares of the record over which friction settles."""
-LEVELS = 0.5
-"""Prior deviation of the level, over the mean coefficient."""
-UNUSUAL = 0.6
-"""Logarithm of the prior odds that each place from usual to unusual costs."""
-PLACES = {"none": 0, "ageing": 0, "slip": 0, "prz": 1, "nagata": 1}
-"""Places of laws of evolution; a second state is two further."""
+NONE = 1e-9
+"""Size of what is not there."""
+PRICES = {"none": 0.0, "ageing": 0.0, "slip": 0.0, "prz": 0.6, "nagata": 0.6, SECOND: 1.2}
+"""Logarithm of the prior odds that being unusual costs a law of evolution, and a second state."""
 DISTANCES = (0.004, 0.03, 0.2)
 """Critical distances at which searches begin, over the way between steps."""
-EXACT, TOLERANCES = 0.01, (1e-7, 1e-5)
-"""Error of a step of a run over the scatter of neighbouring rows, and its limits: many rows tell
-friction to a thirtieth of their scatter."""
-PLAIN, BINS = 1500, 600
-"""Up to so many samples are taken as they are; else there are so many even stretches of time, and
-as many that widen from each step."""
+EXACT = 0.01
+"""Error of a step of a run over the scatter of neighbouring rows: many rows tell friction to a
+thirtieth of their scatter."""
+PLAIN = 1500
+"""Up to so many samples are taken as they are; else there are a third as many even stretches of
+time, and as many that widen from each step."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,12 +132,12 @@ class Record:
 
     def _edges(self) -> Array:
         first, last = self.time[0], self.time[-1]
-        edges = [np.linspace(first, last, BINS + 1)]
+        edges = [np.linspace(first, last, PLAIN // 3 + 1)]
         shortest = float(np.median(np.diff(self.time)))
         ends = [*self.path.steps[1:], last]
         for step, end in zip(self.path.steps, ends, strict=True):
             if end - step > 2.0 * shortest:
-                edges.append(step + np.geomspace(shortest, end - step, BINS))
+                edges.append(step + np.geomspace(shortest, end - step, PLAIN // 3))
         return np.unique(np.concatenate([*edges, self.path.steps]))
 
     def levels(self) -> tuple[float, float]:
@@ -279,7 +278,7 @@ class VelocitySteps(Simulated):
         self.size = float(np.average(self.measured, weights=count))
         self.way = record.slid / len(record.path.steps)
         scatter = float(np.sqrt(0.5 * np.mean(np.diff(self.measured) ** 2)))
-        self.tolerance = float(np.clip(EXACT * scatter, *TOLERANCES))
+        self.tolerance = max(EXACT * scatter, 1e-7)  # of a record without noise
         self._means = np.average(self._along(self.times), axis=0, weights=count)
         levels = {law.held.get(LEVEL) for law in laws.values()}
         self.level = next(iter(levels)) if len(levels) == 1 else None
@@ -291,15 +290,19 @@ class VelocitySteps(Simulated):
         )
 
     def _always(self, drift: str) -> Always:
-        level = 1e-9 if self.level is not None else LEVELS
-        sizes = {"none": (1e-9,), "linear": TRENDS[1:]}.get(drift, TRENDS)
-        bent = 1e-9 if drift == "linear" else None
-        prior = np.array({1: (1.0,), 2: (0.5, 0.5)}.get(len(sizes), CHANCES))
+        level = NONE if self.level is not None else PRIORS[LEVEL][1]
+        trends = [*TRENDS.items()]
+        if drift != "auto":
+            trends = [(NONE, 1.0)] if drift == "none" else [(x, 0.5) for x, _ in trends[1:]]
+        self.trending = np.array([trend > min(TRENDS) for trend, _ in trends])
+        sizes = [
+            [level, trend, *(NONE if drift == "linear" else trend for _ in SETTLING)]
+            for trend, _ in trends
+        ]
         return Always(
-            names=("level", "trend", *("settling" for _ in SETTLING)),
             columns=self.along(self.times),
-            sizes=self.size * np.array([[level, x, *(bent or x for _ in SETTLING)] for x in sizes]),
-            prior=prior,
+            sizes=self.size * np.array(sizes),
+            prior=np.array([chance for _, chance in trends]),
         )
 
     def along(self, times: Array) -> Array:
@@ -313,7 +316,7 @@ class VelocitySteps(Simulated):
 
     def prior(self, family: str) -> float:
         form = self.laws[family].form
-        return -UNUSUAL * (PLACES[form.evolution] + 2 * form.second)
+        return -PRICES[form.evolution] - PRICES[SECOND] * form.second
 
     # ------------------------------------------------------------------ coordinates
     def _is_logarithm(self, family: str, name: str) -> bool:
@@ -369,7 +372,10 @@ class VelocitySteps(Simulated):
     def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
         law = self.laws[family]
         rate, _ = self.record.levels()
-        stiff = [self.stiffness, *([self.record.steepest()] if self.doubt > MACHINE else [])]
+        stiff = [
+            self.stiffness,
+            *([self.record.steepest()] if self.doubt > PRIORS[STIFFNESS][1] else []),
+        ]
         tried: list[Mapping[str, float]] = [{STIFFNESS: k} for k in stiff]
         if law.form.evolution == "none":
             tried = [{DIRECT: rate, **one} for one in tried]
@@ -385,10 +391,8 @@ class VelocitySteps(Simulated):
                 tried = [one if STRESS in one else self._stressed(one) for one in tried]
         if law.given:
             tried.append(law.given)
-        known = {name: value for name, value in law.held.items()}
-        return np.array([self._point(family, {**one, **known}) for one in tried]).reshape(
-            len(tried), -1
-        )
+        points = [self._point(family, {**one, **law.held}) for one in tried]
+        return np.array(points).reshape(len(tried), -1)
 
     @staticmethod
     def _stressed(one: Mapping[str, float]) -> dict[str, float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
-from stickslip.identify.candidates import CrossValidated, Verdict
+from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, Prediction, RecordFit, inverse_dynamics, load_of
 from stickslip.quantities import turned
 from stickslip.show.formatting import Scale, scale_of
@@ -350,31 +350,6 @@ def _shifts(spans: drawing.Array) -> dict[int, float]:
         found[record] = at - float(own[:, 1].min())
         at += float(own[:, 2].max() - own[:, 1].min())
     return found
-
-
-def errors_of(
-    candidate: CrossValidated[RecordFit], horizon: float, factor: float
-) -> ErrorSeries | None:
-    """Return errors of predictions over a horizon [s], over time and by held-out block."""
-    if candidate.fit is None or candidate.validation is None:
-        return None
-    seen = candidate.fit.predict(horizon=horizon)
-    problem = candidate.fit.problem
-    shift = _shifts(problem.spans)
-    placed = seen.t + np.array([shift[int(record)] for record in seen.record])
-    share = max(drawing.LINE_POINTS // max(len(np.unique(seen.segment)), 1), 12)
-    times: list[drawing.Array] = []
-    errors: list[drawing.Array] = []
-    for number in np.unique(seen.segment):
-        own = seen.segment == number
-        t, y = drawing.thinned(placed[own], factor * seen.residual[own], share)
-        times += [t, t[-1:]]  # a gap in the line: each segment starts from a state of its own
-        errors += [y, np.array([np.nan])]
-    return ErrorSeries(
-        np.concatenate(times),
-        np.concatenate(errors),
-        factor * np.sqrt(np.array(candidate.validation.losses)),
-    )
 
 
 def panel_of(

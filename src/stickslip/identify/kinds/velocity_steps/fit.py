@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identify.fits import (
+    BLOCKS,
     LAW,
     Parameters,
     Watch,
@@ -17,7 +18,8 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.kinds.velocity_steps.result import RateStateFit, result_of
 from stickslip.identify.problems.velocity_steps import (
-    MACHINE,
+    PRIORS,
+    STIFFNESS,
     UNKNOWN,
     Record,
     SteppedLaw,
@@ -36,7 +38,7 @@ CONVENTION = "friction.reference_velocity"
 """The speed at which mu_0 holds: any will do, and none can be fitted."""
 STARTS = 3
 """Searches of each law that are followed to their end."""
-FEWEST = 30
+FEWEST = 3 * BLOCKS
 """Samples that a fit needs."""
 
 
@@ -244,7 +246,7 @@ def _asked(
     )
 
 
-def _doubt(block: TowedBlock, chosen: "Parameters[RateState]", measurement: Measurement) -> float:
+def _doubt(block: TowedBlock, chosen: "Parameters[Any]", measurement: Measurement) -> float:
     """Return the prior deviation of the logarithm of the stiffness."""
     stated = dict(measurement.parameter_uncertainties)
     spread = stated.pop(MACHINE_STIFFNESS, None)
@@ -257,7 +259,7 @@ def _doubt(block: TowedBlock, chosen: "Parameters[RateState]", measurement: Meas
         return UNKNOWN
     if MACHINE_STIFFNESS in chosen.held:
         return 0.0
-    return MACHINE if spread is None else math.log1p(spread / block.stiffness)
+    return PRIORS[STIFFNESS][1] if spread is None else math.log1p(spread / block.stiffness)
 
 
 def _pulled(mechanism: Mechanism) -> TowedBlock:

@@ -12,10 +12,12 @@ from stickslip.data import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import RateState
 from stickslip.identify import THRESHOLDS
+from stickslip.identify.bands import LEVEL as PROBABILITY
 from stickslip.identify.bands import Array, PredictionBand
 from stickslip.identify.fits import Estimate, Fit, estimates_for
 from stickslip.identify.judgement import ASSERTED
 from stickslip.identify.kinds.velocity_steps.slider import SliderHistory, simulate_velocity_steps
+from stickslip.identify.problems.travels import UNTOLD
 from stickslip.identify.problems.velocity_steps import (
     DIRECT,
     DISTANCE,
@@ -28,7 +30,7 @@ from stickslip.identify.problems.velocity_steps import (
     VelocitySteps,
     record_of,
 )
-from stickslip.identify.simulated import FamilyPosterior, SimulatedPosterior
+from stickslip.identify.simulated import WHITE, FamilyPosterior, SimulatedPosterior
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, fields_of
 from stickslip.show.formatting import fixed, joined, number, quantities, quantity, ratio
@@ -41,13 +43,9 @@ ORDER = (DIRECT, EVOLVED, DISTANCE, STIFFNESS, LEVEL, STRESS, SECOND, FURTHER)
 """Parameters in the order in which they are told."""
 TOLD = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
-UNTOLD = 0.7
-"""Deviation of a coordinate over that of its prior from which the record does not tell it."""
-REMEMBERED = 0.25
-"""Share of rows that count, below which what a law leaves is no noise of samples."""
 SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
-ENDS = (0.025, 0.975)
+ENDS = (0.5 * (1.0 - PROBABILITY), 0.5 * (1.0 + PROBABILITY))
 """Quantiles of draws between which 95 % lie."""
 
 
@@ -166,8 +164,8 @@ class RateStateFit(Fit[RateState]):
     @property
     def drifts(self) -> bool:
         """Whether friction is told to change along the way beside the law."""
-        share = float(self.family.changed.mean())
-        return len(self.problem.always.sizes) > 1 and share >= ASSERTED / (1.0 + ASSERTED)
+        share = float(self.problem.trending[self.family.sets].mean())
+        return len(self.problem.trending) > 1 and share >= ASSERTED / (1.0 + ASSERTED)
 
     @property
     def drift(self) -> float:
@@ -197,7 +195,7 @@ class RateStateFit(Fit[RateState]):
 
         The law misses something then, or the noise remembers more than a few samples.
         """
-        return self.posterior.kappa < REMEMBERED or self.over_scatter > THRESHOLDS.misfit
+        return self.posterior.kappa < 0.5 * WHITE or self.over_scatter > THRESHOLDS.misfit
 
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
@@ -257,7 +255,7 @@ class RateStateFit(Fit[RateState]):
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """What can be said: of speeds, ``"rate"``, ``"separation"``, ``"distance"``, ``"drift"``."""
+        """What can be said, such as ``"rate"``, ``"separation"``, ``"distance"``, ``"drift"``."""
         return _findings(self)
 
     @property
@@ -409,9 +407,9 @@ def _findings(fit: RateStateFit) -> tuple[Finding, ...]:
 
 
 def _about_drift(fit: RateStateFit) -> str:
-    ends = fit.problem.along(np.array([0.0, fit.problem.record.path.time[-1]]))[:, 1:]
-    first, last = fit.family.usual[0] + ends @ fit.family.usual[1:]
-    curve = fit.problem.along(fit.problem.times)[:, 1:] @ fit.family.usual[1:]
+    ends = fit.problem.along(np.array([0.0, fit.problem.record.path.time[-1]]))
+    first, last = ends @ fit.family.usual
+    curve = fit.problem.along(fit.problem.times) @ fit.family.usual
     change = float(np.ptp(curve))
     return (
         f"Friction drifts beside the law, whatever the speed: from {number(first, 4)} at its"

@@ -6,13 +6,11 @@ from typing import Any, Final
 
 from stickslip.data import Checks
 from stickslip.friction import RateState
+from stickslip.identify import THRESHOLDS
 from stickslip.identify.candidates import Candidate, Verdict, plain, score_text
 from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
 from stickslip.show.formatting import EstimateText, Scale, percent
-
-RARE = 1e-3
-"""Probability below which it is not told in digits."""
 
 
 def share_text(share: float) -> str:
@@ -23,7 +21,8 @@ def share_text(share: float) -> str:
     >>> share_text(0.93), share_text(1e-9)
     ('93 %', 'below 0.1 %')
     """
-    return percent(share) if share >= RARE else f"below {percent(RARE)}"
+    least = THRESHOLDS.negligible
+    return percent(share) if share >= least else f"below {percent(least)}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -13,13 +13,11 @@ from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.velocity_steps.result import RateStateFit
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate, share_text
 from stickslip.identify.problems.velocity_step_paths import SHORTEST
+from stickslip.identify.simulated import ENOUGH
 from stickslip.show.formatting import capital, joined, number, quantity, ratio, significant, span
 
 OWN = ("a", "b", "D_c", "b_2", "D_2", "c")
 """Symbols of what a law adds to its level, in the order in which they are told."""
-FEWEST_DRAWS = 50.0
-"""Effective draws below which intervals are said to be rough: an end is then known to a third of
-the half width."""
 
 
 def outcomes(
@@ -162,7 +160,7 @@ def _cannot_tell(
     lines = []
     if rival is not None:
         lines.append(f"Which law: {_law(rival)} is {share_text(rival.share)} probable.")
-    if fit.family.effective < FEWEST_DRAWS:
+    if fit.family.effective < ENOUGH / 3.0:
         lines.append(
             "The intervals to better than a third: the effective number of draws is"
             f" {significant(fit.family.effective, 2)}."
@@ -171,10 +169,8 @@ def _cannot_tell(
         lines.append("$a$ and $b$: larger and smaller ones of the same difference fit as well.")
     lines += [f"${e.quantity.symbol}$: {e.reason}." for e in fit.estimates if e.reason]
     lines += sentences_of(fit.findings, "stiffness")
-    richer = [
-        one for one in ordered[1:]
-        if one is not rival and one.fit is not None and one.share * RIVAL > ordered[0].share
-    ]  # fmt: skip
+    near = [one for one in ordered[1:] if one.share * RIVAL > ordered[0].share]
+    richer = [one for one in near if rival is None or one.name != rival.name]
     if richer:
         lines.append(f"Whether there is more: {_law(richer[0])} is {share_text(richer[0].share)}"
                      " probable.")  # fmt: skip
