@@ -155,7 +155,9 @@ def test_an_autoregression_has_the_effective_size_of_the_textbook():
     decay, count = 0.8, 20_000
     seen = mean_of(autoregression(count, decay, np.random.default_rng(9)))
     # n (1 - a) / (1 + a); the sum up to the first zero adds the noise of a few lags to it
-    assert effective_size(seen.residual) == pytest.approx(count * (1 - decay) / (1 + decay), rel=0.15)
+    assert effective_size(seen.residual) == pytest.approx(
+        count * (1 - decay) / (1 + decay), rel=0.15
+    )
     white = mean_of(np.random.default_rng(9).normal(size=2000))
     assert effective_size(white.residual) == pytest.approx(2000.0, rel=0.1)
     assert effective_size(mean_of(np.ones(30)).residual) == 30.0

@@ -210,10 +210,10 @@ class SimulatedPosterior:
         """What is said of each family, by name."""
         evidence = np.array([one.evidence + problem.prior(name)
                              for name, one in self.families.items()])  # fmt: skip
-        self.shares = dict(
-            zip(self.families, np.exp(evidence - logsumexp(evidence)).tolist(), strict=True)
-        )
-        """Posterior probabilities of the families, by name, in sum 1."""
+        works = np.isfinite(evidence)
+        chances = np.exp(np.where(works, evidence - logsumexp(evidence[works]), -np.inf))
+        self.shares = dict(zip(self.families, chances.tolist(), strict=True))
+        """Posterior probabilities of the families, by name, in sum 1; 0 where no run works."""
 
     @property
     def effective(self) -> float:

@@ -14,7 +14,7 @@ Rocks, gouges, metals and paper have a and b of .003 to .03 at m of .6 ([M], [B]
 slide by tens of critical distances between steps. A frame, grips and a sample give way beside the
 spring, so the stiffness of a machine is known to a third unless its uncertainty is stated. Beside
 every law friction may change along the way: linearly, and as it settles from an earlier step or a
-fresh surface, over .1 and .3 of the record; by .01 %, 1 % or 5 % of m. A second state is prior to
+fresh surface, over .06 to .5 of the way; by .01 %, 1 % or 5 % of m. A second state is prior to
 lie within a decade of the first, as one over a longer way is a trend. (A smooth change over a
 twentieth of the way as well was refuted: on a rock it took a third of the step for itself.)
 
@@ -59,8 +59,8 @@ PRIORS = {
 """Medians, and deviations of the logarithm or, of effects of states, of the value: see above."""
 TRENDS = {1e-4: 0.4, 0.01: 0.4, 0.05: 0.2}
 """Sizes of what changes along the way, over the mean coefficient, with their probabilities."""
-SETTLING = (0.1, 0.3)
-"""Shares of the record over which friction settles."""
+SETTLING = (0.06, 0.12, 0.25, 0.5)
+"""Shares of the way over which friction settles: what lies between is a sum of both beside it."""
 NONE = 1e-9
 """Size of what is not there."""
 PRICES = {"none": 0.0, "ageing": 0.0, "slip": 0.0, "prz": 0.6, "nagata": 0.6, SECOND: 1.2}

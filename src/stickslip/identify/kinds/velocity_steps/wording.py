@@ -67,9 +67,18 @@ def rate_state_wording(
         lede=_lede(ordered, fit, fault),
         settles=_settles(fit),
         cannot_tell=_cannot_tell(ordered, fit, rival),
-        measure_next=_measure_next(fit, rival, checks),
+        measure_next=(*_untried(ordered, fit), *_measure_next(fit, rival, checks))[:MOST],
         no_score=_no_score(ordered, rival),
     )
+
+
+def _untried(ordered: Sequence[RateStateCandidate], fit: RateStateFit) -> tuple[str, ...]:
+    """Return which forms are to be compared first, where the closest law leaves more than noise."""
+    tried = {one.fit.problem.laws[one.name].form.title for one in ordered if one.fit is not None}
+    rest = [name for name, form in RATE_STATE_FORMS.items() if form.title not in tried]
+    if not rest or not fit.misses:
+        return ()
+    return (f"First compare the forms that were not tried, {joined(rest)}, by naming them.",)
 
 
 def _verdict(fit: RateStateFit, rival: RateStateCandidate | None, fault: str) -> str:
