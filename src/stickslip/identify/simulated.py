@@ -58,7 +58,7 @@ AGAIN = 3
 """Rounds of draws at most."""
 TAILS = THRESHOLDS.freedom
 """Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
-WHITE = 0.5
+WHITE = 0.7
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
 

@@ -195,7 +195,7 @@ class RateStateFit(Fit[RateState]):
 
         The law misses something then, or the noise remembers more than a few samples.
         """
-        return self.posterior.kappa < 0.5 * WHITE or self.over_scatter > THRESHOLDS.misfit
+        return self.posterior.kappa < WHITE / 3.0 or self.over_scatter > THRESHOLDS.misfit
 
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
