@@ -90,25 +90,9 @@ def coefficients_of(
 ) -> Array:
     """Return coefficients of friction less the reference one (n, k); NaN of what is given up.
 
-    Parameters
-    ----------
-    sliders : Sliders
-        Laws and stiffnesses of k sliders, in steady sliding at first.
-    knots : array (m + 1,)
-        Times between which the load point moves steadily [s].
-    speeds : array (m,)
-        Its speeds [m/s], the first above 0.
-    times : array (n,)
-        Rising times at which the coefficient is asked for [s].
-    reference : float
-        Speed at which the reference coefficient holds [m/s].
-    tolerance : float
-        Error of the coefficient in a step.
-
-    Returns
-    -------
-    array (n, k)
-        Coefficients less the reference one.
+    Sliders slide steadily at first. The load point moves at speeds (m,) [m/s], the first above 0,
+    between knots (m + 1,) [s]; coefficients are asked for at rising times (n,) [s], less the one at
+    the reference speed [m/s]. A step errs by the tolerance at most.
     """
     run = _Run(sliders, reference, tolerance)
     found = np.empty((len(times), len(sliders.direct)))
