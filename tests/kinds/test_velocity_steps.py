@@ -176,8 +176,8 @@ def test_select_prints_the_verdict_as_a_document(run, verdict):
     assert code == 0, err
     told = json.loads(out)
     assert (told["best"], told["route"]) == ("logarithmic", "rate-state")
-    # micrometres read as metres differ in the last digit, and searches end a little apart
-    assert told["candidates"][0]["leaves"] == pytest.approx(verdict.best.score, rel=1e-4)
+    # here the stiffness is held, which the fixture leaves in doubt
+    assert told["candidates"][0]["leaves"] == pytest.approx(verdict.best.score, rel=5e-3)
 
 
 @pytest.mark.usefixtures("sketches")

@@ -5,7 +5,6 @@ from stickslip.identify.candidates.candidates import check_any as check_any
 from stickslip.identify.candidates.candidates import check_apart as check_apart
 from stickslip.identify.candidates.candidates import fitted_side_by_side as fitted_side_by_side
 from stickslip.identify.candidates.candidates import specifications as specifications
-from stickslip.identify.candidates.candidates import watched as watched
 from stickslip.identify.candidates.criteria import Criteria as Criteria
 from stickslip.identify.candidates.criteria import criteria_of as criteria_of
 from stickslip.identify.candidates.criteria import limits_of as limits_of
