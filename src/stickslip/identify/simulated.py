@@ -54,7 +54,7 @@ PROPOSED = 400
 ENOUGH = 150.0
 """Effective draws of a family, or of all together, from which no further round is made: quantiles
 of 95 % are then known to a fifth of the half width."""
-AGAIN = 3
+AGAIN = 6
 """Rounds of draws at most."""
 TAILS = THRESHOLDS.freedom
 """Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
@@ -188,7 +188,7 @@ class SimulatedPosterior:
     """
 
     def __init__(
-        self, problem: Simulated, *, starts: int = 3, seed: int = 0, watch: Watch | None = None
+        self, problem: Simulated, *, starts: int = 4, seed: int = 0, watch: Watch | None = None
     ) -> None:
         self.problem, self._starts, self._watch = problem, starts, watch
         self.cancelled = False

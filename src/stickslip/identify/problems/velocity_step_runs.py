@@ -220,7 +220,9 @@ class _Run:
                 values.append(self.coefficient(y))
                 slopes.append(self._slope(y, speed))
                 h *= min(5.0, 0.9 * max(float(error.max()), 1e-4) ** -0.25)
-        return y, _between(np.array(ends), np.array(values), np.array(slopes), times)
+            # those that ended may have left any number
+            rows = _between(np.array(ends), np.array(values), np.array(slopes), times)
+        return y, rows
 
     def _slope(self, y: Array, speed: float) -> Array:
         return np.asarray(self.sliders.stiffness * (speed - self.reference * np.exp(y[0])))

@@ -381,7 +381,7 @@ class VelocitySteps(Simulated):
             tried = [{DIRECT: rate, **one} for one in tried]
         else:
             floor = max(self.lowest, 0.0) + 1e-3 * self.size
-            direct = [max(rate, 0.0) + x * self.size for x in (0.01, 0.03)]
+            direct = [max(rate, 0.0) + x * self.size for x in (0.0005, 0.01, 0.03)]
             tried = [
                 {DIRECT: a, EVOLVED: max(a - rate, floor), DISTANCE: share * self.way, **one}
                 for a in direct for share in DISTANCES for one in tried

@@ -36,7 +36,7 @@ RateStateLaw: TypeAlias = RateState | type[RateState] | str
 MACHINE_STIFFNESS = "mechanism.stiffness"
 CONVENTION = "friction.reference_velocity"
 """The speed at which mu_0 holds: any will do, and none can be fitted."""
-STARTS = 3
+STARTS = 4
 """Searches of each law that are followed to their end."""
 FEWEST = 3 * BLOCKS
 """Samples that a fit needs."""

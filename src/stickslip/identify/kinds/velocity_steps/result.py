@@ -368,9 +368,15 @@ def _estimates(fit: RateStateFit, values: Mapping[str, float]) -> list[Estimate]
     by_path = {e.path: k for k, e in enumerate(found)}
     for effect, distance in ((EVOLVED, DISTANCE), (SECOND, FURTHER)):
         at = by_path.get(f"friction.{distance}")
-        if at is not None and _is_prior(fit, distance):
+        if at is None:
+            continue
+        spent = float(np.quantile(np.abs(fit.draws[effect]), ENDS[0]))
+        if _is_prior(fit, distance) or spent < THRESHOLDS.material * abs(fit.law.direct_effect):
             symbols = declared[effect].symbol, declared[distance].symbol
             why = "{} may be 0, and then {} has no effect".format(*symbols)
+            own = by_path.get(f"friction.{effect}")
+            if own is not None:  # draws end above 0, where a law has no state
+                found[own] = replace(found[own], low=min(found[own].low, 0.0))
             found[at] = replace(found[at], low=-math.inf, high=math.inf, reason=why)
     return found
 
