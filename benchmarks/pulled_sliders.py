@@ -5,7 +5,7 @@
 *Features*: a block sticks and slips, or swings, under Coulomb, Stribeck or LuGre friction, or
 under friction that no candidate has: that of Hess and Soom, and Coulomb friction with a level that
 varies along the track. *Velocity steps*: records of the four usual forms of rate-and-state
-friction, and of two states and Nagata's form, which are no candidates unless they are named.
+friction, and of two states and Nagata's form, with a machine that is 20 to 40 % off as given.
 
 A verdict is *right* if it names the true law or does not tell it from the one named, or if the law
 that it names predicts what was not measured as well: features at half and twice the speed, or
@@ -29,7 +29,6 @@ from stickslip import (
     FrictionLaw,
     LuGre,
     Measurement,
-    RecordSettings,
     Stribeck,
     TowedBlock,
     select,
@@ -225,13 +224,13 @@ def stepped(seed: int, number: int) -> dict[str, Any]:
         noise = between(random, 1e-4, 1e-3)
         friction = true.coefficient + noise * random.normal(size=len(t))
         record = Measurement(time=t, pull=np.interp(t, knots, places), friction=friction, load=1.0)
-        machine = TowedBlock(mass=1e-3, stiffness=stiffness, speed=1e-6, load=1.0)
+        off = between(random, 1.2, 1.4) ** float(random.choice((-1.0, 1.0)))
+        machine = TowedBlock(mass=1e-3, stiffness=off * stiffness, speed=1e-6, load=1.0)
         begun = time.process_time()
-        verdict = select(machine, None, record, settings=RecordSettings(starts=2))
+        verdict = select(machine, None, record)
         assert isinstance(verdict, RateStateVerdict)
         seconds = time.process_time() - begun
-        closest = verdict.best or verdict.not_recommended
-        assert closest is not None
+        closest = verdict.closest
         assert closest.fit is not None
         fresh = _fresh(knots, places)
         other, own = (
@@ -246,7 +245,7 @@ def stepped(seed: int, number: int) -> dict[str, Any]:
     rival = [verdict.rival] if verdict.rival else []
     return _rated(
         row, verdict.best.name if verdict.best else "", rival,
-        hedged="predicts best, but" in verdict.sentence, error=error,
+        hedged="is closest, but" in verdict.sentence, error=error,
         stated=closest.score / variation,
         intervals=[*_missed(closest.fit.estimates if same else (), _at(law, closest.fit.law))],
     ) | {"verdict": verdict.sentence, "seconds": seconds, "noise": noise}  # fmt: skip

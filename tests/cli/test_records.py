@@ -319,7 +319,7 @@ BAD = [
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
     (
         ("select", "demo", "--workers", "2"),
-        "--workers applies to the force of a spring and velocity steps",
+        "--workers applies to the force of a spring",
     ),
     (("select", "axis.toml", "--starts", "2"), "it has no effect on `select`: leave it out"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),

@@ -155,10 +155,12 @@ def test_an_autoregression_has_the_effective_size_of_the_textbook():
     decay, count = 0.8, 20_000
     seen = mean_of(autoregression(count, decay, np.random.default_rng(9)))
     # n (1 - a) / (1 + a); the sum up to the first zero adds the noise of a few lags to it
-    assert effective_size(seen) == pytest.approx(count * (1 - decay) / (1 + decay), rel=0.15)
+    assert effective_size(seen.residual) == pytest.approx(
+        count * (1 - decay) / (1 + decay), rel=0.15
+    )
     white = mean_of(np.random.default_rng(9).normal(size=2000))
-    assert effective_size(white) == pytest.approx(2000.0, rel=0.1)
-    assert effective_size(mean_of(np.ones(30))) == 30.0
+    assert effective_size(white.residual) == pytest.approx(2000.0, rel=0.1)
+    assert effective_size(mean_of(np.ones(30)).residual) == 30.0
 
 
 def test_a_bootstrap_spreads_as_the_intervals_do_and_follows_its_seed():
@@ -197,7 +199,7 @@ def test_blocks_of_a_sorted_table_each_see_all_speeds():
 def test_rows_of_a_table_that_follow_from_each_other_stay_together():
     v = np.linspace(0.01, 1.0, 160)
     seen = table_of(autoregression(160, 0.97, np.random.default_rng(12)), v)
-    assert effective_size(seen) < 80.0
+    assert effective_size(seen.residual) < 80.0
     assert infer(seen, np.eye(1)).freedom[0] < 2.0
 
 

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.identify.candidates import CrossValidation
 from stickslip.identify.kinds import Column, data_row, page_table, terminal_table
 from stickslip.identify.kinds.features.verdict import COLUMNS as OF_FEATURES
 from stickslip.identify.kinds.features.verdict import FeatureCandidate
@@ -97,25 +96,23 @@ def test_a_page_may_say_a_cell_otherwise():
 
 
 def rate_state(**values):
-    return RateStateCandidate(name="rate-and-state", title="Rate and state", fit=None, **values)
+    return RateStateCandidate(
+        name="rate-and-state", title="Rate and state", fit=None, share=0.0, **values
+    )
 
 
 def test_a_law_on_velocity_steps_without_a_fit_has_all_columns_of_a_dataframe():
     row = rate_state(dropped="the slider runs away").to_row()
-    assert list(row) == [
-        "law", "parameters", "score", "score_error", "a_minus_b", "rmse", "outcome",
-    ]  # fmt: skip
-    assert row["score"] == math.inf
-    assert all(math.isnan(row[name]) for name in ("score_error", "a_minus_b", "rmse"))
+    assert list(row) == ["law", "parameters", "share", "leaves", "a_minus_b", "outcome"]
+    assert row["leaves"] is row["a_minus_b"] is None
 
 
-def test_a_terminal_and_a_page_show_the_same_error_of_a_law_on_velocity_steps():
-    judged = rate_state(validation=CrossValidation(losses=(1e-6, 2e-6, 3e-6)), second=2e-3)
-    heads, ((_, free, error, rate, second),) = terminal_table(OF_STEPS, [judged])
-    assert heads == ["law", "free", "held-out error", "a − b", "second record"]
-    assert (free, rate, second) == ("—", "—", "0.00200")
-    score = next(step for step in OF_STEPS if step.key == "score").on_page(judged)
-    assert error == f"{score.value} {score.doubt}"
+def test_a_terminal_shows_the_share_of_a_law_on_velocity_steps_and_its_second_record():
+    heads, ((_, free, share, leaves, rate, second),) = terminal_table(
+        OF_STEPS, [rate_state(second=2e-3)]
+    )
+    assert heads == ["law", "free", "share", "leaves", "a − b", "second record"]
+    assert (free, share, leaves, rate, second) == ("—", "—", "no score", "—", "0.00200")
 
 
 def test_a_law_on_features_shows_what_it_misses_and_says_why_it_has_no_score():

@@ -14,7 +14,7 @@ from stickslip.friction import RATE_STATE_FORMS, RateState
 from stickslip.identify.fits.estimation.levenberg_marquardt import step_of
 from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.identify.kinds.velocity_steps import slider
-from stickslip.identify.kinds.velocity_steps.load_point import path_of
+from stickslip.identify.problems.velocity_step_paths import path_of
 from stickslip.mechanisms.drives import Sine
 
 KNOTS = np.array([0.0, 20.0, 60.0, 100.0, 120.0])
@@ -283,7 +283,7 @@ OTHERS = {
 )
 def test_other_forms_are_recovered_from_their_own_data(name):
     truth = law(**OTHERS[name])
-    found = fitted(record(truth, noise=3e-4), name, drift="none", starts=1, profile=False)
+    found = fitted(record(truth, noise=3e-4), name, drift="none", starts=1)
     assert found.law.name == name
     assert found.rmse == pytest.approx(3e-4, rel=0.1)
     # intervals are 1 to 2 % of the values here
@@ -462,13 +462,44 @@ def test_of_the_rock_only_the_difference_of_a_and_b_is_known(rock):
     assert any("only a − b is known" in sentence for sentence in found.sentences)
 
 
-def test_the_whole_rock_record_has_the_difference_of_its_levels(rock):
-    found = fitted(rock)
+def test_the_whole_rock_record_has_the_difference_of_its_levels_where_nothing_drifts(rock):
+    found = fitted(rock, drift="none")
     t, mu = rock.time - rock.time[0], rock.friction
     levels = mu[t > 1234.6].mean() - mu[t < 1234.6].mean()
     # the mean after the step holds the rise too, and friction wanders by 3 % of the step there
     assert found.rate.value == pytest.approx(levels / math.log(10.0), rel=0.03)
-    assert any("depends on the length of record" in sentence for sentence in found.sentences)
+    # what friction does along the way is told from what it does with speed, with less certainty
+    drifting = fitted(rock)
+    assert drifting.drifts
+    assert drifting.rate.low < 0.0157 + 0.001  # as published of the first 120 um
+    assert drifting.rate.half_width > 2.0 * found.rate.half_width
+
+
+@pytest.mark.parametrize("evolution", ["ageing", "slip"])
+def test_a_machine_a_third_too_stiff_as_given_costs_no_truth(evolution):
+    made = record(law(evolution=evolution), noise=3e-4, seed=11)
+    machine = TowedBlock(mass=1e-3, stiffness=1.35 * STIFFNESS, speed=1e-6, load=1.0)
+    found = fit_rate_state(machine, FORMS[evolution], made)
+    truth = {"a": 0.010, "b": 0.014, "D_c": 1e-5, "k": STIFFNESS}
+    for estimate in found.estimates:
+        if estimate.quantity.symbol in truth:
+            assert estimate.low < truth[estimate.quantity.symbol] < estimate.high
+            assert estimate.half_width < 0.05 * estimate.value
+    # as certain, it is false: the stiffness is out by ten times its standard error
+    sure = fit_rate_state(machine, FORMS[evolution], made, fixed={"stiffness": machine.stiffness})
+    assert sure.rms > 1.2 * found.rms
+
+
+def test_a_stated_uncertainty_of_the_stiffness_is_its_prior():
+    made = record(law(**CONSTANT, direct_effect=1e-5), noise=3e-3)
+    stated = replace(made, parameter_uncertainties={"mechanism.stiffness": 100.0})
+    machine = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
+    # friction that hardly depends on speed says nothing of the machine
+    k = fit_rate_state(machine, "logarithmic", stated).estimate("stiffness")
+    assert k.half_width == pytest.approx(1.96 * 100.0, rel=0.15)  # of 400 draws
+    usual = fit_rate_state(machine, "logarithmic", made)
+    assert usual.estimate("stiffness").half_width == pytest.approx(1.96 * 600.0, rel=0.2)
+    assert any("does not tell the stiffness" in line for line in usual.sentences)
 
 
 @pytest.mark.slow
@@ -477,7 +508,8 @@ def test_a_fit_is_plain_numbers_and_prints_its_sentences():
     assert json.loads(json.dumps(found.to_dict()))["separable"] is True
     assert found.sentences[0] in str(found)
     assert "<p>" in found._repr_html_()
-    np.testing.assert_allclose(found.history().coefficient, found.fitted, atol=1e-7)
+    # steps of the fit err by a hundredth of the noise
+    np.testing.assert_allclose(found.history().coefficient, found.fitted, rtol=0.0, atol=5e-6)
 
 
 def test_without_evolution_the_closed_form_is_that_of_a_minute_evolution_effect():
@@ -584,9 +616,7 @@ def test_forces_at_a_load_give_the_coefficients_and_a_stiffness_in_newtons_per_m
     one = record(law(), noise=3e-4)
     ten = Measurement(time=one.time, pull=one.pull, friction=10.0 * one.friction)
     machine = TowedBlock(mass=1e-3, stiffness=5e3, speed=1e-6, load=10.0)
-    found = fit_rate_state(
-        machine, RateState, ten, vary=FREE, drift="none", starts=1, profile=False
-    )
+    found = fit_rate_state(machine, RateState, ten, vary=FREE, drift="none", starts=1)
     assert found.mechanism.stiffness == pytest.approx(10.0 * STIFFNESS, rel=0.05)
     assert found.stiffness == pytest.approx(STIFFNESS, rel=0.05)
     assert found.estimate("stiffness").value == pytest.approx(found.mechanism.stiffness)
@@ -626,8 +656,7 @@ SINGLE = {"knots": KNOTS[:3], "places": PULL[:3]}
 @pytest.mark.slow
 @pytest.mark.parametrize("steps", [{}, SINGLE], ids=["three-steps", "one-step"])
 def test_intervals_hold_the_truth_where_noise_is_autocorrelated(steps):
-    # 30 records: of 95 % intervals 27 or more hold with a chance of 0.94; of those of the former
-    # sandwich, on one step, 17 to 21 held
+    # 30 records: of 95 % intervals 27 or more hold with a chance of 0.94
     truth = {"a": 0.010, "b": 0.014, "D_c": 1e-5, "a - b": -0.004}
     held = dict.fromkeys(truth, 0)
     for seed in range(30):
@@ -671,7 +700,7 @@ def test_a_jerk_of_the_load_point_is_part_of_its_path_and_no_step(pieces, steps,
 
 
 @pytest.mark.slow
-def test_steps_with_jerks_are_held_out_whole_and_explained():
+def test_steps_with_jerks_are_explained():
     knots, places = jerked([(1, 40), (30, 0.5), (10, 20), (3, 0.5), (1, 40)])
     t = np.linspace(0.0, knots[-1], 600)
     run = simulate_velocity_steps(law(), stiffness=STIFFNESS, time=knots, pull=places, at=t)
@@ -682,17 +711,4 @@ def test_steps_with_jerks_are_held_out_whole_and_explained():
     verdict = select(MACHINE, ["constant-coefficient", "rate-and-state"], record, vary=FREE)
     assert verdict.best is not None
     assert verdict.best.name == "rate-and-state"
-    assert len(verdict.best.validation.losses) == 2
     assert verdict.best.score < 1e-3  # the noise, twice
-
-
-def test_a_fit_gives_up_stick_slip_that_its_record_does_not_show():
-    unsteady = law(evolution_effect=0.015)
-    softer = 0.5 * unsteady.critical_stiffness
-    knots, times = np.array([0.0, 20.0, 400.0]), np.linspace(0.0, 400.0, 50)
-    given = (unsteady, softer, knots, np.array([1e-6, 1e-5]), times, 1e-9)
-    followed = slider.logarithms(*given)
-    assert followed is not None
-    assert slider.logarithms(*given, shown=True) is None
-    stiff = (unsteady, 4.0 * softer, *given[2:])
-    assert np.array_equal(slider.logarithms(*stiff, shown=True), slider.logarithms(*stiff))

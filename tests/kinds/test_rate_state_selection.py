@@ -3,7 +3,6 @@
 import functools
 import json
 import math
-from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
@@ -20,9 +19,7 @@ from stickslip.identify.kinds import (
 )
 from stickslip.identify.kinds.registry import kind_of_route
 from stickslip.identify.kinds.velocity_steps.page import sections
-from stickslip.identify.kinds.velocity_steps.selection import rate_state_laws, unseen_of
-from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate
-from stickslip.identify.kinds.velocity_steps.wording import _untried
+from stickslip.identify.kinds.velocity_steps.selection import rate_state_laws
 from stickslip.show.report.blocks import Origin, Page, made_sections, render
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
@@ -97,26 +94,11 @@ def test_three_steps_name_a_law_that_evolves(verdicts):
 
 def named(verdict, name):
     assert verdict.best.name == name
-    # the law predicts to the noise: 600 rows of 3 per correlation time know it to some 5 %
+    # the law leaves the noise: 600 rows of 3 per correlation time know it to some 5 %
     assert verdict.best.score == pytest.approx(5e-4, rel=0.15)
+    assert verdict.best.share > 0.5
+    assert sum(one.share for one in verdict.candidates) == pytest.approx(1.0)
     assert verdict.words.cannot_tell
-
-
-@pytest.mark.parametrize(
-    "name", ["logarithmic", pytest.param("constant-coefficient", marks=pytest.mark.slow)]
-)
-def test_no_parameters_are_invented_where_nothing_evolves(verdicts, name):
-    symbols = {e.quantity.symbol for e in verdicts(name).best.fit.estimates}
-    assert not symbols & {"b", "D_c"}
-    richer = [c for c in verdicts(name).candidates if name in c.simpler]
-    assert richer
-    assert all("not shown to be better" in c.outcome for c in richer)
-
-
-@pytest.mark.slow
-def test_a_record_of_the_wrong_law_is_worse_by_far(verdicts):
-    slip = next(c for c in verdicts("rate-and-state").candidates if c.name == "rate-and-state-slip")
-    assert slip.score > 5.0 * verdicts("rate-and-state").best.score
 
 
 def test_the_wrong_form_of_evolution_leaves_far_more_than_the_noise():
@@ -124,21 +106,9 @@ def test_the_wrong_form_of_evolution_leaves_far_more_than_the_noise():
     record = pulled(law(), ([0.0, 5.0, 10.0, 50.0], [0.0, 5.0, 55.0, 95.0]))
     fit = fit_rate_state(
         MACHINE, law(evolution="slip"), record,
-        vary="critical_distance", drift="none", starts=1, profile=False,
+        vary="critical_distance", drift="none", starts=1,
     )  # fmt: skip
     assert fit.rms > 5.0 * 5e-4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", TRUTHS)
-@pytest.mark.parametrize("seed", [1, 2])
-def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
-    record = pulled(law(**TRUTHS[name]), ONE, seed=seed)
-    verdict = select_rate_state(MACHINE, None, record, settings=SETTINGS)
-    assert name in (verdict.closest.name, verdict.rival)
-    assert not verdict.by_steps
-    assert any("only one" in line for line in verdict.words.cannot_tell)
-    assert any("More steps" in line for line in verdict.words.measure_next)
 
 
 OTHERS = {
@@ -169,72 +139,106 @@ def test_three_steps_name_forms_that_are_tried_by_name(name, rival):
     assert verdict.ranked
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("truth", "richer"),
-    [
-        ({"evolution": "slip"}, "rate-and-two-states-slip"),
-        pytest.param({}, "rate-and-state-nagata", marks=pytest.mark.slow),
-    ],
-)
-def test_a_second_length_and_an_effect_of_stress_are_not_invented(truth, richer):
-    simple = law(**truth).name
-    record = pulled(law(**truth), seed=1)
-    verdict = select_rate_state(MACHINE, [simple, richer], record, settings=SETTINGS)
-    assert verdict.best.name == simple
-    (other,) = verdict.candidates[1:]
-    assert other.simpler == (simple,)
-    assert "not shown to be better" in other.outcome
-
-
-def test_two_states_are_not_chosen_on_the_rock(data_dir):
-    record = load_measurement(
-        data_dir / "rock_velocity_step" / "sepiolite.parquet",
-        columns={"time": "t_s", "pull": "disp_um", "friction": "mu"},
-        gain={"pull": 1e-6},
-    )
-    machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
-    laws = ["logarithmic", "rate-and-two-states-slip"]
-    verdict = select_rate_state(
-        machine, laws, record, vary=["friction.*", "mechanism.stiffness"], settings=SETTINGS
-    )
-    assert verdict.best.name == "logarithmic"
+@pytest.mark.parametrize(("name", "seed"), [("logarithmic", 1), ("constant-coefficient", 2)])
+def test_no_parameters_are_invented_where_nothing_evolves(name, seed):
+    verdict = select_rate_state(MACHINE, None, pulled(law(**TRUTHS[name]), seed=seed))
+    assert verdict.best.name == name
+    symbols = {e.quantity.symbol for e in verdict.best.fit.estimates}
+    assert not symbols & {"b", "D_c", "b_2", "c"}
 
 
 @pytest.mark.slow
-def test_a_candidate_that_reduces_to_another_is_not_held_against_a_third():
-    # the ageing law is not tried: a Nagata law without an effect of stress may stand for it
-    record = pulled(law())
-    laws = ["constant-coefficient", "rate-and-state-nagata"]
-    verdict = select_rate_state(MACHINE, laws, record, settings=SETTINGS)
-    assert verdict.best.name == "rate-and-state-nagata"
-    assert verdict.best.reduces_to == ()
+@pytest.mark.parametrize("seed", range(4))
+def test_no_second_state_is_invented_where_the_machine_is_stiffer_than_told(seed):
+    truth = law(evolution=("ageing", "slip")[seed % 2])
+    machine = TowedBlock(mass=1e-3, stiffness=2.8e3, speed=1e-6, load=1.0)
+    verdict = select_rate_state(machine, None, pulled(truth, seed=30 + seed))
+    assert verdict.best.name == truth.name
+    values = {"a": 0.010, "b": 0.014, "D_c": 1e-5, "k": 2e3}
+    for estimate in verdict.best.fit.estimates:
+        if estimate.quantity.symbol in values:  # four of a record, so that one is out at times
+            middle = 0.5 * (estimate.low + estimate.high)
+            assert abs(values[estimate.quantity.symbol] - middle) < 1.6 * estimate.half_width
 
 
-def test_held_out_steps_are_predicted_without_them(verdicts):
-    fit = verdicts(*EVOLVING).best.fit
-    unseen = unseen_of(fit)
-    segments = fit.problem.segments
-    assert np.isnan(unseen[segments == 0]).all()
-    assert np.isfinite(unseen[segments > 0]).all()
-    # a step spoilt afterwards changes what is held out there, and what its fit makes of the others
-    spoilt = pulled(law(**PLAIN))
-    friction = spoilt.friction + np.where(spoilt.time >= 100.0, 0.01, 0.0)
-    other = Measurement(time=spoilt.time, pull=spoilt.pull, friction=friction, load=1.0)
-    verdict = select_rate_state(MACHINE, ["logarithmic"], other, settings=SETTINGS)
-    losses = verdict.closest.validation.losses
-    # what is left out of its own fit misses by what was added; squares of 5e-4 stand beside 1e-4
-    assert losses[2] == pytest.approx(1e-4, rel=0.1)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TRUTHS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
+    record = pulled(law(**TRUTHS[name]), ONE, seed=seed)
+    verdict = select_rate_state(MACHINE, None, record, settings=SETTINGS)
+    assert name in (verdict.closest.name, verdict.rival)
+    assert any("only one" in line for line in verdict.words.cannot_tell)
+    assert any("More steps" in line for line in verdict.words.measure_next)
 
 
-def test_a_drift_is_fitted_to_all_laws_or_to_none():
+def test_a_curved_trend_is_no_constant_coefficient():
+    record = pulled(law(**TRUTHS["constant-coefficient"]))
+    way = record.pull / record.pull[-1]
+    worn = Measurement(
+        time=record.time, pull=record.pull, load=1.0,
+        friction=record.friction + 0.02 * np.exp(-way / 0.2) - 0.01 * way,
+    )  # fmt: skip
+    verdict = select_rate_state(MACHINE, None, worn)
+    assert verdict.best.name == "constant-coefficient"
+    assert "no effect of speed is established" in verdict.sentence
+    assert "the coefficient changes along the way" in verdict.sentence
+    # .0173 up at its beginning, .0097 down at its end beside the mean
+    (line,) = (one for one in verdict.best.fit.sentences if "drifts" in one)
+    first, last = (float(x) for x in (line.split("from ")[1].split(" ")[0],
+                                      line.split(" to ")[1].split(" ")[0]))  # fmt: skip
+    assert first - last == pytest.approx(0.02 * (1.0 - math.exp(-5.0)) + 0.01, abs=1e-3)
+
+
+def test_a_drift_is_told_beside_friction_that_depends_on_speed():
     record = pulled(law(**PLAIN), drift=20.0, noise=2e-4)
     verdict = select_rate_state(MACHINE, ["logarithmic", "constant-coefficient"], record)
     assert verdict.best.name == "logarithmic"
-    assert all(c.fit.drift == pytest.approx(20.0, rel=0.5) or c.name != "logarithmic"
-               for c in verdict.candidates)  # fmt: skip
-    assert all(c.fit.drift != 0.0 for c in verdict.candidates)
-    assert any("drifts" in line for line in verdict.words.cannot_tell)
+    assert verdict.best.fit.drift == pytest.approx(20.0, rel=0.1)
+    assert "drifts" in verdict.words.lede
+
+
+def test_a_selection_of_one_law_is_its_fit(verdicts):
+    record = pulled(law(**PLAIN))
+    fit = fit_rate_state(MACHINE, "logarithmic", record)
+    (alone,) = select_rate_state(MACHINE, "logarithmic", record).candidates
+    assert alone.share == 1.0
+    assert [e.to_dict() for e in alone.fit.estimates] == [e.to_dict() for e in fit.estimates]
+
+
+def test_a_stopped_selection_goes_on_with_the_best_so_far():
+    told = []
+    verdict = select_rate_state(
+        MACHINE, ["constant-coefficient", "logarithmic"], pulled(law(**PLAIN)),
+        progress=lambda name, rms: told.append((name, rms)), settings=SETTINGS,
+    )  # fmt: skip
+    assert verdict.best.name == "logarithmic"
+    assert told[-1][1] == pytest.approx(5e-4, rel=0.15)
+    stopped = select_rate_state(
+        MACHINE, "rate-and-state", pulled(law()), progress=lambda *_: False, settings=SETTINGS
+    )
+    assert stopped.closest.fit.cancelled
+
+
+@pytest.mark.slow
+def test_a_law_that_leaves_more_than_noise_sends_to_the_forms_that_were_not_tried():
+    two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
+    laws = ["rate-and-state", "logarithmic"]
+    verdict = select_rate_state(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
+    assert verdict.sentence.startswith("Rate-and-state friction with the ageing law is closest,")
+    assert "rate-and-two-states" in verdict.words.measure_next[0]
+    every = select_rate_state(MACHINE, None, pulled(two, memory=1e-9), settings=SETTINGS)
+    assert every.best.name == "rate-and-two-states"
+    assert every.sentence.startswith("Use rate-and-state friction with two states")
+
+
+def test_the_rock_leaves_more_than_noise_to_every_law_and_tells_the_difference_alone(rock):
+    assert "not noise of single samples" in rock.sentence
+    assert "Only" in rock.sentence
+    logarithmic = next(one for one in rock.candidates if one.name == "logarithmic")
+    # published: a = 0.0157 and b about 0 on the first 0.12 mm after the step
+    assert logarithmic.fit.rate.low < 0.0157 < logarithmic.fit.rate.high
+    assert any("only one" in line for line in rock.words.cannot_tell)
 
 
 def test_a_second_record_is_predicted_and_not_fitted(verdicts):
@@ -245,7 +249,9 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
         MACHINE, ["constant-coefficient"], pulled(law()), validate=second, settings=SETTINGS
     )
     known = next(c for c in verdicts(*EVOLVING).candidates if c.name == "constant-coefficient")
-    assert verdict.closest.fit.law == known.fit.law
+    # what the best of others leaves says how much counts as a trend, and so a little of the level
+    level = verdict.closest.fit.law.reference_coefficient
+    assert level == pytest.approx(known.fit.law.reference_coefficient, abs=1e-4)
     assert verdict.closest.second > 3e-3  # of steps that change friction by 0.01 and overshoot
     assert kind_of_route(verdict.route).comparison(verdict).heads[-1] == "second record"
 
@@ -262,44 +268,6 @@ def test_a_verdict_is_plain_numbers_and_a_table(verdicts, name):
     assert len(table.notes) == len(table.rows) == len(verdict.to_dataframe())
 
 
-def test_workers_give_the_same_verdict():
-    record = pulled(law(**PLAIN))
-    laws = ["constant-coefficient", "logarithmic"]
-    alone = select_rate_state(MACHINE, laws, record, settings=SETTINGS)
-    told = []
-    with ProcessPoolExecutor(2) as pool:
-        together = select_rate_state(
-            MACHINE,
-            laws,
-            record,
-            settings=SETTINGS,
-            executor=pool,
-            progress=lambda *news: told.append(news),
-        )
-    ended = {name for name, rms in told if np.isfinite(rms)}
-    assert ended == set(laws)  # those in other processes are told of too
-    assert [c.score for c in alone.candidates] == [c.score for c in together.candidates]
-    assert alone.sentence == together.sentence
-
-
-def test_a_stopped_selection_says_what_was_left_out():
-    record = pulled(law(**PLAIN))
-    told = []
-
-    def watch(name, rms):
-        told.append(name)
-        return name == "logarithmic"
-
-    verdict = select_rate_state(
-        MACHINE, ["constant-coefficient", "logarithmic"], record, progress=watch, settings=SETTINGS
-    )
-    assert verdict.closest.name == "logarithmic"
-    left = next(c for c in verdict.candidates if c.name == "constant-coefficient")
-    assert "the search was stopped" in left.outcome
-    held_out = [f"held-out steps: logarithmic, {part} of 3" for part in (1, 2, 3)]
-    assert set(told) == {"constant-coefficient", "logarithmic", *held_out}
-
-
 @pytest.mark.slow
 def test_stick_slip_under_a_load_point_is_explained_by_no_law():
     t = np.arange(0.0, 120.0, 0.1)
@@ -310,18 +278,10 @@ def test_stick_slip_under_a_load_point_is_explained_by_no_law():
     assert verdict.best is None or verdict.best.name == "constant-coefficient"
 
 
-@pytest.mark.slow
-def test_a_machine_that_is_not_the_one_measured_leaves_more_than_noise():
-    soft = TowedBlock(mass=1e-3, stiffness=100.0, speed=1e-6, load=1.0)
-    laws = ["constant-coefficient", "rate-and-state"]
-    verdict = select_rate_state(soft, laws, pulled(law()), settings=SETTINGS)
-    assert "the scatter of neighbouring samples" in verdict.sentence
-
-
 def test_candidates_are_checked():
-    assert [one.name for one in rate_state_laws("logarithmic")] == ["logarithmic"]
-    assert [one.name for one in rate_state_laws(RateState)] == ["rate-and-state"]
-    assert [one.name for one in rate_state_laws({"mine": law()})] == ["mine"]
+    assert [*rate_state_laws("logarithmic")] == ["logarithmic"]
+    assert [*rate_state_laws(RateState)] == ["rate-and-state"]
+    assert [*rate_state_laws({"mine": law()})] == ["mine"]
     with pytest.raises(InputError, match="slip speed was not measured"):
         rate_state_laws([Coulomb])
     with pytest.raises(InputError, match="no friction law to try"):
@@ -341,15 +301,6 @@ def rock(data_dir):
     return select_rate_state(machine, None, record, vary=["friction.*", "mechanism.stiffness"])
 
 
-def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
-    # published: a = 0.0157 and b about 0 on the first 0.12 mm after the step
-    assert rock.best.name == "logarithmic"
-    assert rock.best.fit.rate.low > 0.0157
-    lines = " ".join(rock.words.cannot_tell)
-    assert "depends on the length of record" in lines
-    assert "only one" in lines
-
-
 def test_pages_have_every_section(verdicts, rock):
     for verdict in (verdicts(*EVOLVING), verdicts("logarithmic"), rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
@@ -366,43 +317,9 @@ def test_pages_have_every_section(verdicts, rock):
 
 def test_fits_and_verdicts_draw_themselves_and_show_in_notebooks(verdicts):
     verdict = verdicts("logarithmic")
-    assert verdict.plot().get_xlabel() == "held-out error"
+    assert verdict.plot().get_xlabel()
     axes = verdict.best.fit.plot()
     assert axes.get_ylabel() == "coefficient of friction"
     np.testing.assert_array_equal(axes.lines[1].get_ydata(), verdict.best.fit.fitted)
     for one in (verdict, verdict.best.fit):
         assert "<table" in one._repr_html_()
-
-
-@pytest.mark.slow
-def test_a_law_whose_residuals_remember_is_not_recommended_without_the_forms_that_were_not_tried():
-    two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
-    laws = ["rate-and-state", "logarithmic"]
-    verdict = select_rate_state(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
-    assert verdict.sentence.startswith("Rate-and-state friction with the ageing law predicts best,")
-    assert "a form that was not tried may hold" in verdict.sentence
-    assert "rate-and-two-states" in verdict.words.measure_next[0]
-
-
-@pytest.mark.slow
-def test_a_law_that_holds_to_the_noise_is_recommended_without_further_forms():
-    verdict = select_rate_state(
-        MACHINE, ["rate-and-state", "logarithmic"], pulled(law(), memory=1e-9), settings=SETTINGS
-    )
-    assert verdict.sentence.startswith("Use rate-and-state friction with the ageing law")
-    assert not any("not tried" in line for line in verdict.words.measure_next)
-
-
-@pytest.mark.slow
-def test_a_form_whose_fit_failed_is_not_said_to_be_untried():
-    two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
-    laws = ["rate-and-state", "logarithmic"]
-    verdict = select_rate_state(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
-    failed = RateStateCandidate(
-        name="rate-and-two-states", title="", fit=None, dropped="the search ended nowhere."
-    )
-    (line,) = _untried([*verdict.candidates, failed], verdict.candidates[0].fit)
-    untried, _, rest = line.partition("; ")
-    assert "not tried" in untried
-    assert "rate-and-two-states" not in untried.replace(",", "").split()
-    assert rest == "give start values of rate-and-two-states, whose fit failed."

@@ -48,7 +48,7 @@ KINDS = {
 USED = {
     "travel": {"assumed", "t_end"},
     "features": {"route", "settings", "validate", "executor"},
-    "rate-state": {"route", "settings", "validate", "executor"},
+    "rate-state": {"route", "settings", "validate"},
     "balance": {"route", "settings", "validate"},
     "table": {"route", "settings", "validate"},
 }

@@ -50,17 +50,16 @@ def test_fit_takes_velocity_steps_by_itself(machine, steps):
 
 
 @pytest.mark.slow
-def test_starts_and_seed_reach_the_search(machine, steps):
-    def costs(**changes):
+def test_the_seed_reaches_the_draws(machine, steps):
+    def found(**changes):
         settings = RecordSettings(**changes)
-        return fit(machine, "logarithmic", steps, vary=WITH_STIFFNESS, settings=settings).optimum
+        return fit(machine, "logarithmic", steps, vary=WITH_STIFFNESS, settings=settings).estimates
 
-    assert len(costs(starts=1).costs) == 1
-    three = costs(starts=3)
-    assert len(three.costs) == 3
-    # drawn starts end at other last digits
-    assert costs(starts=3).costs == three.costs
-    assert costs(starts=3, seed=1).costs != three.costs
+    assert found(seed=0) == found(seed=0)
+    # the draws differ, not what they are drawn from
+    here, there = found(seed=0)[0], found(seed=1)[0]
+    assert here.high != there.high
+    assert here.high == pytest.approx(there.high, rel=1e-2)
 
 
 WITH_STIFFNESS = ["friction.*", "mechanism.stiffness"]
@@ -177,8 +176,8 @@ def test_select_prints_the_verdict_as_a_document(run, verdict):
     assert code == 0, err
     told = json.loads(out)
     assert (told["best"], told["route"]) == ("logarithmic", "rate-state")
-    # micrometres read as metres differ in the last digit, and searches end a little apart
-    assert told["candidates"][0]["score"] == pytest.approx(verdict.best.score, rel=1e-4)
+    # here the stiffness is held, which the fixture leaves in doubt
+    assert told["candidates"][0]["leaves"] == pytest.approx(verdict.best.score, rel=5e-3)
 
 
 @pytest.mark.usefixtures("sketches")

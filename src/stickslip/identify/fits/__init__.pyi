@@ -34,7 +34,6 @@ from stickslip.identify.fits.estimation.parameters import told as told
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.problem import Problem as Problem
 from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
-from stickslip.identify.fits.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identify.fits.force_map.data import load_along as load_along
 from stickslip.identify.fits.force_map.data import stretches_of as stretches_of
 from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion

@@ -49,7 +49,6 @@ from stickslip.identify.kinds.velocity_steps.result import RateStateFit as RateS
 from stickslip.identify.kinds.velocity_steps.selection import select_rate_state as select_rate_state
 from stickslip.identify.kinds.velocity_steps.slider import SliderHistory as SliderHistory
 from stickslip.identify.kinds.velocity_steps.slider import simulate_velocity_steps as simulate_velocity_steps
-from stickslip.identify.kinds.velocity_steps.verdict import OtherStep as OtherStep
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate as RateStateCandidate
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds.verbs import fit as fit
@@ -66,7 +65,6 @@ __all__ = [
     "Kind",
     "Law",
     "OtherSpeed",
-    "OtherStep",
     "Plan",
     "RateStateCandidate",
     "RateStateFit",

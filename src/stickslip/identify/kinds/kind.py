@@ -12,7 +12,7 @@ from typing_extensions import TypeVar
 
 from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw, specification
-from stickslip.identify.candidates import Candidate, CrossValidatedVerdict, Verdict, score_scale
+from stickslip.identify.candidates import Candidate, Verdict, score_scale
 from stickslip.identify.fits import (
     AGREE,
     LAW,
@@ -403,13 +403,7 @@ class Kind(ABC, Generic[F, V]):
         """Return the table of a verdict."""
         heads, rows = terminal_table(self.columns, verdict.candidates)
         notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates if one.outcome]
-        table = Comparison(heads=heads, rows=rows, notes=notes)
-        if not isinstance(verdict, CrossValidatedVerdict) or verdict.closest.fit is None:
-            return table
-        closest = verdict.closest
-        title = closest.title + ("" if verdict.best else ", closest but not recommended")
-        fitted = (title, closest.fit.estimates)
-        return replace(table, checks=verdict.checks, fitted=fitted)
+        return Comparison(heads=heads, rows=rows, notes=notes)
 
     def summary(
         self, fit: F, validate: Measurement | None = None, horizon: float | None = None

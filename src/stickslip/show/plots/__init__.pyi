@@ -13,14 +13,11 @@ from stickslip.show.plots.axes import thinned as thinned
 from stickslip.show.plots.dispatch import PLOTS as PLOTS
 from stickslip.show.plots.dispatch import plot as plot
 from stickslip.show.plots.dispatch import thumbnail as thumbnail
-from stickslip.show.plots.fits import ERROR_SIZES as ERROR_SIZES
-from stickslip.show.plots.fits import ErrorSeries as ErrorSeries
 from stickslip.show.plots.fits import INTERVAL_SIZE as INTERVAL_SIZE
 from stickslip.show.plots.fits import Interval as Interval
 from stickslip.show.plots.fits import Piece as Piece
 from stickslip.show.plots.fits import draw_intervals as draw_intervals
 from stickslip.show.plots.fits import draw_pieces as draw_pieces
-from stickslip.show.plots.fits import draw_prediction_error as draw_prediction_error
 from stickslip.show.plots.fits import draw_residuals as draw_residuals
 from stickslip.show.plots.fits import panel_of as panel_of
 from stickslip.show.plots.fits import piece_sizes as piece_sizes
@@ -154,7 +151,6 @@ __all__ = [
     "draw_orbits",
     "draw_overview",
     "draw_pieces",
-    "draw_prediction_error",
     "draw_presliding",
     "draw_profile",
     "draw_record",

@@ -1,7 +1,7 @@
 """Figures of fits and verdicts: data with predictions, residuals, pieces of a record."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
-from stickslip.identify.candidates import CrossValidated, Verdict
+from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, Prediction, RecordFit, inverse_dynamics, load_of
 from stickslip.quantities import turned
 from stickslip.show.formatting import Scale, scale_of
@@ -23,7 +23,6 @@ from stickslip.show.plots.theme import C1, DATA, INK, LINE, MUTED, check_type, n
 
 # What a fit leaves: residuals against time, velocity and position, and errors of predictions.
 
-ERROR_SIZES: Final = drawing.Sizes(wide=(880, 330), narrow=(358, 380))
 OUTER: Final = 0.2
 """Share of the residuals [%] beyond each end of the vertical axis."""
 
@@ -43,17 +42,6 @@ class ResidualPanel(NamedTuple):
     """Means of the residuals in the bins (k,)."""
     doubt: drawing.Array
     """Twice the standard errors of these means (k,)."""
-
-
-class ErrorSeries(NamedTuple):
-    """Errors of one law: over time, and by block."""
-
-    t: drawing.Array
-    """Times (n,) [s]; records follow one another."""
-    error: drawing.Array
-    """Errors of the predictions (n,), in the unit shown; NaN between segments."""
-    blocks: drawing.Array
-    """Root mean square error of each held-out block (folds,), in the unit shown."""
 
 
 def residual_sizes(count: int) -> drawing.Sizes:
@@ -115,66 +103,6 @@ def _say_mean(axes: Axes) -> None:
         color=C1,
         fontsize=name_size(),
     )
-
-
-def draw_prediction_error(
-    series: Mapping[str, ErrorSeries],
-    edges: drawing.Array,
-    label: str,
-    *,
-    chosen: str,
-    above: str = "predicted with parameters from all of the record",
-    below: str = "held out: root mean square of each block",
-) -> Draw:
-    """Return a drawing of prediction errors over time, and below of held-out errors by block."""
-    look = drawing.looks(series, chosen)
-
-    def draw(figure: Figure, narrow: bool) -> None:
-        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
-        for axes in (upper, lower):
-            for edge in edges[1:-1]:
-                axes.axvline(edge, color=LINE, linewidth=0.8, zorder=0)
-        for name, one in series.items():
-            colour, _, width, order = look[name]
-            dashes = "-" if name == chosen else (0, (5, 2))
-            upper.plot(
-                one.t, one.error, color=colour, linestyle=dashes, linewidth=0.75 * width,
-                zorder=order,
-            )  # fmt: skip
-            lower.stairs(
-                one.blocks, edges, baseline=None, color=colour, linestyle=dashes, linewidth=width,
-                zorder=order,
-            )  # fmt: skip
-        upper.axhline(0.0, color=MUTED, linewidth=0.8, zorder=0)
-        upper.set_ylabel(label)
-        upper.set_title(above, color=MUTED)
-        lower.set_title(below, color=MUTED)
-        top = max(float(np.nanmax(errors.blocks)) for errors in series.values())
-        lower.set_ylim(0.0, (1.5 if _fit_one_line(series, narrow) else 1.9) * top)
-        lower.set_xlim(edges[0], edges[-1])
-        lower.set_xlabel("time, s")
-        lower.set_ylabel(label)
-        _name_lines(lower, series, chosen, {n: look[n].colour for n in series}, narrow)
-
-    return draw
-
-
-def _fit_one_line(names: Iterable[str], narrow: bool) -> bool:
-    return drawing.LETTER * sum(len(name) + 2 for name in names) < (290 if narrow else 800)
-
-
-def _name_lines(
-    axes: Axes, names: Iterable[str], chosen: str, colours: Mapping[str, str], narrow: bool
-) -> None:
-    """Name the lines above all blocks, the chosen one at the left."""
-    names = sorted(names, key=lambda name: name != chosen)
-    step = 0.0 if _fit_one_line(names, narrow) else 0.18
-    for index, name in enumerate(names):
-        at = (0.01, 0.9) if index == 0 else (0.99, 0.9 - step)
-        axes.annotate(
-            name, at, xycoords="axes fraction", color=colours[name], fontsize=name_size(),
-            ha="left" if index == 0 else "right", va="center",
-        )  # fmt: skip
 
 
 # The numbers behind the figures: what was measured, and what the fits leave of it.
@@ -350,31 +278,6 @@ def _shifts(spans: drawing.Array) -> dict[int, float]:
         found[record] = at - float(own[:, 1].min())
         at += float(own[:, 2].max() - own[:, 1].min())
     return found
-
-
-def errors_of(
-    candidate: CrossValidated[RecordFit], horizon: float, factor: float
-) -> ErrorSeries | None:
-    """Return errors of predictions over a horizon [s], over time and by held-out block."""
-    if candidate.fit is None or candidate.validation is None:
-        return None
-    seen = candidate.fit.predict(horizon=horizon)
-    problem = candidate.fit.problem
-    shift = _shifts(problem.spans)
-    placed = seen.t + np.array([shift[int(record)] for record in seen.record])
-    share = max(drawing.LINE_POINTS // max(len(np.unique(seen.segment)), 1), 12)
-    times: list[drawing.Array] = []
-    errors: list[drawing.Array] = []
-    for number in np.unique(seen.segment):
-        own = seen.segment == number
-        t, y = drawing.thinned(placed[own], factor * seen.residual[own], share)
-        times += [t, t[-1:]]  # a gap in the line: each segment starts from a state of its own
-        errors += [y, np.array([np.nan])]
-    return ErrorSeries(
-        np.concatenate(times),
-        np.concatenate(errors),
-        factor * np.sqrt(np.array(candidate.validation.losses)),
-    )
 
 
 def panel_of(

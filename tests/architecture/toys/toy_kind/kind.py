@@ -1,5 +1,6 @@
 """Slides: the kind that joins fit, selection and page."""
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import final
@@ -12,26 +13,21 @@ from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import CandidateSpec, Coulomb
 from stickslip.identify.candidates import (
     UNMEASURED,
-    CrossValidation,
     Wording,
-    as_good,
-    choose,
-    errs_more,
     friction_of,
-    held_out,
-    held_out_text,
-    outcome_beside,
     specifications,
 )
-from stickslip.identify.fits import Estimate
+from stickslip.identify.fits import Estimate, ResidualJacobian
 from stickslip.identify.kinds import Kind, Request
 from stickslip.identify.kinds.kind import SeveralLaws
 from stickslip.identify.selection import checked
 from stickslip.show.formatting import joined, quantity, with_unit
 
 from .fit import DURATION, SlideFit, fit_slides, problem_of
-from .verdict import COLUMNS, MILLIMETRES, ROUTE, SlideCandidate, SlideVerdict
+from .verdict import COLUMNS, ROUTE, SlideCandidate, SlideVerdict
 
+ALIKE = 4.0
+"""Difference of criteria up to which laws are not told apart."""
 USUAL = ("viscous", "coulomb", "coulomb-viscous")
 
 
@@ -70,42 +66,36 @@ class SlideKind(Kind[SlideFit, SlideVerdict]):
         mechanism, measurement = request.mechanism, request.measurement
         checks = checked(mechanism, measurement, conditions=self.conditions)
         judged = [_judged(one, request) for one in chosen]
-        scored = [one for one in judged if one.validation]
-        if not scored:
+        if all(one.fit is None for one in judged):
             raise ConvergenceError(
                 "; ".join(f"{candidate.title}: {candidate.dropped}" for candidate in judged)
             )
-        closest = choose(scored)
-        alike = [
-            one
-            for one in scored
-            if one is not closest and as_good(one, closest) and closest.name not in one.simpler
-        ]
-        rest = sorted(
-            (one for one in judged if one is not closest), key=lambda candidate: candidate.score
-        )
-        useless = not errs_more(_frictionless(request), closest)
-        ordered = [
+        ordered = sorted(judged, key=lambda candidate: candidate.criterion)
+        closest = ordered[0]
+        alike = [one for one in ordered[1:] if one.criterion < closest.criterion + ALIKE]
+        useless = _frictionless(request) < closest.criterion + ALIKE
+        told = [
             replace(
                 one,
-                outcome=outcome_beside(one, closest, tied=one in alike, recommended=not useless),
+                outcome="chosen"
+                if one is closest
+                else ("not told apart" if one in alike else one.dropped),
             )
-            for one in (closest, *rest)
+            for one in ordered
         ]
         return SlideVerdict(
             mechanism=mechanism,
             measurement=measurement,
-            words=_words(ordered[0], [one.title for one in alike], useless=useless),
-            candidates=tuple(ordered),
-            best=None if useless else ordered[0],
-            not_recommended=ordered[0] if useless else None,
-            ranked=len(ordered) > 1,
+            words=_words(told[0], [one.title for one in alike], useless=useless),
+            candidates=tuple(told),
+            best=None if useless else told[0],
+            ranked=len(told) > 1,
             checks=checks,
         )
 
 
 def _judged(one: CandidateSpec, request: Request) -> SlideCandidate:
-    """Return a law fitted to all slides, and its errors at settings that were held out."""
+    """Return a law fitted to all slides, with its criterion."""
     bare = SlideCandidate(name=one.name, title=one.title, fit=None)
     # in a selection, progress is told the name of the candidate first
     watch = request.progress and partial(request.progress, one.name)
@@ -114,21 +104,21 @@ def _judged(one: CandidateSpec, request: Request) -> SlideCandidate:
         fit = fit_slides(**asked.arguments("law"))
     except (ConvergenceError, InputError) as error:
         return replace(bare, dropped=str(error))
-    best = fit.optimum.best
-    return replace(
-        bare,
-        fit=fit,
-        validation=CrossValidation.by_segment(held_out(fit.problem, best), best.segment),
-    )
+    return replace(bare, fit=fit, criterion=_criterion(fit.optimum.best, len(fit.estimates)))
 
 
-def _frictionless(request: Request) -> SlideCandidate:
-    """Return what no friction at all leaves."""
+def _criterion(seen: ResidualJacobian, parameters: int) -> float:
+    """Return Akaike's criterion, with what few rows add to it."""
+    rows = len(seen.residual)
+    spare = max(rows - parameters - 2, 1)
+    return 2.0 * rows * math.log(seen.rms) + 2.0 * (parameters + 1) * rows / spare
+
+
+def _frictionless(request: Request) -> float:
+    """Return the criterion of no friction at all."""
     none = Coulomb(kinetic_coefficient=0.0)
     problem = problem_of(request.mechanism, none, request.measurement, free=())
-    seen = problem.linearise(np.zeros(0), slopes=False)
-    found = CrossValidation.by_segment(seen.residual, seen.segment)
-    return SlideCandidate(name="none", title="No friction", fit=None, validation=found)
+    return _criterion(problem.linearise(np.zeros(0), slopes=False), 0)
 
 
 def _between(one: Estimate) -> str:
@@ -142,9 +132,7 @@ def _words(closest: SlideCandidate, alike: list[str], *, useless: bool) -> Wordi
     ties = (f"These slides do not distinguish it from {joined(alike)}.",) if alike else ()
     return Wording(
         verdict=verdict,
-        lede=held_out_text(
-            MILLIMETRES, closest.score, closest.score_error, "each setting held out in turn"
-        ),
+        lede=f"It leaves {quantity(fit.rms, 'm', 2)}, root mean square.",
         settles=tuple(
             f"${estimate.quantity.symbol}$ lies between {_between(estimate)}."
             for estimate in fit.estimates

@@ -1,12 +1,14 @@
 """What a selection on slides gives."""
 
-from collections.abc import Collection, Mapping
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
 from typing_extensions import override
 
-from stickslip.identify.candidates import CrossValidated, CrossValidatedVerdict, score_text
+from stickslip.data import Checks
+from stickslip.identify.candidates import Candidate, Verdict, score_text
 from stickslip.identify.kinds import Column, data_row
 from stickslip.show.formatting import Scale
 
@@ -18,13 +20,16 @@ MILLIMETRES = Scale(1e3, "mm")
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class SlideCandidate(CrossValidated[SlideFit]):
-    """A law on slides, judged at settings that its fit has not seen."""
+class SlideCandidate(Candidate[SlideFit]):
+    """A law on slides, judged by what it leaves and by the number of its parameters."""
+
+    criterion: float = math.inf
+    """Akaike's criterion; infinite without a fit."""
 
     @property
     @override
-    def is_simpler(self) -> Collection[str]:
-        return ()  # a law with a part that came out as 0 is not looked at here
+    def score(self) -> float | None:
+        return self.fit.rms if self.fit else None
 
     @override
     def to_row(self) -> Mapping[str, Any]:
@@ -48,15 +53,11 @@ COLUMNS = (
     ),
     Column[SlideCandidate](
         key="score",
-        title="held-out error",
-        page="held-out error",
+        title="leaves",
+        page="leaves",
         unit="mm",
         value=lambda candidate: candidate.score,
-        text=lambda candidate: (
-            score_text(MILLIMETRES, candidate.score, candidate.score_error)
-            if candidate.fit
-            else None
-        ),
+        text=lambda candidate: score_text(MILLIMETRES, candidate.score) if candidate.fit else None,
         plotted=True,
     ),
     Column[SlideCandidate](
@@ -71,8 +72,10 @@ COLUMNS = (
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class SlideVerdict(CrossValidatedVerdict[SlideCandidate]):
+class SlideVerdict(Verdict[SlideCandidate]):
     """A verdict on slides."""
+
+    checks: Checks
 
     route = ROUTE
     score_unit = "m"

@@ -316,7 +316,7 @@ def infer(
         naive=_unbounded(naive, reasons),
         freedom=np.array([spread.freedom(row) for row in by_seen]),
         condition=known.condition,
-        effective=effective_size(jacobian),
+        effective=effective_size(jacobian.residual),
         reasons=tuple(reasons),
         held={
             path: np.array([one.followed(jacobian, scale) for one in displaced if one.path == path])
@@ -450,12 +450,12 @@ def quantile_of(freedom: Array) -> Array:
     return np.asarray(scipy.stats.t.ppf(1.0 - CHANCE / 2.0, freedom))
 
 
-def effective_size(seen: ResidualJacobian) -> float:
-    """Return the number of independent residuals that vary as these do.
+def effective_size(residual: Array) -> float:
+    """Return the number of independent residuals that vary as these (n,) do.
 
     From the autocorrelation up to its first zero, in the record's order.
     """
-    r = seen.residual - seen.residual.mean()
+    r = residual - residual.mean()
     n = len(r)
     spectrum = np.fft.rfft(r, 2 * n)
     correlation = np.fft.irfft(np.abs(spectrum) ** 2)[:n]

@@ -2,75 +2,49 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations
-from typing import Literal, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
 
 from stickslip.data import Measurement
-from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
-from stickslip.identify import THRESHOLDS
 from stickslip.identify.fits import (
     BLOCKS,
     LAW,
-    FreeParameters,
-    OptimizeResult,
     Parameters,
-    RecordSettings,
-    ResidualJacobian,
     Watch,
     check_given,
     check_varied,
-    effective_size,
-    search,
 )
-from stickslip.identify.kinds.velocity_steps.problem import (
-    DRIFT,
-    EVOLVED,
-    PATHS,
-    SECOND,
-    STRESS,
+from stickslip.identify.kinds.velocity_steps.result import RateStateFit, result_of
+from stickslip.identify.problems.velocity_steps import (
+    PRIORS,
+    STIFFNESS,
+    UNKNOWN,
     Record,
-    Slider,
+    SteppedLaw,
+    VelocitySteps,
     record_of,
-    unknowns_for,
 )
-from stickslip.identify.kinds.velocity_steps.result import (
-    ROOM,
-    Profile,
-    RateStateFit,
-    Window,
-    inference_of,
-    rate_of,
-    result_of,
-)
+from stickslip.identify.simulated import SimulatedPosterior
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.show.formatting import joined, quantity
 
-Array: TypeAlias = NDArray[np.float64]
 Drift: TypeAlias = Literal["auto", "none", "linear"]
+RateStateLaw: TypeAlias = RateState | type[RateState] | str
 
-STIFFNESS = "mechanism.stiffness"
+MACHINE_STIFFNESS = "mechanism.stiffness"
 CONVENTION = "friction.reference_velocity"
 """The speed at which mu_0 holds: any will do, and none can be fitted."""
-STARTS = RecordSettings().starts
-FEWEST = round(BLOCKS * ROOM)
-"""Samples that a fit needs, of which blocks are left out in turn."""
-DISTANCES = (2e-3, 0.05, 0.3)
-"""Critical distances that are tried too, over the way after the first step; at the first, evolution
-is as good as instantaneous."""
-LARGER = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Evolution effects at which everything else is fitted again, over a, beyond the best."""
-FRACTIONS = (0.125, 0.25, 0.5)
-"""Shares of the way after the last step to which the fit is repeated."""
+STARTS = 4
+"""Searches of each law that are followed to their end."""
+FEWEST = 3 * BLOCKS
+"""Samples that a fit needs."""
 
 
 def fit_rate_state(
     mechanism: Mechanism,
-    law: RateState | type[RateState] | str,
+    law: RateStateLaw,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
@@ -81,13 +55,13 @@ def fit_rate_state(
     lowest_evolution_effect: float = 0.0,
     starts: int = STARTS,
     seed: int = 0,
-    profile: bool = True,
     progress: Watch | None = None,
 ) -> RateStateFit:
     """Fit rate-and-state friction to a record with steps of the speed of the load point.
 
-    The slider has no inertia and slides steadily at first. Intervals come from leaving out blocks
-    of time (jackknife), widened by what a profile over b allows. Whether a and b can be told apart
+    The slider has no inertia and slides steadily at first. Intervals are those of the posterior
+    (`stickslip.identify.problems.velocity_steps` has the priors): the stiffness of the machine, a
+    change of friction along the way and a level are always in it. Whether a and b can be told apart
     is said in words.
 
     Parameters
@@ -103,23 +77,21 @@ def fit_rate_state(
         coefficient is a friction at load 1.
     vary : str or sequence of str, optional
         Parameters to fit, as for `fit`: ``"friction.*"``, which is all if not given, stands for all
-        of the law. ``"mechanism.stiffness"`` fits the stiffness too.
+        of the law. The stiffness of the machine is known to 30 %, or to the uncertainty that the
+        measurement states of ``"mechanism.stiffness"``; named here, to a factor of ten.
     fixed : mapping of str to float, optional
-        Values of parameters that are held, of law and mechanism.
+        Values of parameters that are held, of law and mechanism: ``stiffness`` too, if it is exact.
     before, after : float, optional
         Way of the load point [m] before the first and after the last step that is used; all if not
-        given. What a - b comes out as can depend on it, which `RateStateFit.windows` shows.
+        given.
     drift : {"auto", "none", "linear"}
-        Whether friction changes steadily with the way of the load point; ``"auto"`` fits both ways
-        and keeps the drift if the data need it.
+        What friction may do along the way beside the law: change linearly and settle, as far as the
+        record has it, nothing, or change linearly.
     lowest_evolution_effect : float
-        Lower bound of b and b_2. The laws were made for b of at least 0; below, friction goes on
-        rising after a step.
+        Lower bound of b. The laws were made for b of at least 0; below, friction goes on rising
+        after a step.
     starts, seed : int
-        Number of starts of the search, and seed of those that are drawn.
-    profile : bool
-        Whether fits at other evolution effects widen the intervals, and fits to less of the way
-        give `RateStateFit.windows`. Without, intervals are those of the jackknife alone.
+        Number of searches that are followed to their end, and seed of the draws.
     progress : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -146,51 +118,36 @@ def fit_rate_state(
     ...     critical_distance=1e-5,
     ...     reference_velocity=1e-6,
     ... )
+    >>> import numpy as np
     >>> t = np.arange(0.0, 60.0, 0.1)
     >>> pull = 1e-6 * np.where(t < 20.0, t, 20.0 + 10.0 * (t - 20.0))
     >>> run = simulate_velocity_steps(truth, stiffness=2e3, time=t, pull=pull)
     >>> noise = np.random.default_rng(0).normal(0.0, 3e-4, len(t))
     >>> record = Measurement(time=t, pull=pull, friction=run.coefficient + noise, load=1.0)
     >>> machine = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
-    >>> fitted = fit_rate_state(machine, "rate-and-state", record, profile=False)
+    >>> fitted = fit_rate_state(machine, "rate-and-state", record)
     >>> fitted.separable, abs(fitted.law.direct_effect - 0.010) < 5e-4
     (True, True)
     """
     check_given("fit_rate_state", mechanism, measurement)
     if drift not in ("auto", "none", "linear"):
         raise InputError(f"drift must be 'auto', 'none' or 'linear', got {drift!r}.")
-    asked = _asked(mechanism, law, measurement, vary, fixed)
-    record = _used(measurement, asked.block, before, after)
-    free_parameters = [
-        _unknowns(asked, record, drift=drifts, lowest=lowest_evolution_effect)
-        for drifts in ((False,) if drift == "none" else (False, True))
-    ]
-    reference = record.speed if asked.reference is None else asked.reference
-    slider = Slider.of(
-        record, asked.form, free_parameters[0], reference, regularised=asked.regularised
+    form = form_of(law)
+    name = next(key for key, one in RATE_STATE_FORMS.items() if one is form)
+    (asked,) = asked_of(mechanism, {name: law}, measurement, vary, fixed)
+    problem = problem_of(
+        {name: asked},
+        used(measurement, asked.block, before, after),
+        drift=drift,
+        lowest=lowest_evolution_effect,
     )
-    found = search(slider, starts=starts, seed=seed, start_values=_tried(slider), watch=progress)
-    if drift != "none" and not found.cancelled:
-        slider, found = _drifting(
-            slider, found, free_parameters[1], progress, always=drift == "linear"
-        )
-    fit = result_of(asked.block, measurement, slider, _in_order(slider, found))
-    return with_profile(fit) if profile else fit
-
-
-def with_profile(fit: RateStateFit) -> RateStateFit:
-    """Return a fit with intervals as wide as a profile over b allows, and a - b by window."""
-    if fit.cancelled:
-        return fit
-    slider, best = fit.problem, fit.best
-    return result_of(
-        fit.mechanism,
-        fit.measurement,
-        slider,
-        fit.optimum,
-        profile=_profile(slider, best),
-        windows=_windows(slider, best),
+    posterior = SimulatedPosterior(
+        problem,
+        starts=starts,
+        seed=seed,
+        watch=None if progress is None else lambda _, rms: progress(rms),
     )
+    return result_of(name, asked.block, measurement, problem, posterior)
 
 
 def form_of(law: object) -> RateStateForm:
@@ -217,43 +174,44 @@ def form_of(law: object) -> RateStateForm:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Asked:
-    """What a fit looks for and what it holds, by path."""
+class Asked:
+    """What is looked for of a law and what is held."""
 
     block: TowedBlock
-    form: RateStateForm
-    held: Mapping[str, float]
-    given: Mapping[str, float]
+    law: SteppedLaw
+    doubt: float
+    """Prior deviation of the logarithm of the stiffness; 0 if it is held."""
     reference: float | None
     """Speed at which the reference coefficient holds [m/s]; None for the first of the record."""
-    regularised: bool
-    """Whether the law that was given is."""
+
+
+def asked_of(
+    mechanism: Mechanism,
+    laws: Mapping[str, RateStateLaw],
+    measurement: Measurement,
+    vary: str | Sequence[str] | None,
+    fixed: Mapping[str, float] | None,
+) -> tuple[Asked, ...]:
+    """Return what is looked for of each law."""
+    return tuple(_asked(mechanism, law, measurement, vary, fixed) for law in laws.values())
 
 
 def _asked(
     mechanism: Mechanism,
-    law: RateState | type[RateState] | str,
+    law: RateStateLaw,
     measurement: Measurement,
     vary: str | Sequence[str] | None,
     fixed: Mapping[str, float] | None,
-) -> _Asked:
+) -> Asked:
     form = form_of(law)
     kind = RateState if isinstance(law, str) else law
     chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
-    stated = [
-        path for one in (measurement, *measurement.trials) for path in one.parameter_uncertainties
-    ]
-    if stated:
-        raise InputError(
-            f"the uncertainty of {stated[0]} is not propagated into intervals of rate-and-state"
-            " fits: leave it out."
-        )
     usual = [f"friction.{name}" for name in form.fit_order]
     known = {f"friction.{name}": value for name, value in chosen.known.items()}
     named = (LAW,) if chosen.free is None else chosen.free
     free = {path for path in usual if path not in known} if LAW in named else set()
     free |= set(named) - {LAW}
-    others = [path for path in chosen.unknown if path != STIFFNESS]
+    others = [path for path in chosen.unknown if path != MACHINE_STIFFNESS]
     if others or CONVENTION in free:
         raise InputError(
             f"a rate-and-state fit cannot vary {(*others, CONVENTION)[0]}: of the mechanism only"
@@ -272,22 +230,36 @@ def _asked(
     missing = [path for path in usual if path not in free and path not in own]
     if missing:
         raise InputError(f"{missing[0]} is neither varied nor fixed: add it to vary or to fixed.")
-    held = {path: own[path] for path in usual if path not in free}
     block = _pulled(chosen.mechanism)
-    if STIFFNESS not in chosen.unknown:
-        held[STIFFNESS] = block.stiffness
-    if form is RATE_STATE_FORMS["constant-coefficient"]:  # the load point drags it along
-        held |= {PATHS[0]: 0.0, STIFFNESS: block.stiffness}
-    check_varied(bool(free) or STIFFNESS not in held)
-    given = {path: value for path, value in own.items() if path in free}
-    return _Asked(
+    doubt = _doubt(block, chosen, measurement)
+    check_varied(bool(free) or doubt > 0.0)
+    return Asked(
         block=block,
-        form=form,
-        held=held,
-        given=given,
+        law=SteppedLaw(
+            form=form,
+            held={path.partition(".")[2]: own[path] for path in usual if path not in free},
+            given={path.partition(".")[2]: x for path, x in own.items() if path in free},
+            regularised=isinstance(chosen.law, RateState) and chosen.law.regularised,
+        ),
+        doubt=doubt,
         reference=own.get(CONVENTION),
-        regularised=isinstance(chosen.law, RateState) and chosen.law.regularised,
     )
+
+
+def _doubt(block: TowedBlock, chosen: "Parameters[Any]", measurement: Measurement) -> float:
+    """Return the prior deviation of the logarithm of the stiffness."""
+    stated = dict(measurement.parameter_uncertainties)
+    spread = stated.pop(MACHINE_STIFFNESS, None)
+    if stated:
+        raise InputError(
+            f"the uncertainty of {next(iter(stated))} does not enter rate-and-state fits, only that"
+            f" of {MACHINE_STIFFNESS}: leave it out."
+        )
+    if MACHINE_STIFFNESS in chosen.unknown:
+        return UNKNOWN
+    if MACHINE_STIFFNESS in chosen.held:
+        return 0.0
+    return PRIORS[STIFFNESS][1] if spread is None else math.log1p(spread / block.stiffness)
 
 
 def _pulled(mechanism: Mechanism) -> TowedBlock:
@@ -300,24 +272,29 @@ def _pulled(mechanism: Mechanism) -> TowedBlock:
     )
 
 
-def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> FreeParameters:
-    held = dict(asked.held)
-    if STIFFNESS in held:
-        held[STIFFNESS] /= record.load
-    return unknowns_for(
+def problem_of(
+    asked: Mapping[str, Asked], record: Record, *, drift: Drift = "auto", lowest: float = 0.0
+) -> VelocitySteps:
+    """Return a record as rows with the laws that it is compared with, by name."""
+    first = next(iter(asked.values()))
+    return VelocitySteps(
         record,
-        asked.form,
+        {name: one.law for name, one in asked.items()},
+        stiffness=first.block.stiffness / record.load,
+        doubt=first.doubt,
+        reference=record.speed if first.reference is None else first.reference,
         drift=drift,
-        lowest_evolution_effect=lowest,
-        held=held,
-        given=asked.given,
-        reference_velocity=record.speed if asked.reference is None else asked.reference,
+        lowest=lowest,
     )
 
 
-def _used(
-    measurement: Measurement, block: TowedBlock, before: float | None, after: float | None
+def used(
+    measurement: Measurement,
+    block: TowedBlock,
+    before: float | None = None,
+    after: float | None = None,
 ) -> Record:
+    """Return what is used of a record, from before its first to after its last step."""
     record = record_of(measurement, block.steady_load).within(before, after)
     if not len(record.path.steps) or len(record.time) < FEWEST:
         ways = {"before the first": before, "after the last": after}
@@ -328,129 +305,3 @@ def _used(
             f" {FEWEST}, on both sides of a step."
         )
     return record
-
-
-def _tried(slider: Slider) -> Sequence[Array]:
-    """Return starts with other critical distances; the first one has 0.01 of the way.
-
-    Two states have each two of them, as both are alike.
-    Those of a law with an effect of stress have none, and are starts of the ageing law.
-    """
-    items, slid = slider.free_parameters.items, slider.record.slid
-    free = [item.low < item.high for item in items]
-    tried = []
-    pairs = combinations(DISTANCES, 2) if free[7] else ((share, share) for share in DISTANCES)
-    for share, second in pairs:
-        start = slider.free_parameters.start
-        if free[2]:
-            start[2] = share * slid
-        if free[7]:
-            start[7] = second * slid
-        if free[STRESS] and all(free[:2]):
-            start[:2] /= 1.0 + start[STRESS]
-            start[1] = max(start[0] + slider.free_parameters.start[1]
-                           - slider.free_parameters.start[0], items[1].low)  # fmt: skip
-            start[STRESS] = items[STRESS].low
-        if free[2] or free[7]:
-            tried.append(start)
-    return tried
-
-
-def _in_order(slider: Slider, found: OptimizeResult) -> OptimizeResult:
-    """Return the end of a search with the state of the shorter distance first, if all are free."""
-    first, other = [EVOLVED, EVOLVED + 1], [SECOND, SECOND + 1]
-    items, values = slider.free_parameters.items, found.best.values.copy()
-    free = all(items[i].low < items[i].high for i in (*first, *other))
-    if not free or values[first[1]] <= values[other[1]] or not items[1].low <= values[SECOND]:
-        return found
-    values[[*first, *other]] = values[[*other, *first]]
-    return replace(found, best=slider.linearise(values))
-
-
-def _drifting(
-    slider: Slider,
-    found: OptimizeResult,
-    free_parameters: FreeParameters,
-    watch: Watch | None,
-    *,
-    always: bool,
-) -> tuple[Slider, OptimizeResult]:
-    """Return problem and end with a drift, or those without if the data do not need it."""
-    drifting = slider.with_free_parameters(free_parameters)
-    ends = [search(drifting, starts=1 + len(DISTANCES), start_values=_tried(drifting), watch=watch)]
-    carried = free_parameters.starting_at([*found.best.values, 0.0])
-    ends.append(search(drifting.with_free_parameters(carried), starts=1, watch=watch))
-    best = min(ends, key=lambda end: end.best.cost)
-    if not always:
-        width = inference_of(drifting, best.best).half_widths[
-            drifting.free_parameters.paths.index(DRIFT)
-        ]
-        # a drift is kept if its interval leaves 0, and it saves what a parameter must
-        sure = abs(best.best.values[-1]) > width
-        if not sure or best.best.rms > (1.0 - THRESHOLDS.material) * found.best.rms:
-            return slider, found
-    return drifting, best
-
-
-def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
-    """Return fits with other evolution effects held, as far as the record allows them."""
-    items = slider.free_parameters.items
-    if any(item.low == item.high for item in items[:3]):  # of a and b, one alone has no rival
-        return Profile()
-    values = best.values
-    a, b = values[:2]
-    room = best.cost * (1.0 + 4.0 / max(effective_size(best) - len(values), 4.0))
-    least = max(items[1].low, 0.0)
-    kept: list[ResidualJacobian] = []
-    unbounded = True
-    for tried in (
-        [b + share * a for share in LARGER],
-        [0.5 * (b + least), least] if b > least + THRESHOLDS.negligible * a else [],
-    ):
-        for held in tried:
-            end = _holding(slider, values, held)
-            if end is None or end.cost > room:
-                unbounded = unbounded and held < b
-                break
-            kept.append(end)
-    return Profile(ends=tuple(kept), unbounded=unbounded)
-
-
-def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None:
-    """Return the best fit with b held, from a shifted as much and from fast evolution."""
-    start = values.copy()
-    start[0] = max(values[0] + b - values[1], 1e-2 * values[0])
-    start[1] = b
-    items = list(slider.free_parameters.starting_at(start).items)
-    items[1] = replace(items[1], low=b, high=b)
-    minute = start.copy()
-    minute[2] = DISTANCES[0] * slider.record.slid
-    held = slider.with_free_parameters(replace(slider.free_parameters, items=tuple(items)))
-    try:
-        return search(held, starts=2, start_values=[minute]).best
-    except ConvergenceError:
-        return None
-
-
-def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
-    """Return a - b with less of the record after the last step, and with all that was given."""
-    if slider.free_parameters.items[0].low == slider.free_parameters.items[0].high:
-        return ()
-    whole = rate_of(slider, best)
-    wider = whole[1] / whole[2] if whole[2] > 0.0 else math.inf
-    found = []
-    for share in FRACTIONS:
-        record = slider.record.within(None, share * slider.record.after)
-        if not len(record.path.steps) or len(record.time) < FEWEST:
-            continue
-        free_parameters = slider.free_parameters.starting_at(best.values)
-        part = Slider.of(
-            record,
-            slider.form,
-            free_parameters,
-            slider.reference_velocity,
-            regularised=slider.regularised,
-        )
-        rate, _, naive = rate_of(part, search(part, starts=3).best)
-        found.append(Window(after=record.after, rate=rate, half_width=wider * naive))
-    return (*found, Window(after=slider.record.after, rate=whole[0], half_width=whole[1]))

@@ -6,7 +6,7 @@ from stickslip.data import Measurement
 from stickslip.friction import RateState
 from stickslip.identify.candidates import on_second_record
 from stickslip.identify.fits import RecordSettings
-from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request
 from stickslip.identify.kinds.velocity_steps.fit import STARTS, fit_rate_state
 from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
 from stickslip.identify.kinds.velocity_steps.selection import (
@@ -25,16 +25,15 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     routes = (VELOCITY_STEPS,)
     measured = "velocity steps"
     content = "velocity steps"
-    uses = frozenset({"route", "validate", "executor"})
+    uses = frozenset({"route", "validate"})
     settings = frozenset({"starts", "seed"})
-    longest_first = True
     fits = RateState
     usual_law = "rate-and-state"
     simulated = False
     columns = COLUMNS
 
     def candidates(self, laws: RateStateLaws | None, measurement: Measurement) -> list[str]:
-        return [one.name for one in rate_state_laws(laws)]
+        return [*rate_state_laws(laws)]
 
     def residual_text(self, error: float, request: Request) -> str:
         return f"coefficient off by {number(error, 2)}"
@@ -46,14 +45,15 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         )
 
     def select(self, request: Request) -> RateStateVerdict:
-        return select_rate_state(**request.arguments("laws", "validate", "settings", "executor"))
+        return select_rate_state(**request.arguments("laws", "validate", "settings"))
 
     def comparison(self, verdict: RateStateVerdict) -> Comparison:
-        usual, fit = super().comparison(verdict), verdict.closest.fit
-        if usual.fitted is None or fit is None:
+        usual, closest = super().comparison(verdict), verdict.closest
+        if closest.fit is None:
             return usual
-        title, estimates = usual.fitted
-        return replace(usual, fitted=(title, (*estimates, fit.rate)))
+        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        fitted = title, (*closest.fit.estimates, closest.fit.rate)
+        return replace(usual, checks=verdict.checks, fitted=fitted)
 
     def summary(
         self,
@@ -65,7 +65,6 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
         if second is not None:
             lines.append(on_second_record(number(second, 2)))
-        lines.append(restarts_text(fit.starts_agreeing, len(fit.optimum.costs)))
         return FitSummary(
             lines=[*lines, *fit.remarks],
             open=("Remarks", fit.sentences),

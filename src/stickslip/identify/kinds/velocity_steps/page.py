@@ -6,7 +6,6 @@ from typing import Final
 import numpy as np
 
 from stickslip.friction import RATE_STATE_FORMS
-from stickslip.identify.candidates import score_text
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.kind import page_table
 from stickslip.identify.kinds.velocity_steps.result import SETTLED, RateStateFit
@@ -15,6 +14,7 @@ from stickslip.identify.kinds.velocity_steps.verdict import (
     COLUMNS,
     RateStateCandidate,
     RateStateVerdict,
+    share_text,
 )
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
@@ -30,11 +30,8 @@ from stickslip.show.formatting import (
     with_unit,
 )
 from stickslip.show.plots import (
-    ERROR_SIZES,
-    ErrorSeries,
     Piece,
     draw_pieces,
-    draw_prediction_error,
     draw_residuals,
     inline_svg,
     panel_of,
@@ -43,21 +40,15 @@ from stickslip.show.plots import (
     sampled,
 )
 from stickslip.show.report import (
-    Block,
-    Column,
     Fact,
     Figure,
     KeyValue,
     LawLine,
     Name,
-    Number,
     Origin,
     PageSections,
     Paragraph,
-    Row,
     Section,
-    Subheading,
-    Table,
     candidates_heading,
     label_of,
     opening,
@@ -120,14 +111,10 @@ def _held_text(name: str, value: str) -> str:
 
 
 def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
-    value, doubt = score_text(COEFFICIENT, verdict.closest.score, verdict.closest.score_error)
+    share = verdict.closest.share
     facts = [
-        Fact(
-            value=value,
-            aside=doubt,
-            what=f"held-out error of the coefficient, on {_held(verdict)}, ± 1 standard error",
-        )
-    ]
+        Fact(value=share_text(share), what=f"probability among {len(verdict.candidates)} laws")
+    ] if len(verdict.candidates) > 1 else []  # fmt: skip
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
         symbols = " − ".join(f"${symbol}$" for symbol in fit.rate_symbols)
@@ -148,33 +135,25 @@ def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
     return tuple(facts)
 
 
-def _held(verdict: RateStateVerdict) -> str:
-    return (
-        "velocity steps that no fit has seen"
-        if verdict.by_steps
-        else "parts of the record that no fit has seen"
-    )
-
-
 def _others(verdict: RateStateVerdict) -> list[RateStateCandidate]:
     """Return the closest law and what it is compared with in figures: its rival or the next."""
-    rest = [c for c in verdict.candidates[1:] if c.fit is not None and c.unseen is not None]
-    # a richer law that is not established mostly coincides with the closest
-    name = verdict.closest.name
-    rest.sort(key=lambda c: (c.name != verdict.rival, name in c.simpler, c.score))
+    rest = [one for one in verdict.candidates[1:] if one.fit is not None]
+    rest.sort(key=lambda one: (one.name != verdict.rival, -one.share))
     return [verdict.closest, *rest[:1]]
 
 
 def friction_section(verdict: RateStateVerdict) -> Section:
-    """Return the section with the coefficient over time, and what is held out of it."""
+    """Return the section with the coefficient over time, measured and fitted."""
     fit = _fit(verdict)
-    slider, shown = fit.problem, _others(verdict)
-    t = slider.mean_time
-    curves = {c.title: slider.mean - c.fit.best.residual / slider.weight for c in shown if c.fit}
-    step = max(slider.record.path.steps, key=lambda at: _change(fit, float(at)))
+    problem, shown = fit.problem, _others(verdict)
+    t = problem.times
+    curves = {one.title: one.fit.band.median for one in shown if one.fit}
+    step = max(problem.record.path.steps, key=lambda at: _change(fit, float(at)))
     close = _about(fit, float(step))
     pieces = [
-        Piece(name, t[rows], slider.mean[rows], {title: y[rows] for title, y in curves.items()})
+        Piece(
+            name, t[rows], problem.measured[rows], {title: y[rows] for title, y in curves.items()}
+        )
         for name, rows in (
             ("the whole record", sampled(len(t))),
             (f"about the step at {quantity(float(step), 's')}", np.flatnonzero(close)),
@@ -187,13 +166,13 @@ def friction_section(verdict: RateStateVerdict) -> Section:
         **piece_sizes(2),
     )
     caption = (
-        "**The coefficient of friction**, measured (grey) and fitted to the whole record:"
-        f" {_names(shown)}. Error: measured less fitted. The second pair of panels shows the"
-        " largest step."
+        "**The coefficient of friction**, measured (grey) and by the medians of the draws of"
+        f" {_names(shown)}, with what changes along the way. Error: measured less that. The second"
+        " pair of panels shows the largest step."
     )
-    blocks: list[Block] = [Figure(svg=record, caption=caption), _held_figure(verdict, shown)]
     heading = "Measured and fitted coefficient of friction"
-    return Section(id="friction", nav="Friction", heading=heading, blocks=tuple(blocks))
+    figure = Figure(svg=record, caption=caption)
+    return Section(id="friction", nav="Friction", heading=heading, blocks=(figure,))
 
 
 def _names(shown: list[RateStateCandidate]) -> str:
@@ -210,48 +189,13 @@ def _change(fit: RateStateFit, step: float) -> float:
 
 def _about(fit: RateStateFit, step: float) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
     """Return which rows lie so near a step that one sees friction settle (n,)."""
-    slider = fit.problem
-    path, t = slider.record.path, slider.mean_time
+    path, t = fit.problem.record.path, fit.problem.times
     way = fit.law.critical_distance or abs(fit.law.direct_effect) / fit.stiffness
     place = np.interp(t, path.time, path.position) - np.interp(step, path.time, path.position)
     near = np.abs(place) < SETTLED * way
     few = np.argsort(np.abs(t - step))[: len(t) // 10]  # a way that settles within no samples
     near[few] = True
     return np.asarray(near)
-
-
-def _held_figure(verdict: RateStateVerdict, shown: list[RateStateCandidate]) -> Figure:
-    fit = _fit(verdict)
-    slider = fit.problem
-    series = {}
-    for one in shown:
-        assert one.unseen is not None
-        error, blocks = MILLI.factor * one.unseen, []
-        for k in range(len(slider.edges) - 1):
-            own = error[slider.segments == k]
-            rows = own[~np.isnan(own)]
-            blocks.append(float(np.sqrt(np.mean(rows**2))) if len(rows) else math.nan)
-        series[one.title] = ErrorSeries(slider.mean_time, error, np.array(blocks))
-    svg = inline_svg(
-        draw_prediction_error(
-            series,
-            slider.edges,
-            f"error, {MILLI.unit}",
-            chosen=verdict.closest.title,
-            above="each part predicted by a fit to the others",
-            below="root mean square of each part",
-        ),
-        alt=f"Held-out errors over time by {joined(list(series))}",
-        prefix="held-out-figure",
-        **ERROR_SIZES,
-    )
-    said = (
-        "Vertical lines: steps of the speed. What lies before the first step is in every fit."
-        if verdict.by_steps
-        else "The record has one step: parts with equally many samples are held out in turn, and"
-        " the part with the step shows what its level alone predicts."
-    )
-    return Figure(svg=svg, caption=f"**Held-out errors**: {_names(shown)}. {said}")
 
 
 def scores_section(verdict: RateStateVerdict) -> Section:
@@ -264,18 +208,16 @@ def scores_section(verdict: RateStateVerdict) -> Section:
         scale=COEFFICIENT,
         colour=lambda one: "c1" if one is closest else "muted",
         chosen=lambda one: one is verdict.best,
-        caption="Of the laws whose losses are within 1.1 standard errors of those of the law with"
-        " the lowest error, the one with the fewest parameters is named. Of two laws of evolution"
-        " neither contains the other, but Nagata's contains the ageing law.",
+        caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
+        " all values of their parameters. *Leaves*: root mean square of the residuals.",
     )
+    drawn = significant(_fit(verdict).family.effective, 2)
     how = (
-        "Each law is fitted to the whole record, and once more without each velocity step, which"
-        " it then predicts."
-        if verdict.by_steps
-        else "Each law is fitted to the whole record, and once more without each part of it, which"
-        " it then predicts. No step is left to judge by, as there is only one."
+        "The share of a law is its probability, over all values of its parameters, of the stiffness"
+        " of the machine, and of what changes along the way. Draws are weighed by their own runs;"
+        f" those of the closest law count as {drawn} independent ones."
     )
-    heading = candidates_heading(len(rows), "held-out parts" if len(rows) == 1 else _held(verdict))
+    heading = candidates_heading(len(rows), "one posterior")
     return Section(id="scores", nav="Scores", heading=heading, blocks=(Paragraph(text=how), table))
 
 
@@ -292,15 +234,12 @@ def parameters_section(verdict: RateStateVerdict) -> Section:
     )
     if len(fit.estimates) == 1 and not loose:
         heading = "The record bounds the one parameter"
-    more: list[Block] = [Subheading(text="By how much of the record is used"), _windows(fit)]
     return parameters(
         fit.law.formula,
         known,
         ("range", lambda e, unit: with_unit(e.range, unit) if e.bounded else e.range),
         heading=heading,
-        caption="95 % intervals: what leaving out blocks of time changes (jackknife, Student t),"
-        " and every value that fits as well with another $b$.",
-        more=more if len(fit.windows) > 1 else (),
+        caption="95 % intervals: quantiles of the draws of the posterior.",
         remarks=("In words", _notes(fit)),
         label=_label,
     )
@@ -316,42 +255,17 @@ def _label(estimate: Estimate) -> str:
     return f"Rate dependence {told}" if len(symbols) > 1 else label_of(estimate)
 
 
-def _windows(fit: RateStateFit) -> Table:
-    """Return a - b by how much of the record after the last step is used."""
-    columns = (
-        Column(head="way after the last step"),
-        Column(head="a − b, 95 % interval", numeric=True),
-    )
-    rows = [
-        Row(
-            cells=(
-                quantity(one.after, "m"),
-                Number(**_parts(one.rate, one.half_width)),
-            )
-        )
-        for one in fit.windows
-    ]
-    caption = "If $a$ − $b$ changes with the way, the law does not describe the whole record."
-    return Table(columns=columns, rows=tuple(rows), caption=caption)
-
-
-def _parts(value: float, half_width: float) -> dict[str, str]:
-    if not math.isfinite(half_width):
-        return {"value": number(value), "doubt": "not bounded"}
-    return dict(zip(("value", "doubt"), COEFFICIENT.estimate_text(value, half_width), strict=True))
-
-
 def residuals_section(verdict: RateStateVerdict) -> Section | None:
     """Return the section on what the chosen law does not explain."""
     fit = _fit(verdict)
-    slider = fit.problem
-    residual = MILLI.factor * fit.best.residual / slider.weight
-    path = slider.record.path
+    problem = fit.problem
+    residual = MILLI.factor * (problem.measured - fit.band.median)
+    path = problem.record.path
     shown = sampled(len(residual), 1000)
-    place = 1e3 * np.interp(slider.mean_time, path.time, path.position)
-    effective = fit.inference.effective
+    place = 1e3 * np.interp(problem.times, path.time, path.position)
+    effective = fit.posterior.kappa * len(residual)
     panels = [
-        panel_of("time, s", slider.mean_time, residual, effective, shown),
+        panel_of("time, s", problem.times, residual, effective, shown),
         panel_of("load point, mm", place, residual, effective, shown),
     ]
     panels = [one for one in panels if len(one.centre)]
@@ -385,37 +299,6 @@ def record_section(verdict: RateStateVerdict) -> Section | None:
     return record_and_checks(verdict.checks, items=[pulled])
 
 
-def next_section(verdict: RateStateVerdict) -> Section | None:
-    """Return the section on other steps, None if laws were not to be told apart."""
-    if not verdict.next_steps:
-        return None
-    rms = _fit(verdict).rms
-    rows = tuple(
-        Row(
-            cells=(
-                f"{quantity(one.before, 'm/s')} → {quantity(one.after, 'm/s')}",
-                significant(one.separation, 2),
-                ratio(one.separation / rms) if rms > 0.0 else "—",
-            )
-        )
-        for one in verdict.next_steps
-    )
-    columns = (
-        Column(head="step"),
-        Column(head="laws part by", numeric=True),
-        Column(head="over the residual", numeric=True, phone="label"),
-    )
-    rival = next(c for c in verdict.candidates if c.name == verdict.rival)
-    caption = (
-        "Root mean square difference of the coefficients that"
-        f" {verdict.closest.title.lower()} and {rival.title.lower()} predict as fitted, over the"
-        " way on which friction settles."
-    )
-    heading = "At other steps the fitted laws part"
-    table = Table(columns=columns, rows=rows, caption=caption)
-    return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))
-
-
 def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
     """Return the section with commands, the fitted law as code, data and references."""
     fit = _fit(verdict)
@@ -445,7 +328,6 @@ sections = PageSections[RateStateVerdict](
         parameters_section,
         residuals_section,
         record_section,
-        next_section,
     ),
     reproduce=reproduce_section,
 )

@@ -2,92 +2,51 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.data import Finding, LawEstimates, Measurement, sentences_of
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import RateState
 from stickslip.identify import THRESHOLDS
-from stickslip.identify.fits import (
-    BLOCKS,
-    Estimate,
-    Fit,
-    Inference,
-    OptimizeResult,
-    ResidualJacobian,
-    effective_size,
-    estimates_for,
-    infer,
-)
-from stickslip.identify.kinds.velocity_steps.problem import (
+from stickslip.identify.bands import LEVEL as PROBABILITY
+from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.fits import Estimate, Fit, estimates_for
+from stickslip.identify.judgement import ASSERTED
+from stickslip.identify.kinds.velocity_steps.slider import SliderHistory, simulate_velocity_steps
+from stickslip.identify.problems.travels import UNTOLD
+from stickslip.identify.problems.velocity_steps import (
     DIRECT,
+    DISTANCE,
     EVOLVED,
-    PATHS,
+    FURTHER,
+    LEVEL,
     SECOND,
+    STIFFNESS,
     STRESS,
-    Slider,
+    VelocitySteps,
     record_of,
 )
-from stickslip.identify.kinds.velocity_steps.slider import SliderHistory, simulate_velocity_steps
+from stickslip.identify.simulated import WHITE, FamilyPosterior, SimulatedPosterior
 from stickslip.mechanisms import TowedBlock
-from stickslip.quantities import Quantity
-from stickslip.show.formatting import estimate as estimated
-from stickslip.show.formatting import fixed, joined, number, quantities, quantity, ratio, signed
+from stickslip.quantities import Quantity, fields_of
+from stickslip.show.formatting import fixed, joined, number, quantities, quantity, ratio
 
 if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
-Array: TypeAlias = NDArray[np.float64]
-
 VELOCITY_STEPS = "rate-state"
+ORDER = (DIRECT, EVOLVED, DISTANCE, STIFFNESS, LEVEL, STRESS, SECOND, FURTHER)
+"""Parameters in the order in which they are told."""
 TOLD = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
-HELD = "given"
-"""Reason of what was not looked for."""
-ROOM = 3.0
-"""Effective number of rows of a block where there are more blocks than usual.
-
-The variance of a block's sum is a sixth short then, as neighbouring blocks go together; intervals
-held in 28 to 30 of 30 records (decision 0032).
-"""
-MOST_BLOCKS = 100
-REMEMBERED = 0.25
-"""Effective over actual sample size of the residuals below which they are no noise of samples."""
 SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Window:
-    """What a - b comes out as when less of the record is used."""
-
-    after: float
-    """Way of the load point after the last step [m]."""
-    rate: float
-    """a - b."""
-    half_width: float
-    """Half the width of its 95 % interval; infinite where that cannot be said.
-
-    Of less than all, it is that of independent residuals times what dependence makes of that of the
-    whole: blocks of what is left would be too short.
-    """
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Profile:
-    """Fits with other evolution effects held that the record allows as well as the best."""
-
-    ends: tuple[ResidualJacobian, ...] = ()
-    """Residuals and slopes of those fits."""
-    unbounded: bool = False
-    """Whether the largest evolution effect tried is still allowed."""
-
-
-NO_PROFILE = Profile()
+ENDS = (0.5 * (1.0 - PROBABILITY), 0.5 * (1.0 + PROBABILITY))
+"""Quantiles of draws between which 95 % lie."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -103,66 +62,126 @@ class RateStateFit(Fit[RateState]):
     """The machine, with the fitted stiffness and the mean load."""
     measurement: Measurement
     """The whole record."""
-    drift: float
-    """Steady change of the coefficient with the way of the load point [1/m]; 0 without one."""
-    rate: Estimate
-    """a - b, less b_2 of a second state: how friction changes with speed in the long run."""
-    rmse: float
-    """Root mean square of measured less fitted coefficient, over all samples used."""
-    correlation: float
-    """Correlation of the estimates of a and b; 0 where not both were fitted."""
-    separable: bool
-    """Whether the record tells a and b apart."""
-    windows: tuple[Window, ...]
-    """a - b by how much of the record after the last step is used, all of it last."""
-    findings: tuple[Finding, ...]
-    """What can be said: of speeds, ``"rate"``, ``"separation"``, ``"distance"``, ``"drift"``..."""
-    time: Array
-    """Times of the samples used (n,) [s], from their first on."""
-    measured: Array
-    """Measured coefficients (n,)."""
-    fitted: Array
-    """Fitted coefficients (n,), drift included."""
-    load_point: Mapping[str, Array]
-    """Times [s] and positions [m] between which the load point moves steadily."""
-    problem: Slider
-    """The record as residuals."""
-    optimum: OptimizeResult
-    """The least cost found, and what each start came to."""
-    inference: Inference
-    """Covariance of the fitted values, those that were held included."""
-
-    def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.identify.kinds.velocity_steps.figures import draw_coefficient
-        from stickslip.show.plots import MAP_SIZES, on_axes
-
-        draw = draw_coefficient(self.time, self.measured, self.fitted, self.law.title)
-        return on_axes(draw, ax, MAP_SIZES["wide"])
+    name: str
+    """Name of the law among those that were compared."""
+    problem: VelocitySteps = field(repr=False)
+    """The record as rows, and its priors."""
+    posterior: SimulatedPosterior = field(repr=False)
+    """The posterior that all is read from."""
 
     @property
-    def best(self) -> ResidualJacobian:
-        """Residuals and slopes at the fitted values."""
-        return self.optimum.best
+    def family(self) -> FamilyPosterior:
+        """What the posterior says of this law."""
+        return self.posterior.families[self.name]
 
-    @property
-    def starts_agreeing(self) -> int:
-        """How many starts came to the least cost."""
-        return self.optimum.agreeing
+    @cached_property
+    def draws(self) -> Mapping[str, Array]:
+        """Draws (k,) of the parameters, SI, by name; the stiffness is over the load."""
+        found = self.problem.values(self.name, self.family.points)
+        return {**found, LEVEL: self.family.coefficients[:, 0]}
 
-    @property
-    def stiffness(self) -> float:
-        """Stiffness of spring and machine over the load, d mu / d x [1/m]."""
-        return float(self.best.values[3])
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the residuals, means over short stretches of long records."""
-        return self.best.rms
+    @cached_property
+    def rate(self) -> Estimate:
+        """A - b, less b_2 of a second state: how friction changes with speed in the long run."""
+        names = [name for name in (DIRECT, EVOLVED, SECOND) if name in self.draws]
+        known = not {*names} & {*self.family.unknowns.names}
+        draws = _rate(self.draws)
+        low, high = np.quantile(draws, ENDS)
+        value = self.law.rate
+        return Estimate(
+            path=" - ".join(f"friction.{name}" for name in names) or f"friction.{DIRECT}",
+            quantity=Quantity(" - ".join(self.rate_symbols)),
+            value=value,
+            low=min(float(low), value),
+            high=max(float(high), value),
+            interval="known" if known else "95 %",
+            reason="given" if known else "",
+        )
 
     @property
     def rate_symbols(self) -> tuple[str, ...]:
         """Symbols of what the rate is the difference of: a and b, and b_2 of a second state."""
-        return tuple(self.rate.quantity.symbol.split(" - "))
+        return ("a", "b", "b_2")[: max(2, 1 + len(self.law.states))]
+
+    @property
+    def time(self) -> Array:
+        """Times of the samples used (n,) [s], from their first on."""
+        return self.problem.record.time
+
+    @property
+    def measured(self) -> Array:
+        """Measured coefficients (n,)."""
+        return self.problem.record.coefficient
+
+    @cached_property
+    def fitted(self) -> Array:
+        """Fitted coefficients (n,), with what changes along the way."""
+        mode = {self.name: self.family.mode[None]}
+        alone = self.problem.at(mode, self.time)[self.name][:, 0]
+        return np.asarray(alone + self.problem.along(self.time) @ self.family.usual)
+
+    @property
+    def band(self) -> PredictionBand:
+        """Band (n,) of the coefficient at the rows, times `VelocitySteps.times`, without noise."""
+        low, middle, high = self.family.band
+        return PredictionBand(low=low, median=middle, high=high)
+
+    @cached_property
+    def rmse(self) -> float:
+        """Root mean square of measured less fitted coefficient, over all samples used."""
+        return float(np.sqrt(np.mean((self.measured - self.fitted) ** 2)))
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, means over short stretches of long records."""
+        return self.family.rms
+
+    @cached_property
+    def correlation(self) -> float:
+        """Correlation of the draws of a and b; 0 where not both were looked for."""
+        if not {DIRECT, EVOLVED} <= {*self.family.unknowns.names}:
+            return 0.0
+        return float(np.corrcoef(self.draws[DIRECT], self.draws[EVOLVED])[0, 1])
+
+    @property
+    def separable(self) -> bool:
+        """Whether the record tells a and b apart."""
+        found = {e.path.rpartition(".")[2]: e for e in self.estimates}
+        both = [found[name] for name in (DIRECT, EVOLVED) if name in found]
+        return len(both) == 2 and all(e.half_width < TOLD * abs(e.value) for e in both)
+
+    @cached_property
+    def way(self) -> Estimate:
+        """Change of the coefficient from the beginning to the end of the way, beside the law."""
+        ends = self.problem.along(np.array([0.0, self.problem.record.path.time[-1]]))
+        first, last = ends[:, 1:] @ self.family.coefficients[:, 1:].T
+        low, middle, high = np.quantile(last - first, (ENDS[0], 0.5, ENDS[1]))
+        return Estimate(
+            path="drift", quantity=Quantity("eta"), value=float(middle), low=float(low),
+            high=float(high), interval="95 %",
+        )  # fmt: skip
+
+    @property
+    def drifts(self) -> bool:
+        """Whether friction is told to change along the way beside the law."""
+        share = float(self.problem.trending[self.family.sets].mean())
+        return len(self.problem.trending) > 1 and share >= ASSERTED / (1.0 + ASSERTED)
+
+    @property
+    def drift(self) -> float:
+        """Mean change of the coefficient with the way of the load point [1/m]; 0 if not told."""
+        return self.way.value / float(self.problem.record.path.position[-1]) if self.drifts else 0.0
+
+    @property
+    def load_point(self) -> Mapping[str, Array]:
+        """Times [s] and positions [m] between which the load point moves steadily."""
+        path = self.problem.record.path
+        return {"time": path.time, "position": path.position}
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of spring and machine over the load, d mu / d x [1/m]."""
+        return self.mechanism.stiffness / self.problem.record.load
 
     @property
     def over_scatter(self) -> float:
@@ -176,8 +195,7 @@ class RateStateFit(Fit[RateState]):
 
         The law misses something then, or the noise remembers more than a few samples.
         """
-        remembered = self.inference.effective < REMEMBERED * len(self.best.residual)
-        return remembered or self.over_scatter > THRESHOLDS.misfit
+        return self.posterior.kappa < WHITE / 3.0 or self.over_scatter > THRESHOLDS.misfit
 
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
@@ -202,7 +220,8 @@ class RateStateFit(Fit[RateState]):
         Returns
         -------
         float
-            Error of the coefficient, drift included; infinite if the slider runs away.
+            Error of the coefficient; infinite if the slider runs away. What changed along the way
+            of the record fitted is of that record.
 
         Raises
         ------
@@ -210,38 +229,46 @@ class RateStateFit(Fit[RateState]):
             If there are no samples from that time on.
         """
         record = record_of(measurement, self.problem.record.load)
-        other = Slider.of(
-            record,
-            self.problem.form,
-            self.problem.free_parameters,
-            self.law.reference_velocity,
-            regularised=self.law.regularised,
-        )
-        seen, late = (
-            other.linearise(self.best.values, slopes=False),
-            other.times + record.begins >= since,
-        )
+        other = self.problem.on(record)
+        late = record.time + record.begins >= since
         if not late.any():
             raise InputError(f"there are no samples from {quantity(since, 's')} on.")
-        weight = other.weight[late]
-        return float(np.sqrt(np.sum(seen.residual[late] ** 2) / np.sum(weight**2)))
+        seen = other.at({self.name: self.family.mode[None]}, record.time)[self.name][:, 0]
+        left = record.coefficient - seen - self.family.usual[0]
+        error = float(np.sqrt(np.mean(left[late] ** 2)))
+        return error if math.isfinite(error) else math.inf
 
     def law_estimates(self) -> LawEstimates:
-        own = [
-            i for i, item in enumerate(self.problem.free_parameters.items) if item.low < item.high
-        ]
+        names = [e.path.rpartition(".")[2] for e in self.estimates]
+        table = np.eye(len(names))
+        if len(names) > 1 and len(self.family.points) > 1:
+            with np.errstate(invalid="ignore"):
+                found = np.corrcoef([self.draws[name] for name in names])
+            table = np.where(np.isfinite(found), found, np.eye(len(names)))
         return estimates_for(
             self.law,
             self.estimates,
-            self.inference.correlation[np.ix_(own, own)],
+            table,
             levels="per load",
             largest_speed=float(self.problem.record.path.lasting.max()),
         )
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What can be said, such as ``"rate"``, ``"separation"``, ``"distance"``, ``"drift"``."""
+        return _findings(self)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """The findings in words."""
         return sentences_of(self.findings)
+
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.identify.kinds.velocity_steps.figures import draw_coefficient
+        from stickslip.show.plots import MAP_SIZES, on_axes
+
+        draw = draw_coefficient(self.time, self.measured, self.fitted, self.law.title)
+        return on_axes(draw, ax, MAP_SIZES["wide"])
 
     def __str__(self) -> str:
         """Return law, estimates and error, then the sentences."""
@@ -271,224 +298,129 @@ class RateStateFit(Fit[RateState]):
             "rmse": self.rmse,
             "correlation_a_b": self.correlation,
             "separable": self.separable,
-            "windows": [
-                {"after": window.after, "a_minus_b": window.rate} for window in self.windows
-            ],
+            "effective_draws": self.family.effective,
             "samples": len(self.time),
             "cancelled": self.cancelled,
             "sentences": list(self.sentences),
         }
 
 
-def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
-    """Return which unknowns are at no bound (p,); a state without effect has no distance."""
-    low, high = slider.free_parameters.limits()
-    at = slider.free_parameters.coordinates(values)
-    free = (at > low) & (at < high)
-    for effect in (EVOLVED, SECOND):
-        if abs(values[effect]) < THRESHOLDS.negligible * abs(values[DIRECT]):
-            free[[effect, effect + 1]] = False
-    return np.asarray(free)
-
-
-def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
-    """Return the symbols of what ended at a bound of the search; 0 is a limit of effects."""
-    low, high = fit.problem.free_parameters.limits()
-    at = fit.problem.free_parameters.coordinates(fit.best.values)
-    met = (low < high) & ((at <= low) | (at >= high))
-    for effect in (EVOLVED, STRESS, SECOND):
-        met[effect] = met[effect] and at[effect] >= high[effect]
-    items = zip(fit.problem.free_parameters.items, met, strict=True)
-    return tuple(item.quantity.symbol for item, one in items if one)
-
-
-def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
-    """Return covariances of the values (p,), from leaving out blocks of the record."""
-    scale = slider.free_parameters.slopes(slider.free_parameters.coordinates(best.values))
-    scale[:, ~free_of(slider, best.values)] = 0.0
-    return infer(best, scale, blocks=blocks_of(best))
-
-
-def rate_of(
-    slider: Slider, best: ResidualJacobian, inference: Inference | None = None
-) -> tuple[float, float, float]:
-    """Return a - b - b_2, half its 95 % interval, and its error of independent residuals."""
-    rate = slider.law(best.values).rate
-    row = np.zeros(len(best.values))
-    row[[DIRECT, EVOLVED, SECOND]] = 1.0, -1.0, -1.0
-    row[~free_of(slider, best.values)] = 0.0
-    found = inference_of(slider, best) if inference is None else inference
-    if not row.any():
-        return rate, 0.0, 0.0
-    kept = row != 0.0
-    naive = float(row[kept] @ found.naive[np.ix_(kept, kept)] @ row[kept])
-    return rate, found.half_width(row), math.sqrt(max(naive, 0.0))
+def _rate(draws: Mapping[str, Array]) -> Array:
+    """Return a - b - b_2 (k,) of draws."""
+    zero = np.zeros_like(draws[LEVEL])
+    return np.asarray(draws.get(DIRECT, zero) - draws.get(EVOLVED, zero) - draws.get(SECOND, zero))
 
 
 def result_of(
+    name: str,
     block: TowedBlock,
     measurement: Measurement,
-    slider: Slider,
-    optimum: OptimizeResult,
-    *,
-    profile: Profile = NO_PROFILE,
-    windows: tuple[Window, ...] = (),
+    problem: VelocitySteps,
+    posterior: SimulatedPosterior,
 ) -> RateStateFit:
-    """Return what was found, with intervals and words."""
-    values, record = optimum.best.values, slider.record
-    fitted = slider.predict(values, record.time)
-    assert fitted is not None
-    inference = inference_of(slider, optimum.best)
-    everyone = _estimates(slider, optimum.best, inference, profile)
-    a, b = everyone[:2]
-    both = HELD not in (a.reason, b.reason)
-    separable = both and all(e.bounded and e.half_width < TOLD * abs(e.value) for e in (a, b))
+    """Return what the posterior says of one law, with intervals and words."""
+    family = posterior.families[name]
+    if not math.isfinite(family.rms):
+        raise ConvergenceError(
+            f"{problem.laws[name].form.title.lower()}: the slider runs away from every start. Check"
+            " the stiffness of the machine and the units of pull and friction."
+        )
+    values = {key: float(x[0]) for key, x in problem.values(name, family.mode[None]).items()}
+    level = problem.laws[name].held.get(LEVEL, float(family.usual[0]))
+    load = problem.record.load
     fit = RateStateFit(
-        law=slider.law(values),
-        mechanism=replace(block, load=record.load, stiffness=float(values[3]) * record.load),
+        law=problem.law(name, values, level),
+        mechanism=replace(block, load=load, stiffness=values[STIFFNESS] * load),
+        estimates=(),
+        cancelled=posterior.cancelled,
         measurement=measurement,
-        estimates=tuple(e for e in everyone if e.reason != HELD),
-        cancelled=optimum.cancelled,
-        drift=float(values[len(PATHS)]) if len(values) > len(PATHS) else 0.0,
-        rate=_rate(slider, optimum.best, inference, profile),
-        rmse=float(np.sqrt(np.mean((record.coefficient - fitted) ** 2))),
-        correlation=_correlation(slider, optimum.best, profile) if both else 0.0,
-        separable=separable,
-        windows=windows,
-        findings=(),
-        time=record.time,
-        measured=record.coefficient,
-        fitted=fitted,
-        load_point={"time": record.path.time, "position": record.path.position},
-        problem=slider,
-        optimum=optimum,
-        inference=inference,
+        name=name,
+        problem=problem,
+        posterior=posterior,
     )
-    return replace(fit, findings=_findings(fit, optimum), remarks=_remarks(fit))
+    return replace(
+        fit,
+        estimates=tuple(_estimates(fit, {**values, LEVEL: level})),
+        remarks=_remarks(fit),
+    )
 
 
-def blocks_of(best: ResidualJacobian) -> int:
-    """Return how many blocks of a record are left out in turn: at least the usual number.
-
-    A step is over soon, and what one block alone shows has no interval. There are more blocks where
-    each still holds several times the correlated rows.
-    """
-    return int(np.clip(effective_size(best) / ROOM, BLOCKS, MOST_BLOCKS))
-
-
-def _correlation(slider: Slider, best: ResidualJacobian, profile: Profile) -> float:
-    """Return the correlation of a and b; near b = 0 that at the next b the record allows.
-
-    It is that of independent residuals, which stays defined where a and b cannot be told apart.
-    """
-    if abs(best.values[1]) < THRESHOLDS.negligible * abs(best.values[0]) and profile.ends:
-        best = slider.linearise(profile.ends[0].values)
-    others = np.delete(best.slopes, [0, 1], axis=1)
-    others = others / np.maximum(np.linalg.norm(others, axis=0), 1e-300)
-    both = best.slopes[:, :2]
-    left = both - others @ np.linalg.lstsq(others, both, rcond=None)[0]
-    size = math.prod(map(float, np.linalg.norm(left, axis=0)))
-    return float(np.clip(-(left[:, 0] @ left[:, 1]) / size, -1.0, 1.0)) if size > 0.0 else 0.0
-
-
-def _estimates(
-    slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
-) -> list[Estimate]:
-    """Return all unknowns, those that are held too, each interval widened by the profile."""
-    values, load = best.values, slider.record.load
-    others = np.array([end.values for end in profile.ends]).reshape(-1, len(values))
-    found: list[Estimate] = []
-    for i, item in enumerate(slider.free_parameters.items):
-        unit = load if item.path == PATHS[3] else 1.0
-        quantity = Quantity("k", "N/m", above=0) if item.path == PATHS[3] else item.quantity
-        known = item.low == item.high
-        low, high = _hull(values[i], 0.0 if known else _width(inference, i), others[:, i])
-        reason = HELD if known else inference.reasons[i] if not math.isfinite(low + high) else ""
-        if i < 2 and profile.unbounded:
-            high, reason = math.inf, "larger a and b of the same difference fit as well"
-        if i < 2 and profile.ends and not math.isfinite(low):
-            low = values[i]
-        low = max(low, item.low)
-        high = high if i in (DIRECT, EVOLVED, SECOND) else min(high, item.high)
+def _estimates(fit: RateStateFit, values: Mapping[str, float]) -> list[Estimate]:
+    """Return what was looked for: the mode, and the quantiles of draws."""
+    free = [name for name in ORDER if name in fit.family.unknowns.names]
+    if fit.problem.level is None:
+        free = [name for name in ORDER if name in (*free, LEVEL)]
+    declared, found = fields_of(RateState), []
+    for name in free:
+        of_machine = name == STIFFNESS
+        unit = fit.problem.record.load if of_machine else 1.0
+        low, high = np.quantile(fit.draws[name], ENDS)
         found.append(
             Estimate(
-                path=item.path,
-                quantity=quantity,
-                value=float(values[i]) * unit,
-                low=float(low) * unit,
-                high=float(high) * unit,
-                interval="known" if known else "95 %",
-                reason=reason,
+                path=f"mechanism.{name}" if of_machine else f"friction.{name}",
+                quantity=Quantity("k", "N/m", above=0) if of_machine else declared[name],
+                value=values[name] * unit,
+                low=min(float(low), values[name]) * unit,
+                high=max(float(high), values[name]) * unit,
+                interval="95 %",
             )
         )
-    for i in (EVOLVED, SECOND):
-        b, D = found[i : i + 2]
-        if HELD not in (b.reason, D.reason) and b.low <= 0.0 <= b.high:
-            symbols = b.quantity.symbol, D.quantity.symbol
+    by_path = {e.path: k for k, e in enumerate(found)}
+    for effect, distance in ((EVOLVED, DISTANCE), (SECOND, FURTHER)):
+        at = by_path.get(f"friction.{distance}")
+        if at is None:
+            continue
+        spent = float(np.quantile(np.abs(fit.draws[effect]), ENDS[0]))
+        if _is_prior(fit, distance) or spent < THRESHOLDS.material * abs(fit.law.direct_effect):
+            symbols = declared[effect].symbol, declared[distance].symbol
             why = "{} may be 0, and then {} has no effect".format(*symbols)
-            found[i + 1] = replace(D, low=-math.inf, high=math.inf, reason=why)
+            own = by_path.get(f"friction.{effect}")
+            if own is not None:  # draws end above 0, where a law has no state
+                found[own] = replace(found[own], low=min(found[own].low, 0.0))
+            found[at] = replace(found[at], low=-math.inf, high=math.inf, reason=why)
     return found
 
 
-def _width(inference: Inference, index: int) -> float:
-    """Return half the width of the 95 % interval of a value; infinite where none can be said."""
-    return inference.half_width(np.eye(len(inference.reasons))[index])
+def _is_prior(fit: RateStateFit, name: str) -> bool:
+    """Whether draws of a coordinate are as wide as its prior."""
+    at = fit.family.unknowns.names.index(name)
+    spread = float(np.std(fit.family.points[:, at]))
+    return spread > UNTOLD * float(fit.family.unknowns.deviation[at])
 
 
-def _rate(
-    slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
-) -> Estimate:
-    """Return the estimate of a - b, less b_2 of a second state."""
-    rate, width, _ = rate_of(slider, best, inference)
-    others = np.array([slider.law(end.values).rate for end in profile.ends])
-    low, high = _hull(rate, width, others)
-    known = slider.free_parameters.items[0].low == slider.free_parameters.items[0].high
-    return Estimate(
-        path=" - ".join(PATHS[i] for i in (DIRECT, EVOLVED, SECOND)[: 2 + slider.form.second]),
-        quantity=Quantity("a - b - b_2" if slider.form.second else "a - b"),
-        value=rate,
-        low=low,
-        high=high,
-        interval="known" if known else "95 %",
-        reason=HELD if known else "" if math.isfinite(width) else "the record does not tell it",
-    )
-
-
-def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]:
-    """Return the interval of a standard error together with values that fit as well."""
-    low, high = value - half_width, value + half_width
-    if len(others):
-        low, high = min(low, float(others.min())), max(high, float(others.max()))
-    return float(low), float(high)
-
-
-def _findings(fit: RateStateFit, found: OptimizeResult) -> tuple[Finding, ...]:
+def _findings(fit: RateStateFit) -> tuple[Finding, ...]:
     path, rate = fit.problem.record.path, " − ".join(fit.rate_symbols)
-    fitted = {e.path: e for e in fit.estimates}
+    found = {e.path.rpartition(".")[2]: e for e in fit.estimates}
     said = [
         ("speeds", f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}.")
     ]
-    if fit.rate.reason != HELD:
+    if fit.rate.interval != "known":
         said.append(("rate", _about_rate(fit.rate, rate)))
-    if PATHS[0] in fitted and PATHS[1] in fitted:
+    if {DIRECT, EVOLVED} <= found.keys():
         said.append(("separation", _about_separation(fit, rate)))
     said += [
-        ("distance", f"{fitted[path].quantity.symbol} is not bounded: {fitted[path].reason}.")
-        for path in (PATHS[EVOLVED + 1], *PATHS[STRESS:])
-        if path in fitted and fitted[path].reason
-    ]
-    if fit.drift:
-        text = (
-            f"Friction drifts by {signed(1e-3 * fit.drift, 2)} per mm of the load point beside the"
-            f" law; {rate} and a drift trade against each other."
-        )
-        said.append(("drift", text))
-    said += [("length", line) for line in _about_windows(fit.windows, rate)]
-    if found.agreeing == 1 and len(found.costs) > 1:
-        said.append(("search", f"Only one of {len(found.costs)} starts came to the least cost."))
-    if found.cancelled:
+        ("distance", f"{e.quantity.symbol} is not bounded: {e.reason}.")
+        for e in found.values() if e.reason
+    ]  # fmt: skip
+    if STIFFNESS in found and _is_prior(fit, STIFFNESS):
+        said.append(("stiffness", "The record does not tell the stiffness of the machine: its"
+                     " interval is that of what was stated."))  # fmt: skip
+    if fit.drifts:
+        said.append(("drift", _about_drift(fit)))
+    if fit.cancelled:
         said.append(("search", "The search was stopped before its end."))
     return tuple(Finding(kind=kind, sentence=sentence) for kind, sentence in said)
+
+
+def _about_drift(fit: RateStateFit) -> str:
+    ends = fit.problem.along(np.array([0.0, fit.problem.record.path.time[-1]]))
+    first, last = ends @ fit.family.usual
+    curve = fit.problem.along(fit.problem.times) @ fit.family.usual
+    change = float(np.ptp(curve))
+    return (
+        f"Friction drifts beside the law, whatever the speed: from {number(first, 4)} at its"
+        f" beginning to {number(last, 4)} at its end, by {number(change, 2)} in all."
+    )
 
 
 def _about_separation(fit: RateStateFit, rate: str) -> str:
@@ -512,26 +444,6 @@ def _about_rate(rate: Estimate, symbols: str) -> str:
     elif rate.high < 0.0:
         sign = "friction falls with speed, and stick-slip is possible on soft springs"
     return f"{rate}, {rate.interval}: {sign}."
-
-
-def _about_windows(windows: Sequence[Window], rate: str) -> list[str]:
-    if not windows:
-        return []
-    last = windows[-1]
-    apart = []
-    for w in windows[:-1]:
-        # the whole has the part in it: of their difference, variances subtract (Hausman)
-        width = math.sqrt(max(w.half_width**2 - last.half_width**2, 0.0))
-        apart.append(abs(w.rate - last.rate) > max(width, THRESHOLDS.material * abs(last.rate)))
-    if not any(apart):
-        return []
-    told = ", ".join(
-        f"{estimated(w.rate, w.half_width)} with {quantity(w.after, 'm')}" for w in windows
-    )
-    return [
-        f"{rate} depends on the length of record used after the last step: {told}. The law does"
-        " not describe the whole record; the interval holds for the part used."
-    ]
 
 
 def _remarks(fit: RateStateFit) -> tuple[str, ...]:

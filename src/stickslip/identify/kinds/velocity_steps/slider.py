@@ -24,9 +24,7 @@ Rates: TypeAlias = Callable[[Array, float, float], tuple[float, ...]]
 STEEPEST = 0.5 * math.log(sys.float_info.max)
 """Logarithms of speeds beyond this are held there: the run has failed long before."""
 STEPS = 20_000
-"""Steps between two asked times after which a run counts as failed; of a fit, evaluations of the
-rates in a piece of the pull: the motion is stick-slip that the record does not show, or runs away.
-A smooth piece takes some 500."""
+"""Steps between two asked times after which a run counts as failed."""
 
 UNITS = {"time": "s", "coefficient": "1", "velocity": "m/s", "state": "s", "second_state": "s"}
 """Columns of a history, and their units; the last only where there is a second state."""
@@ -229,13 +227,10 @@ def logarithms(
     speeds: Array,
     times: Array,
     tolerance: float,
-    *,
-    shown: bool = False,
 ) -> Array | None:
     """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) of a slider that a spring pulls.
 
-    Of the regularised form, the coefficient stands for w. What fails gives None, and where no more
-    than is `shown` at the times asked for is of use, what moves faster.
+    Of the regularised form, the coefficient stands for w. What fails gives None.
     """
     if law.evolution == "none" and not law.regularised:
         return _without_state(law, stiffness, knots, speeds, times)[:, None]
@@ -255,43 +250,23 @@ def logarithms(
             logs[here] = state
             continue
         moving = True
-        followed = _at_most(STEPS, rates) if shown else rates
         with warnings.catch_warnings():  # what it says is in `told`, too
             warnings.simplefilter("ignore", ODEintWarning)
-            try:
-                path, told = odeint(
-                    followed,
-                    state,
-                    np.concatenate([[start], times[here], [end]]),
-                    args=(float(speed),),
-                    rtol=tolerance,
-                    atol=tolerance,
-                    mxstep=STEPS,
-                    full_output=True,
-                )
-            except _TooFastError:
-                return None
+            path, told = odeint(
+                rates,
+                state,
+                np.concatenate([[start], times[here], [end]]),
+                args=(float(speed),),
+                rtol=tolerance,
+                atol=tolerance,
+                mxstep=STEPS,
+                full_output=True,
+            )
         failed = not told["message"].startswith("Integration successful")
         if failed or not np.all(np.abs(path) < STEEPEST):
             return None
         logs[here], state = path[1:-1], path[-1]
     return logs
-
-
-class _TooFastError(Exception):
-    """A motion that no record shows."""
-
-
-def _at_most(most: int, rates: Rates) -> Rates:
-    """Return rates that end a run after so many evaluations."""
-    left = iter(range(most))
-
-    def counted(y: Array, t: float, V_load: float) -> tuple[float, ...]:
-        if next(left, None) is None:
-            raise _TooFastError
-        return rates(y, t, V_load)
-
-    return counted
 
 
 def _without_state(

@@ -1,48 +1,36 @@
 """What a selection on velocity steps gives back."""
 
-import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from stickslip.data import Checks
 from stickslip.friction import RateState
-from stickslip.identify.candidates import CrossValidated, CrossValidatedVerdict, plain, score_text
+from stickslip.identify import THRESHOLDS
+from stickslip.identify.candidates import Candidate, Verdict, plain, score_text
 from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
-from stickslip.show.described import Described
-from stickslip.show.formatting import EstimateText, Scale
-
-Array: TypeAlias = NDArray[np.float64]
+from stickslip.show.formatting import EstimateText, Scale, percent
 
 
-@dataclass(frozen=True, kw_only=True)
-class OtherStep(metaclass=Described):
-    """A velocity step that was not measured, and how far apart two fitted laws are after it."""
+def share_text(share: float) -> str:
+    """Return a probability in words.
 
-    before: float
-    """Speed of the load point before the step [m/s]."""
-    after: float
-    """Speed after it [m/s]."""
-    separation: float
-    """Root mean square difference of the coefficients that the two laws predict."""
-
-    def to_dict(self) -> Mapping[str, float]:
-        """Return the step as plain numbers."""
-        return {"before": self.before, "after": self.after, "separation": self.separation}
+    Examples
+    --------
+    >>> share_text(0.93), share_text(1e-9)
+    ('93 %', 'below 0.1 %')
+    """
+    least = THRESHOLDS.negligible
+    return percent(share) if share >= least else f"below {percent(least)}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class RateStateCandidate(CrossValidated[RateStateFit]):
-    """One law on velocity steps: its fit, its held-out error, and what speaks against it."""
+class RateStateCandidate(Candidate[RateStateFit]):
+    """One law on velocity steps: its fit, its probability, and what speaks against it."""
 
-    unseen: Array | None = None
-    """Measured less predicted coefficient of each row of the fit, by the fit that has not seen it
-    (n,); NaN for rows that were never held out."""
-    reduces_to: tuple[str, ...] = ()
-    """Names of the simpler laws that the fitted values make of it."""
+    share: float
+    """Probability of the law among those compared."""
     second: float | None = None
     """Root mean square error on the record given to validate, if there is one."""
 
@@ -52,21 +40,20 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
         return self.fit.law if self.fit else None
 
     @property
-    def is_simpler(self) -> Collection[str]:
-        return self.reduces_to
+    def score(self) -> float | None:
+        """Root mean square of what the law leaves of the coefficient."""
+        return self.fit.rms if self.fit else None
 
     def to_row(self) -> Mapping[str, Any]:
         return data_row(COLUMNS, self)
 
     def to_dict(self) -> Mapping[str, Any]:
-        judged = self.validation
         return {
             "law": self.name,
             "title": self.title,
             "parameters": self.parameters,
-            "score": judged.score if judged else None,
-            "score_error": judged.error if judged else None,
-            "block_errors": [math.sqrt(x) for x in judged.losses] if judged else [],
+            "share": self.share,
+            "leaves": self.score,
             "second_record": self.second,
             "dropped": plain(self.dropped),
             "outcome": plain(self.outcome),
@@ -78,8 +65,7 @@ def _rate_text(one: RateStateCandidate) -> str | EstimateText | None:
     """Return a - b with its interval; None where no fit has an interval for it."""
     if one.fit is None or one.fit.rate.interval == "known":
         return None
-    rate = one.fit.rate
-    return rate.parts if rate.bounded else rate.plus_minus
+    return one.fit.rate.parts
 
 
 COEFFICIENT: Final = Scale(1.0, "")
@@ -96,19 +82,17 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
         text=lambda one: str(one.parameters) if one.fit else None,
     ),
     Column(
-        key="score", title="held-out error", page="held-out error\n± 1 s.e.",
-        value=lambda one: one.score,
-        text=lambda one: score_text(COEFFICIENT, one.score, one.score_error), plotted=True,
+        key="share", title="share", page="share", phone="label", label="share:",
+        value=lambda one: one.share, text=lambda one: share_text(one.share) if one.fit else None,
     ),
     Column(
-        key="score_error",
-        value=lambda one: one.validation.error if one.validation else math.nan,
+        key="leaves", title="leaves", page="leaves", plotted=True,
+        value=lambda one: one.score, text=lambda one: score_text(COEFFICIENT, one.score),
     ),
     Column(
         key="a_minus_b", title="a − b", page="a − b\n95 % interval", phone="label", label="a − b:",
-        value=lambda one: one.fit.rate.value if one.fit else math.nan, text=_rate_text,
+        value=lambda one: one.fit.rate.value if one.fit else None, text=_rate_text,
     ),
-    Column(key="rmse", value=lambda one: one.fit.rmse if one.fit else math.nan),
     Column(
         title="second record", page="second\nrecord", phone="label", optional=True,
         value=lambda one: one.second, text=lambda one: score_text(COEFFICIENT, one.second).value,
@@ -122,15 +106,13 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RateStateVerdict(CrossValidatedVerdict[RateStateCandidate]):
+class RateStateVerdict(Verdict[RateStateCandidate]):
     """A verdict on friction while a load point is pulled with steps of its speed."""
 
-    by_steps: bool
-    """Whether what was held out begins with a velocity step; else parts of a record with one."""
+    checks: Checks
+    """What the record can tell, before any fit."""
     rival: str = ""
     """Name of the law that the record does not tell from the closest; empty without one."""
-    next_steps: tuple[OtherStep, ...] = ()
-    """Steps that would tell the closest from its rival, the most telling first."""
 
     @property
     def route(self) -> str:
@@ -140,14 +122,16 @@ class RateStateVerdict(CrossValidatedVerdict[RateStateCandidate]):
     def score_unit(self) -> str:
         return ""
 
+    @property
+    def closest(self) -> RateStateCandidate:
+        """The most probable law, recommended or not."""
+        return self.candidates[0]
+
     def _basis(self) -> str:
-        return f" to velocity steps, judged on {'steps' if self.by_steps else 'parts'} held out"
+        return " to velocity steps"
 
     def _details(self) -> Mapping[str, Any]:
-        held = "velocity steps" if self.by_steps else "parts of the record"
         return {
-            "scored": f"coefficient of friction after held-out {held}, root mean square",
             "not_distinguished_from": self.rival or None,
             "checks": self.checks.to_dict(),
-            "next_measurements": [one.to_dict() for one in self.next_steps],
         }

@@ -98,7 +98,7 @@ def path_of(time: Array, pull: Array) -> Path:
 
     every = max(1, len(time) // STRETCHES)
     t, x = time[::every], pull[::every]
-    scatter = float(np.std(np.diff(x, 2)) / math.sqrt(6.0)) if len(x) > 10 else 0.0
+    scatter = _scatter(t, x) if len(x) > SHORTEST else 0.0
     # what a bend takes off the squares of noise by chance, wherever it is best: place and slope
     sure = float(chi2.isf(THRESHOLDS.pattern_chance / len(t), 2))
     changes = _changes(t, x, max(STRAIGHT * float(np.ptp(x)), scatter), sure, DEEPEST)
@@ -113,6 +113,16 @@ def path_of(time: Array, pull: Array) -> Path:
     )
 
 
+def _scatter(t: Array, x: Array) -> float:
+    """Return the standard deviation of single positions about straight lines beside them."""
+    from scipy.stats import median_abs_deviation
+
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    off = x[1:-1] - (1.0 - share) * x[:-2] - share * x[2:]
+    single = off / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    return float(median_abs_deviation(single, scale="normal"))
+
+
 def _weakest(t: Array, x: Array, changes: list[float], least: float) -> int | None:
     """Return which change is none: of a piece of no length or of one speed, or within the scatter.
 
@@ -121,8 +131,9 @@ def _weakest(t: Array, x: Array, changes: list[float], least: float) -> int | No
     whole = _squares(t, x, changes)
     gains = [_squares(t, x, changes[:i] + changes[i + 1 :]) - whole for i in range(len(changes))]
     lengths = _lengths(t, changes)
-    if lengths.min() < 2.0 * float(np.median(np.diff(t))):
-        short = int(lengths.argmin())
+    held = np.diff(np.searchsorted(t, [t[0], *changes, t[-1]]))
+    if held.min() <= 1:  # between two samples any path will do
+        short = int(held.argmin())
         ends = [i for i in (short - 1, short) if 0 <= i < len(changes)]
         return min(ends, key=gains.__getitem__)
     speeds = np.abs(np.diff(_positions(t, x, changes)) / lengths)

@@ -1,0 +1,557 @@
+r"""Simulated measurements: laws whose readings only a run tells, and their posterior.
+
+A `Simulated` measurement says what its rows are, what a law makes of them (*simulate*), what is
+unknown with which prior (*vary*), and which columns are always there. The model of a row is
+
+    y_i = f_i(theta) + sum_k b_k z_k(i) + e_i,    theta ~ N(m, s^2),  b_k ~ N(0, q_kj^2)
+
+with f a run of the law of a family, b what every experiment may have, with one of several sets j of
+prior sizes, and e noise of one unknown size. Rows that are not independent count kappa of a row, by
+the autocorrelation of what the best law leaves. Then for kappa n rows in effect:
+
+1. *Linear part*. For given theta, b is integrated in closed form: with weights W,
+   :math:`A_j = Z^T W Z + \Lambda_j`, :math:`\Lambda_j = \sigma^2/(\kappa q_j^2)`,
+   :math:`S_j = r^T W r - r^T W Z A_j^{-1} Z^T W r` of r = y - f,
+
+       log p(y | theta, j) = -(kappa n/2) log S_j - log(|A_j| / |Lambda_j|)/2.
+
+2. *Modes*. Damped Gauss-Newton from several starts of every family at once, with derivatives by
+   differences of runs; the laws that contain others begin where those ended.
+3. *Laplace*. Families far below the best by Laplace's approximation keep that evidence.
+4. *Draws weighed by exact runs*. Of the others, draws from Student's t about the modes have the
+   weights w = p(y | theta) p(theta) / q(theta) of their own runs. The next proposals are t about
+   the weighted draws, until `ENOUGH` are effective. The evidence of a family is the mean weight of
+   its draws of the last round, and their effective number, (sum w)^2 / sum w^2, is told.
+
+Sources: R. E. Kass and A. E. Raftery, "Bayes factors", JASA 90 (1995) 773-795; O. Cappé and others,
+"Population Monte Carlo", Journal of Computational and Graphical Statistics 13 (2004) 907-929.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln, logsumexp
+
+from stickslip.identify.bands import Array
+from stickslip.identify.fits import BLOCKS, effective_size
+from stickslip.identify.posterior import allotted
+from stickslip.identify.thresholds import THRESHOLDS
+
+ROUNDS = 40
+"""Steps of the search from a start at most."""
+SETTLED = 0.01
+"""Logarithm of the posterior that a step gains, below which a search ends."""
+FAR = -math.log(THRESHOLDS.rounding)
+"""Logarithm of the evidence by Laplace below the best from which a family needs no runs: its share
+would be one in a million."""
+PROPOSED = 400
+"""Draws of a family in each round, and those that are kept, each with the same weight."""
+ENOUGH = 150.0
+"""Effective draws of a family, or of all together, from which no further round is made: quantiles
+of 95 % are then known to a fifth of the half width."""
+AGAIN = 6
+"""Rounds of draws at most."""
+TAILS = THRESHOLDS.freedom
+"""Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
+WHITE = 0.7
+"""Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
+is too small to be seen in the autocorrelation of the noise."""
+
+Watch: TypeAlias = Callable[[str, float], object]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unknowns:
+    """What is unknown of a family, in coordinates in which its prior is normal."""
+
+    names: tuple[str, ...]
+    mean: Array
+    """Prior means (p,)."""
+    deviation: Array
+    """Prior standard deviations (p,)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Always:
+    """What every experiment may have: linear columns, each with the sizes it may have."""
+
+    columns: Array
+    """Columns (n, q)."""
+    sizes: Array
+    """Prior standard deviations (j, q) of the coefficients, a row for each set of sizes."""
+    prior: Array
+    """Probabilities of the sets of sizes (j,), in sum 1."""
+
+
+class Simulated(ABC):
+    """A measurement whose rows are told by runs of laws."""
+
+    measured: Array
+    """Rows (n,), in the order in which they were taken."""
+    weights: Array
+    """Weights of the rows (n,), in the mean 1: samples of which each is the mean."""
+    always: Always
+    """What every experiment may have."""
+    stages: Sequence[Sequence[str]]
+    """Names of the families; those of a stage begin where those of the earlier ones ended."""
+
+    @abstractmethod
+    def prior(self, family: str) -> float:
+        """Return the logarithm of the prior probability of a family, up to a constant."""
+
+    @abstractmethod
+    def vary(self, family: str) -> Unknowns:
+        """Return what is unknown of a family."""
+
+    @abstractmethod
+    def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
+        """Return where searches begin (m, p), from the modes (p,) of families of earlier stages."""
+
+    @abstractmethod
+    def simulate(self, asked: Mapping[str, Array]) -> Mapping[str, Array]:
+        """Return rows (n, k) for points (k, p) by family; NaN where a run fails or is no law."""
+
+
+@dataclass(eq=False)
+class _Search:
+    """Searches of one family, from several starts at once."""
+
+    unknowns: Unknowns
+    at: Array
+    """Where they are (m, p)."""
+    value: Array = field(default_factory=lambda: np.zeros(0))
+    """Logarithm of the posterior there (m,), up to a constant."""
+    gradient: Array = field(default_factory=lambda: np.zeros(0))
+    """Gradients (m, p) and ..."""
+    curvature: Array = field(default_factory=lambda: np.zeros(0))
+    """... minus second derivatives (m, p, p) by Gauss and Newton, over prior deviations."""
+    damping: Array = field(default_factory=lambda: np.zeros(0))
+    live: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
+
+    def proposed(self) -> Array:
+        """Return the points of the next step (m, p)."""
+        p = self.at.shape[1]
+        lifted = self.curvature + self.damping[:, None, None] * (
+            self.curvature * np.eye(p) + 1e-9 * np.eye(p)
+        )
+        step = np.linalg.solve(lifted, self.gradient[:, :, None])[:, :, 0]
+        # a step of more than two prior deviations leaves where the quadratic holds
+        largest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
+        step *= np.minimum(1.0, 2.0 / largest)
+        return np.asarray(self.at + step * self.unknowns.deviation)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FamilyPosterior:
+    """What the rows say of one family."""
+
+    unknowns: Unknowns
+    mode: Array
+    """Where the posterior is largest (p,)."""
+    evidence: float
+    """Logarithm of the probability of the rows, up to a constant that all families share."""
+    effective: float
+    """Effective number of the weighed draws; 0 where Laplace's approximation alone was made."""
+    points: Array
+    """Draws of the unknowns (k, p), each with the same weight; of what is far below the best by
+    Laplace's approximation."""
+    coefficients: Array
+    """Draws of the coefficients of what is always there (k, q)."""
+    sets: NDArray[np.intp]
+    """Sets of sizes (k,) of what is always there, from which the draws are."""
+    usual: Array
+    """Coefficients of what is always there (q,) at the mode."""
+    band: Array
+    """Quantiles of 2.5, 50 and 97.5 % of the rows (3, n), without their noise."""
+    rms: float
+    """Root mean square of what the mode leaves; infinite where no run works."""
+
+
+class SimulatedPosterior:
+    """The posterior of a simulated measurement.
+
+    Parameters
+    ----------
+    problem : Simulated
+        The measurement.
+    starts : int
+        Searches of each family that are followed to their end, of those that begin.
+    seed : int
+        Seed of the draws.
+    watch : callable, optional
+        Called with a family and the root mean square of what it leaves; False ends the searches.
+    """
+
+    def __init__(
+        self, problem: Simulated, *, starts: int = 4, seed: int = 0, watch: Watch | None = None
+    ) -> None:
+        self.problem, self._starts, self._watch = problem, starts, watch
+        self.cancelled = False
+        self._rng = np.random.default_rng(seed)
+        self._w = problem.weights[:, None]
+        step = np.diff(problem.measured)
+        self.kappa = WHITE
+        """Independent rows over rows."""
+        self.noise = max(float(np.sqrt(0.5 * np.mean(step**2))), 1e-9 * float(np.std(step)), 1e-12)
+        """Standard deviation of a row."""
+        self._searches: dict[str, _Search] = {}
+        self._set_scales()
+        for stage in problem.stages:
+            ends = {name: one.at[int(np.argmax(one.value))] for name, one in self._searches.items()}
+            self._search({name: problem.starts(name, ends) for name in stage})
+            self._set_noise()
+        self._search({name: self._best(one) for name, one in self._searches.items()}, again=True)
+        self.families = self._judged()
+        """What is said of each family, by name."""
+        evidence = np.array([one.evidence + problem.prior(name)
+                             for name, one in self.families.items()])  # fmt: skip
+        works = np.isfinite(evidence)
+        chances = np.exp(np.where(works, evidence - logsumexp(evidence[works]), -np.inf))
+        self.shares = dict(zip(self.families, chances.tolist(), strict=True))
+        """Posterior probabilities of the families, by name, in sum 1; 0 where no run works."""
+
+    @property
+    def effective(self) -> float:
+        """Effective number of draws of the most probable family."""
+        return self.families[max(self.shares, key=self.shares.__getitem__)].effective
+
+    # ------------------------------------------------------------------ likelihood
+    @property
+    def counted(self) -> float:
+        """Rows that count."""
+        return max(self.kappa * len(self.problem.measured), float(BLOCKS))
+
+    def _set_scales(self) -> None:
+        """Prepare what the linear part needs for the noise and share of rows."""
+        z, always = self.problem.always.columns, self.problem.always
+        self._zw = (z * self._w).T
+        gram = self._zw @ z
+        ratio = self.noise**2 * len(z) / self.counted
+        self._precisions = [np.diag(gram) * 0.0 + ratio / size**2 for size in always.sizes]
+        self._inverses = [np.linalg.inv(gram + np.diag(one)) for one in self._precisions]
+        self._volumes = np.array([
+            0.5 * (np.sum(np.log(one)) + np.linalg.slogdet(inverse)[1])
+            for one, inverse in zip(self._precisions, self._inverses, strict=True)
+        ])  # fmt: skip
+
+    def _squares(self, left: Array) -> Array:
+        """Return what no column takes of residuals (n, k), weighted, by set of sizes (j, k)."""
+        total, moment = np.sum(self._w * left**2, axis=0), self._zw @ left
+        return np.array([
+            np.maximum(total - np.sum(moment * (inverse @ moment), axis=0), 1e-300)
+            for inverse in self._inverses
+        ])  # fmt: skip
+
+    def _likelihoods(self, squares: Array) -> Array:
+        """Return the logarithms (j, k) of the likelihood, with the prior of the sets of sizes."""
+        volume = self._volumes + np.log(self.problem.always.prior)
+        return np.asarray(volume[:, None] - 0.5 * self.counted * np.log(squares))
+
+    @staticmethod
+    def _priors(unknowns: Unknowns, points: Array) -> Array:
+        """Return the logarithms of the prior density (k,)."""
+        z = (points - unknowns.mean) / unknowns.deviation
+        norm = np.sum(np.log(unknowns.deviation)) + 0.5 * z.shape[1] * math.log(2.0 * math.pi)
+        return np.asarray(-0.5 * np.sum(z**2, axis=1) - norm)
+
+    def _runs(self, asked: Mapping[str, Array]) -> dict[str, Array]:
+        """Return residuals (n, k) by family; infinite where a run fails."""
+        rows = self.problem.simulate(asked)
+        y = self.problem.measured[:, None]
+        return {name: np.where(np.isfinite(f), y - f, np.inf) for name, f in rows.items()}
+
+    def _value(self, unknowns: Unknowns, points: Array, left: Array) -> Array:
+        """Return the logarithm of the posterior density (k,); minus infinity without a run."""
+        works = np.isfinite(left).all(axis=0)
+        safe = np.where(works, left, 0.0)
+        likelihood = logsumexp(self._likelihoods(self._squares(safe)), axis=0)
+        return np.where(works, likelihood + self._priors(unknowns, points), -np.inf)
+
+    # ------------------------------------------------------------------ modes
+    def _search(self, starts: Mapping[str, Array], *, again: bool = False) -> None:
+        """Search the modes of families, all at once, from starts (m, p)."""
+        searches: dict[str, _Search] = {}
+        left = self._runs(starts)
+        for name, at in starts.items():
+            unknowns = self.problem.vary(name)
+            value = self._value(unknowns, at, left[name])
+            best = np.argsort(-value, kind="stable")[: self._starts]
+            searches[name] = _Search(unknowns, at[best], value[best])
+            count = len(best)
+            one = searches[name]
+            one.damping, one.live = np.full(count, 1e-2), np.isfinite(one.value)
+            one.gradient, one.curvature = self._empty(one)
+        self._linearise(searches, {name: one.at for name, one in searches.items()}, first=True)
+        for _ in range(4 if again else ROUNDS):
+            active = {n: s for n, s in searches.items() if s.live.any() and s.at.shape[1]}
+            if not active or self.cancelled:
+                break
+            self._linearise(active, {name: one.proposed() for name, one in active.items()})
+            self._tell(active)
+        self._searches |= searches
+
+    @staticmethod
+    def _empty(one: _Search) -> tuple[Array, Array]:
+        m, p = one.at.shape
+        return np.zeros((m, p)), np.broadcast_to(np.eye(p), (m, p, p)).copy()
+
+    def _tell(self, active: Mapping[str, _Search]) -> None:
+        if self._watch is None:
+            return
+        for name, one in active.items():
+            best = float(np.max(one.value - self._priors(one.unknowns, one.at)))
+            rms = math.exp(-best / self.counted) / math.sqrt(len(self.problem.measured))
+            if self._watch(name, rms) is False:
+                self.cancelled = True
+
+    def _linearise(
+        self, searches: Mapping[str, _Search], points: Mapping[str, Array], *, first: bool = False
+    ) -> None:
+        """Move searches to points (m, p) that are better, with derivatives there."""
+        steps = {name: 1e-3 * one.unknowns.deviation for name, one in searches.items()}
+        asked = {}
+        for name, one in searches.items():
+            at = points[name][one.live]
+            nudged = at[:, None, :] + np.diag(steps[name])[None]
+            asked[name] = np.concatenate([at, nudged.reshape(at.size, at.shape[1])])
+        every = self._runs(asked)
+        for name, one in searches.items():
+            (which,) = np.nonzero(one.live)
+            at, k, p = points[name][which], len(which), one.at.shape[1]
+            left, nudged = every[name][:, :k], every[name][:, k:].reshape(len(self._w), k, p)
+            value = self._value(one.unknowns, at, left)
+            for number, place in enumerate(which):
+                gain = value[number] - one.value[place]
+                if not (math.isfinite(value[number]) and (first or gain > 0.0)):
+                    one.damping[place] = max(one.damping[place], 1e-3) * 10.0
+                    one.live[place] &= not first and one.damping[place] < 1e7
+                    continue
+                slopes = (left[:, number, None] - nudged[:, number]) / 1e-3
+                slopes = np.where(np.isfinite(slopes), slopes, 0.0)
+                one.at[place], one.value[place] = at[number], value[number]
+                one.gradient[place], one.curvature[place] = self._newton(
+                    one.unknowns, at[number], left[:, number], slopes
+                )
+                one.damping[place] *= 0.2
+                one.live[place] = first or gain > SETTLED
+
+    def _newton(
+        self, unknowns: Unknowns, at: Array, left: Array, slopes: Array
+    ) -> tuple[Array, Array]:
+        """Return gradient (p,) and minus the second derivative (p, p), over prior deviations."""
+        squares = self._squares(left[:, None])
+        which = int(np.argmax(self._likelihoods(squares)[:, 0]))
+        inverse, scale = self._inverses[which], self.counted / float(squares[which, 0])
+        back = self._zw @ slopes
+        plain = slopes.T * self._w[:, 0]
+        h = plain @ slopes - back.T @ inverse @ back
+        g = plain @ left - back.T @ (inverse @ (self._zw @ left))
+        own = (at - unknowns.mean) / unknowns.deviation
+        return scale * g - own, scale * h + np.eye(len(at))
+
+    @staticmethod
+    def _best(one: _Search) -> Array:
+        """Return the modes that matter (m, p), the best first."""
+        order = np.argsort(-one.value, kind="stable")
+        kept = [order[0]]
+        for k in order[1:]:
+            near = one.value[k] > one.value[order[0]] - 6.0
+            gaps = np.abs(one.at[kept] - one.at[k]) / one.unknowns.deviation
+            if near and one.at.shape[1] and gaps.max(axis=1).min() > 0.1:
+                kept.append(k)
+        return np.array(one.at[kept])
+
+    def _set_noise(self) -> None:
+        """Take the noise and the share of rows that count from what the best law leaves."""
+        name, one = max(self._searches.items(), key=lambda item: float(np.max(item[1].value)))
+        if not np.isfinite(one.value).any():
+            return
+        best = one.at[[int(np.argmax(one.value))]]
+        left = self._runs({name: best})[name][:, 0]
+        left = left - self.problem.always.columns @ self._usual(left)
+        self.noise = max(float(np.sqrt(np.mean(self.problem.weights * left**2))), 1e-12)
+        alike = effective_size(left * np.sqrt(self.problem.weights)) / len(left)
+        self.kappa = min(alike, WHITE)
+        self._set_scales()
+        left_of = self._runs({name: each.at for name, each in self._searches.items()})
+        for name, each in self._searches.items():
+            each.value = self._value(each.unknowns, each.at, left_of[name])
+
+    def _usual(self, left: Array) -> Array:
+        """Return the coefficients (q,) of what is always there for residuals (n,)."""
+        which = int(np.argmax(self._likelihoods(self._squares(left[:, None]))[:, 0]))
+        return np.asarray(self._inverses[which] @ (self._zw @ left))
+
+    # ------------------------------------------------------------------ draws
+    def _judged(self) -> dict[str, FamilyPosterior]:
+        """Return what is said of each family: by weighed draws where it may hold."""
+        rough = {name: self._laplace(one) for name, one in self._searches.items()}
+        best = max(value + self.problem.prior(name) for name, value in rough.items())
+        proposals = {
+            name: [
+                (one.at[k], _root(one.curvature[k], one.unknowns.deviation))
+                for k in self._places(one)
+            ]
+            for name, one in self._searches.items()
+            if math.isfinite(rough[name])
+        }
+        near = [name for name in proposals
+                if rough[name] + self.problem.prior(name) > best - FAR
+                and self._searches[name].at.shape[1]]  # fmt: skip
+        weighed: dict[str, tuple[Array, Array, Array]] = {}
+        for number in range(AGAIN):
+            todo = [name for name in near
+                    if name not in weighed or _effective(weighed[name][1]) < ENOUGH]  # fmt: skip
+            if not todo:
+                break
+            if number:
+                for name in todo:
+                    proposals[name] = self._closer(*weighed[name][:2], proposals[name])
+            points = {name: self._proposed(proposals[name]) for name in todo}
+            left = self._runs(points)
+            for name in todo:
+                unknowns = self._searches[name].unknowns
+                value = self._value(unknowns, points[name], left[name])
+                value = value - _density(points[name], proposals[name])
+                if name not in weighed or _effective(value) >= _effective(weighed[name][1]):
+                    weighed[name] = points[name], value, left[name]
+        return {
+            name: self._family(name, rough[name], weighed.get(name), proposals)
+            for name in self._searches
+        }
+
+    def _places(self, one: _Search) -> list[int]:
+        modes = self._best(one)
+        return [int(np.argmin(np.abs(one.at - mode).sum(axis=1))) for mode in modes]
+
+    def _laplace(self, one: _Search) -> float:
+        """Return the logarithm of the evidence by Laplace's approximation."""
+        k, p = int(np.argmax(one.value)), one.at.shape[1]
+        if not math.isfinite(one.value[k]) or not p:
+            return float(one.value[k])
+        volume = (
+            np.sum(np.log(one.unknowns.deviation)) - 0.5 * np.linalg.slogdet(one.curvature[k])[1]
+        )
+        return float(one.value[k] + 0.5 * p * math.log(2.0 * math.pi) + volume)
+
+    def _proposed(self, proposals: "Sequence[_Proposal]") -> Array:
+        """Return draws from proposals (PROPOSED, p), as many from each."""
+        found = []
+        counts = allotted(np.ones(len(proposals)), PROPOSED)
+        for (centre, root), count in zip(proposals, counts, strict=True):
+            z = self._rng.normal(size=(count, len(centre)))
+            t = np.sqrt(TAILS / self._rng.chisquare(TAILS, size=(count, 1)))
+            found.append(centre + (z * t) @ root.T)
+        return np.concatenate(found)
+
+    @staticmethod
+    def _closer(points: Array, value: Array, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
+        """Return proposals with one about the weighed draws beside the former ones."""
+        # weights to a power at which a tenth of the draws is effective
+        power = next((x for x in (1.0, 0.7, 0.5, 0.35, 0.25, 0.15) if _effective(x * value)
+                      > 0.1 * len(value)), 0.1)  # fmt: skip
+        w = np.exp(power * (value - value.max()))
+        w /= w.sum()
+        centre = w @ points
+        off = points - centre
+        spread = (off.T * w) @ off
+        spread += 1e-6 * np.diag(np.diag(spread)) + 1e-12 * np.eye(len(centre))
+        return [*proposals[:2], (centre, np.linalg.cholesky(spread))]
+
+    def _family(
+        self,
+        name: str,
+        laplace: float,
+        weighed: tuple[Array, Array, Array] | None,
+        proposals: "Mapping[str, Sequence[_Proposal]]",
+    ) -> FamilyPosterior:
+        one = self._searches[name]
+        mode = one.at[int(np.argmax(one.value))]
+        if not one.at.shape[1]:
+            points = np.zeros((PROPOSED, 0))
+            residual = np.repeat(self._runs({name: points[:1]})[name], PROPOSED, axis=1)
+            evidence, effective = laplace, float(PROPOSED)
+        elif weighed is None:
+            evidence, effective = laplace, 0.0
+            points = mode[None] if name not in proposals else np.concatenate(
+                [mode[None], self._proposed(proposals[name])[: PROPOSED // 10]]
+            )  # fmt: skip
+            residual = self._runs({name: points})[name]
+            finite = np.isfinite(residual).all(axis=0)
+            points, residual = points[finite], residual[:, finite]
+        else:
+            drawn, value, left = weighed
+            evidence = float(logsumexp(value) - math.log(len(value)))
+            effective = _effective(value)
+            order = np.argsort(drawn[:, 0], kind="stable")
+            counts = allotted(np.exp(value - value.max())[order], PROPOSED)
+            kept = np.repeat(order, counts)
+            points, residual = drawn[kept], left[:, kept]
+        coefficients, sets = self._coefficients(residual)
+        rows = self.problem.measured[:, None] - residual
+        rows = rows + self.problem.always.columns @ coefficients.T
+        own = self._runs({name: mode[None]})[name][:, 0]
+        works = bool(np.isfinite(own).all())
+        usual = self._usual(own) if works else np.zeros(len(self._zw))
+        left = own - self.problem.always.columns @ usual
+        rms = float(np.sqrt(np.mean(self.problem.weights * left**2))) if works else math.inf
+        return FamilyPosterior(
+            unknowns=one.unknowns,
+            mode=mode,
+            evidence=evidence,
+            effective=effective,
+            points=points,
+            coefficients=coefficients,
+            sets=sets,
+            usual=usual,
+            band=np.quantile(rows, (0.025, 0.5, 0.975), axis=1) if works else np.zeros((3, 0)),
+            rms=rms,
+        )
+
+    def _coefficients(self, left: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Return draws of coefficients of columns (k, q) for residuals (n, k), and their sets."""
+        squares = self._squares(left)
+        chance = self._likelihoods(squares)
+        chance = np.exp(chance - logsumexp(chance, axis=0))
+        moment, found = self._zw @ left, np.zeros((left.shape[1], len(self._zw)))
+        which = (self._rng.random(left.shape[1]) > np.cumsum(chance, axis=0)[:-1]).sum(axis=0)
+        for j, inverse in enumerate(self._inverses):
+            at = np.flatnonzero(which == j)
+            spread = np.sqrt(squares[j, at] / self.counted)
+            noise = self._rng.normal(size=(len(at), len(inverse)))
+            noise = noise @ np.linalg.cholesky(inverse).T
+            found[at] = (inverse @ moment[:, at]).T + spread[:, None] * noise
+        return found, which
+
+
+_Proposal: TypeAlias = tuple[Array, Array]
+
+
+def _root(curvature: Array, deviation: Array) -> Array:
+    """Return a root (p, p) of the covariance of proposals about a mode."""
+    return deviation[:, None] * np.linalg.cholesky(np.linalg.inv(curvature))
+
+
+def _effective(logarithms: Array) -> float:
+    """Return the effective number of draws with logarithms of weights (k,)."""
+    if not np.isfinite(logarithms).any():
+        return 0.0
+    return float(np.exp(2.0 * logsumexp(logarithms) - logsumexp(2.0 * logarithms)))
+
+
+def _density(points: Array, proposals: Sequence[_Proposal]) -> Array:
+    """Return the logarithm of the density (k,) of a mixture of Student's t at points (k, p)."""
+    p = points.shape[1]
+    norm = gammaln(0.5 * (TAILS + p)) - gammaln(0.5 * TAILS) - 0.5 * p * math.log(TAILS * math.pi)
+    found = []
+    for centre, root in proposals:
+        z = np.linalg.solve(root, (points - centre).T)
+        volume = np.log(np.abs(np.diag(root))).sum()
+        squared = np.sum(z**2, axis=0)
+        found.append(norm - volume - 0.5 * (TAILS + p) * np.log1p(squared / TAILS))
+    return np.asarray(logsumexp(found, axis=0) - math.log(len(proposals)))
