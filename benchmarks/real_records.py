@@ -294,7 +294,7 @@ def pendulum() -> Iterator[Case]:
         mechanism=Pendulum(mass=0.676, length=0.45),
         first=_swing("ddp"),
         others={name: _swing(name) for name in others},
-        unknown=("mechanism.mass",),
+        unknown=("mechanism.mass", "mechanism.length"),
     )
 
 

@@ -1,7 +1,6 @@
 """Help, completion, quiet, the first steps from a data file, and progress without a terminal."""
 
 import json
-import math
 import os
 import re
 import subprocess
@@ -363,27 +362,6 @@ def test_a_law_that_is_run_again_after_others_is_not_said_to_be_fitted(capsys, m
         "Fitting viscous (law 2 of 2) ...",
         "Fitting viscous (law 2 of 2, 30 s) ...",
         "Simulating coulomb (law 1 of 2, 1 min 0 s) ...",
-    ]
-
-
-def test_the_time_left_is_bounded_where_the_law_that_takes_longest_comes_first(capsys, monkeypatch):
-    clock = Clock()
-    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
-    names = ["constant", "ageing", "two-states"]
-    with Searching(names, str, Interrupts(), longest_first=True) as watch:
-        for now, name in ((1, "two-states"), (60, "held-out steps: two-states, 1 of 4")):
-            clock.now = float(now)
-            watch(name, math.nan)
-        for now, name in ((91, "constant"), (101, "ageing"), (131, "ageing"), (400, "ageing")):
-            clock.now = float(now)
-            watch(name, 0.5)
-    assert capsys.readouterr().err.splitlines() == [
-        "Fitting two-states (law 1 of 3) ...",
-        "Validating on held-out steps: two-states, 1 of 4 (1 min 0 s) ...",
-        "Fitting constant (law 2 of 3, 1 min 31 s, about 3 min 0 s left at most) ...",
-        "Fitting ageing (law 3 of 3, 1 min 41 s, about 1 min 30 s left at most) ...",
-        "Fitting ageing (law 3 of 3, 2 min 11 s, about 1 min 0 s left at most) ...",
-        "Fitting ageing (law 3 of 3, 6 min 40 s) ...",  # longer than the first: nobody knows
     ]
 
 

@@ -664,12 +664,7 @@ def watching(
 
     with (
         Interrupts() as interrupts,
-        Searching(
-            names,
-            text,
-            interrupts,
-            longest_first=kind.longest_first,
-        ) as bar,
+        Searching(names, text, interrupts) as bar,
     ):
         yield bar
 

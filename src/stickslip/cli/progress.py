@@ -1,6 +1,5 @@
 """Progress of work on stderr, and the workers that do it: processes here, or a cluster."""
 
-import itertools
 import logging
 import math
 import multiprocessing
@@ -219,17 +218,15 @@ class _ByLaw(_Shown):
 
     counted = False
 
-    def __init__(self, names: Sequence[str], *, longest_first: bool = False) -> None:
+    def __init__(self, names: Sequence[str]) -> None:
         super().__init__()
         self._names = set(names)
         self._met: list[str] = []
-        self._longest_first, self._begun = longest_first, [self._start]
         self._task = self._bars.add_task("", total=len(self._names), runs="")
 
     def _law(self, verb: str, name: str, reached: str) -> None:
         """Show which law is in work, and which of how many it is."""
         if name not in self._met:
-            self._begun[len(self._met) :] = [time.monotonic()]
             self._met.append(name)
         place, total = self._met.index(name) + 1, max(len(self._names), len(self._met))
         step = f"{verb} {name}"
@@ -240,16 +237,7 @@ class _ByLaw(_Shown):
     def _far(self, elapsed: float, done: float, total: float) -> str:
         place = [f"law {done:.0f} of {total:.0f}"] if total else []
         parts = [*place, *([_time_text(elapsed)] if elapsed >= LONG else [])]
-        return f" ({', '.join(parts)}{self._at_most_left(elapsed)})" if parts else ""
-
-    def _at_most_left(self, elapsed: float) -> str:
-        """Return the time left if the laws to come take as long as the longest so far."""
-        if not self._longest_first or len(self._begun) < 2 or elapsed < LONG:
-            return ""
-        longest = max(b - a for a, b in itertools.pairwise(self._begun))
-        own = self._start + elapsed - self._begun[-1]
-        left = (len(self._names) - len(self._met) + 1) * longest - own
-        return f", about {_time_text(left)} left at most" if own < longest else ""
+        return f" ({', '.join(parts)})" if parts else ""
 
 
 class Watching(_ByLaw):
@@ -287,8 +275,6 @@ class Searching(_ByLaw):
         Returns the text of a residual [SI].
     interrupts : Interrupts
         Counts Ctrl-C, which ends the search.
-    longest_first : bool
-        Whether the first law takes about as long as any, which bounds the time left.
     """
 
     def __init__(
@@ -296,10 +282,8 @@ class Searching(_ByLaw):
         names: Sequence[str],
         wording: Callable[[float], str],
         interrupts: Interrupts,
-        *,
-        longest_first: bool = False,
     ) -> None:
-        super().__init__(names, longest_first=longest_first)
+        super().__init__(names)
         self._told, self._interrupts = wording, interrupts
 
     def __call__(self, name: str, residual: float) -> bool:

@@ -325,8 +325,6 @@ class Kind(ABC, Generic[F, V]):
     """Whether progress is a number of runs; else it is the least residual so far."""
     by_contact: ClassVar[bool] = False
     """Whether laws are given by the name of the contact."""
-    longest_first: ClassVar[bool] = False
-    """Whether a law that takes as long as any is fitted first, which bounds the time left."""
     fits: ClassVar[type] = FrictionLaw
     """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"
