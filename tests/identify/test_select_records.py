@@ -613,3 +613,17 @@ def test_another_record_is_foreseen_with_its_error_beside_that_of_plain_least_sq
     )
     with pytest.raises(InputError, match="identical"):
         verdict.predict(moved(dip))
+
+
+def test_in_one_direction_a_constant_force_is_said_to_be_in_the_level():
+    t = np.arange(0.0, 8.0, 0.002)
+    v = 0.3 + 0.2 * np.sin(2.1 * t) + 0.08 * np.sin(5.3 * t)
+    x = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+    force = 2.0 * np.gradient(v, t) + 5.0 + 3.0 * v + 1.5  # the last is no friction
+    noise = np.random.default_rng(5).normal(size=len(t))
+    record = Measurement(time=t, position=x, force=force + 0.05 * noise)
+    vary = ["friction.*", "mechanism.inertia"]
+    verdict = select(Axis(inertia=1.0), None, record, vary=vary)
+    assert any("All motion is in one direction" in one for one in verdict.words.cannot_tell)
+    held = select(Axis(inertia=1.0), None, record, vary=vary, fixed={"offset": 0.0})
+    assert not any("All motion is in one direction" in one for one in held.words.cannot_tell)

@@ -631,6 +631,13 @@ class RecordProblem(Problem):
                 "A constant offset is not told from a level that differs by direction: a record"
                 " under another load would tell them, or what the sensor shows without a force."
             )
+        if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
+            found.append(
+                "All motion is in one direction, in which a constant force (gravity, a cable, the"
+                " zero of a sensor) is not told from the level of friction: the level holds it, and"
+                " its interval does not allow for it. Move in the other direction too, or hold the"
+                " offset (fixed)."
+            )
         if not balance.measured and self._spread_of_dead_zone() > TOLD_ZONE:
             found.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
