@@ -88,17 +88,8 @@ class Foreseen(Tabular):
         """Return velocity, reading, low, median, high and usual as columns of a DataFrame."""
         import pandas as pd
 
-        band = self.band
-        return pd.DataFrame(
-            {
-                "velocity": self.velocity,
-                "measured": self.measured,
-                "low": band.low,
-                "median": band.median,
-                "high": band.high,
-                "usual": self.usual,
-            }
-        )
+        own = {"velocity": self.velocity, "measured": self.measured}
+        return pd.DataFrame({**own, **vars(self.band), "usual": self.usual})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

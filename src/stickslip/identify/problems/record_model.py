@@ -42,6 +42,7 @@ from stickslip.identify.posterior import (
     System,
 )
 from stickslip.identify.problems.record_columns import (
+    FORCE,
     GEAR,
     LEVELS,
     LUGRE,
@@ -87,6 +88,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "delay": ((0.5, 5.0), (0.8, 0.2)),
     "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
+    "push": ((0.003, 0.05, 0.3), (0.7, 0.2, 0.1)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
     "noise": ((0.71, 1.0, 1.41, 2.0, 2.83, 4.0), (1 / 6,) * 6),
     "given": ((0.01, 0.1, 1.0, 10.0), (0.8, 0.15, 0.04, 0.01)),
@@ -102,10 +104,12 @@ which the last are wrong units. They say what a careful experimenter would expec
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""
+PARTS_OF = {FORCE: "push"}
+"""Scales of what changes with an input, where that is no friction."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
     "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "load": 1, "input": 1, "run": 1, "noise": 1,
+    "turn": 3, "others": 1, "delay": 0, "load": 1, "input": 1, "push": 0, "run": 1, "noise": 1,
     "given": 1,
 }  # fmt: skip
 """Where a search begins."""
@@ -212,6 +216,8 @@ FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, which is not told from a damping that is looked for."""
 ALONG = ("drift", "place", "force", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
+PUSHED = {"push": 2, "input": 2}
+"""Where an input moves a constant force and friction by much."""
 WRONG = {"given": 3}
 """Where what is given has another unit."""
 CURVES = ("common", "sides")
@@ -359,6 +365,7 @@ class RecordModel(Model):
             "relaxing": not balance.measured,
             "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
+            "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,
             "run": balance.runs > 1,
             "given": bool(balance.given),
         }
@@ -476,7 +483,8 @@ class RecordModel(Model):
             elif name in SIZES:
                 found[at] = SIZES[name] * size
             else:
-                scale = "input" if "*" in name else SHARED.get(name, name)
+                part, times, _ = name.partition("*")
+                scale = SHARED.get(name, name) if not times else PARTS_OF.get(part, "input")
                 found[at] = max(self.at(node, scale), LEAST) * size
         return found
 
@@ -619,8 +627,8 @@ class RecordModel(Model):
         much, or a unit is wrong, for little of that is not better than none.
         """
         most = {name: len(SCALES[name][0]) - 1 for name in self.names}
-        found = []
-        for other in ({"noise": most["noise"], **dict.fromkeys(ALONG, 0)}, {"relaxing": 2}, WRONG):
+        found, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
+        for other in (still, {"relaxing": 2}, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
             found += [(*sizes, k, 0) for k in range(len(self.memories))]
         return found
