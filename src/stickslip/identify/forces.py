@@ -65,6 +65,12 @@ class Unknown:
     """Whether forces are not linear in what is looked for: the column is their slope where it
     counts from."""
 
+    def within(self, step: float) -> float:
+        """Return a step that stays in the range, and neither halves nor doubles what is counted."""
+        far = abs(self.given)
+        low, high = max(self.limits[0], -0.5 * far), min(self.limits[1], far)
+        return min(max(step, 0.9 * low), 0.9 * high)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Forces:

@@ -662,7 +662,9 @@ class Judgement:
         """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
         if not self.intervals:
             return np.zeros((0, 0))
-        return correlation_of(np.array([self.named_values[one.path] for one in self.intervals]))
+        known, paths = self.named_values, [one.path for one in self.intervals]
+        none = np.zeros(len(next(iter(known.values()))))  # what no draw tells is alone
+        return correlation_of(np.array([known.get(path, none) for path in paths]))
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:

@@ -49,7 +49,7 @@ from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import joined, quantity
 
-SETTLING, NEAR = 4, 0.25
+SETTLING, NEAR = 2, 0.25
 """Times that records are taken again at most, and by how many of its standard deviations a value
 may be off the one about which forces are slopes."""
 STRETCHES_TO_MAKE = 6
@@ -306,13 +306,11 @@ def _values_of(problem: RecordProblem, *, first: bool) -> dict[str, float]:
     off, values = 0.0, dict[str, float]()
     for path, x in drawn.items():
         middle = float(np.median(x))
-        if path in unknown:
-            one = unknown[path]
-            room = min(one.limits[1], abs(one.given)), max(one.limits[0], -0.5 * abs(one.given))
-            step = min(max(middle - one.given, 0.9 * room[1]), 0.9 * room[0])
-            if one.bent:
-                off = max(off, abs(step) / (float(np.std(x)) + 1e-300))
-                middle = one.given + step
+        one = unknown.get(path)
+        if one is not None and one.bent:
+            step = one.within(middle - one.given)
+            off = max(off, abs(step) / (float(np.std(x)) + 1e-300))
+            middle = one.given + step
         if "." in path:
             values[path] = middle
     with_gear_ = first and bool(problem.model.frame.transmitted)

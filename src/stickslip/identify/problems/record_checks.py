@@ -24,9 +24,9 @@ from stickslip.show.formatting import percent
 
 EXPLAINED = 0.5
 """Part of what a plain balance leaves that another sign takes off, at least."""
-SETTLING, HALVINGS, STEADY = 20, 6, 1e-4
-"""Steps to where a balance that is not linear leaves least, halvings of each, and the share of the
-mean square that the last one gains."""
+SETTLING, STEADY = 20, 1e-4
+"""Steps to where a balance that is not linear leaves least, and the share of the mean square that
+the last one gains."""
 
 
 def _is_driven(record: Record) -> bool:
@@ -140,14 +140,9 @@ def settled(
 
     least, looked, steps = left(mechanism)
     for _ in range(SETTLING):
-        moved = dict[str, float]()
-        for (path, one), step in zip(looked.items(), steps.tolist(), strict=True):
-            low, high = (
-                max(one.limits[0], -0.5 * abs(one.given)),
-                min(one.limits[1], abs(one.given)),
-            )
-            moved[path] = min(max(step, 0.9 * low), 0.9 * high)
-        for halved in 0.5 ** np.arange(HALVINGS):
+        each = zip(looked.items(), steps.tolist(), strict=True)
+        moved = {path: one.within(step) for (path, one), step in each}
+        for halved in (1.0, 0.5, 0.25, 0.1, 0.03):
             values = {path: looked[path].given + halved * x for path, x in moved.items()}
             nearer = vary(mechanism, "mechanism", values)
             found = left(nearer)

@@ -124,6 +124,9 @@ TIMED = 0.1
 """Size of a delay where it is known how forces run between samples, over that where it is not."""
 LOOKED_FOR = 3.0
 """Size of what is looked for, over that of the force."""
+SETTLED = 0.3
+"""The same where forces are not linear in it, and over the value at which a plain balance leaves
+least: far from there, forces by place would stand for all others."""
 STRETCHES = 20
 """Parts of a record whose level and slope may differ."""
 
@@ -469,8 +472,11 @@ class RecordModel(Model):
         for name in dict.fromkeys(design.groups.tolist()):
             at = design.groups == name
             if name in record.record.unknown or name == "inertia":
-                doubt = record.record.unknown[name].doubt if name != "inertia" else 0.0
-                found[at] = doubt or LOOKED_FOR * of_force / design.least[at]
+                unknown = record.record.unknown.get(name)
+                usual = of_force / design.least[at]
+                found[at] = (unknown.doubt if unknown else 0.0) or LOOKED_FOR * usual
+                if unknown is not None and unknown.bent:
+                    found[at] = SETTLED * np.maximum(abs(unknown.given), usual)
             elif name == "given":
                 found[at] = self.at(node, name)
             elif name == "delay":
