@@ -977,3 +977,11 @@ def test_noise_of_many_passages_is_no_gain_of_energy():
     for x, doubted in ((fading + 4.5e-3 * noise, False), (growing, True)):
         findings = check(Measurement(time=t, position=x), mechanism=rig).of("drive")
         assert any("gains energy" in finding.sentence for finding in findings) == doubted
+
+
+def test_noise_that_has_mostly_one_sign_is_not_of_the_other_sign_convention():
+    v = np.geomspace(0.01, 1.0, 11)
+    noise = [-0.12, -0.03, -0.2, 0.09, -0.05, -0.01, -0.15, -0.02, 0.06, -0.04, -0.08]
+    assert not check(Measurement(velocity=v, friction=noise)).of("friction sign")
+    (turned,) = check(Measurement(velocity=v, friction=-2.0 - v)).of("friction sign")
+    assert turned.severity == "error"
