@@ -86,7 +86,7 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
         value=lambda one: one.share, text=lambda one: share_text(one.share) if one.fit else None,
     ),
     Column(
-        key="leaves", title="leaves", page="leaves", plotted=True,
+        key="leaves", title="leaves", page="leaves",
         value=lambda one: one.score, text=lambda one: score_text(COEFFICIENT, one.score),
     ),
     Column(
