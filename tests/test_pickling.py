@@ -4,6 +4,7 @@ import inspect
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -123,6 +124,9 @@ MADE = {
     "record fit": lambda: fit(AXIS, CoulombViscous, series(), **BY_INVERSE),
     "band verdict": lambda: select(AXIS, None, TABLE),
     "prediction band": lambda: select(AXIS, None, TABLE).band([0.1, 0.5]),
+    "foreseen": lambda: select(AXIS, None, TABLE).predict(
+        replace(TABLE, friction=np.asarray(TABLE.friction) + 0.01)
+    ),
     "comparison": lambda: compare_trials(
         AXIS, CoulombViscous, Measurement(trials=(series(0), series(1))), **BY_INVERSE
     ),

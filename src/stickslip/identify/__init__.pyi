@@ -2,8 +2,8 @@
 from stickslip.identify import candidates as candidates
 from stickslip.identify import fits as fits
 from stickslip.identify import kinds as kinds
-from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import Foreseen as Foreseen
+from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import PredictionBand as PredictionBand
 from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.figures import BandDrawing as BandDrawing
