@@ -627,3 +627,38 @@ def test_in_one_direction_a_constant_force_is_said_to_be_in_the_level():
     assert any("All motion is in one direction" in one for one in verdict.words.cannot_tell)
     held = select(Axis(inertia=1.0), None, record, vary=vary, fixed={"offset": 0.0})
     assert not any("All motion is in one direction" in one for one in held.words.cannot_tell)
+
+
+def test_a_mass_is_found_from_trials_with_other_lengths():
+    random, trials = np.random.default_rng(6), []
+    t = np.arange(0.0, 10.0, 0.004)
+    for length in (0.5, 1.0):
+        q = 0.9 * np.sin(1.9 * t + length) + 0.4 * np.sin(4.3 * t)
+        v = 0.9 * 1.9 * np.cos(1.9 * t + length) + 0.4 * 4.3 * np.cos(4.3 * t)
+        a = -0.9 * 1.9**2 * np.sin(1.9 * t + length) - 0.4 * 4.3**2 * np.sin(4.3 * t)
+        torque = 2.0 * (length**2 * a + 9.81 * length * np.sin(q)) + 0.2 * np.sign(v)
+        noise = random.normal(size=(2, len(t)))
+        trials.append(
+            Measurement(
+                time=t,
+                position=q + 1e-4 * noise[0],
+                force=torque + 0.02 * noise[1],
+                overrides={"mechanism.length": length},
+            )
+        )
+    verdict = select(
+        Pendulum(mass=1.5, length=0.7), None, Measurement(trials=tuple(trials)),
+        vary=["friction.*", "mechanism.mass"],
+    )  # fmt: skip
+    assert_holds(verdict, {"mass": 2.0, "kinetic_coefficient": 0.2})
+    (mass,) = (one for one in verdict.parameters if one.path.endswith("mass"))
+    assert mass.high - mass.low < 0.1
+
+
+def test_a_free_swing_that_gives_no_scale_is_refused():
+    arm, t = Pendulum(mass=1.0, length=0.5), np.arange(0.0, 20.0, 0.02)
+    law_ = CoulombViscous(kinetic_coefficient=0.004, viscous_coefficient=0.003)
+    q = simulate(arm, law_, t_end=20.0, y0={"theta": 0.8}).at(t)["theta"]
+    record = Measurement(time=t, position=q + 1e-3 * np.random.default_rng(1).normal(size=len(t)))
+    with pytest.raises(InputError, match="only friction over inertia"):
+        select(arm, None, record, vary=["friction.*", "mechanism.mass", "mechanism.length"])

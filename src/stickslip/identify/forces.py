@@ -67,8 +67,10 @@ class Unknown:
 
     def within(self, step: float) -> float:
         """Return a step that stays in the range, and neither halves nor doubles what is counted."""
-        far = abs(self.given)
-        low, high = max(self.limits[0], -0.5 * far), min(self.limits[1], far)
+        low, high = self.limits
+        if self.given:
+            ends = sorted((-0.5 * self.given, self.given))
+            low, high = max(low, ends[0]), min(high, ends[1])
         return min(max(step, 0.9 * low), 0.9 * high)
 
 

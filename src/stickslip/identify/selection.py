@@ -311,7 +311,8 @@ def _values_of(problem: RecordProblem, *, first: bool) -> dict[str, float]:
             step = one.within(middle - one.given)
             off = max(off, abs(step) / (float(np.std(x)) + 1e-300))
             middle = one.given + step
-        if "." in path:
+        inside = one is None or one.limits[0] < middle - one.given < one.limits[1]
+        if "." in path and inside:
             values[path] = middle
     with_gear_ = first and bool(problem.model.frame.transmitted)
     return values if with_gear_ or off > NEAR else {}

@@ -592,8 +592,7 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
             label = f" ({name!r})" if name else ""
             raise InputError(
                 f"the second record is identical to the fitted one{label}, sample by sample, so its"
-                " error would not be a held-out error. Give another record, or none: held-out"
-                " blocks then compare the laws on one record."
+                " error would not be that on another. Give another record."
             )
 
 

@@ -42,9 +42,10 @@ def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array],
     )
     speed = rows.seen([p.velocity for p in pieces])
     rig = [np.ones(rows.count), *([rows.acceleration] if inertia else [])]
-    for path, one in records[0].unknown.items():
-        force = rows.seen([p.record.unknown[path].force for p in pieces])
-        rig.append(one.inertia * rows.acceleration - force)
+    for path in records[0].unknown:
+        own = [p.record.unknown[path] for p in pieces]
+        taken = np.array([one.inertia for one in own])[rows.piece] * rows.acceleration
+        rig.append(taken - rows.seen([one.force for one in own]))
     return rows, [direction, speed], rig
 
 
@@ -138,8 +139,8 @@ def settled(
         rest = rows.response - own @ np.linalg.lstsq(own, rows.response, rcond=1e-9)[0]
         return float(np.mean(rest**2)), looked, steps[places]
 
-    least, looked, steps = left(mechanism)
-    for _ in range(SETTLING):
+    least, looked, steps = left(mechanism) if unknown else (0.0, {}, np.zeros(0))
+    for _ in range(SETTLING if looked else 0):
         each = zip(looked.items(), steps.tolist(), strict=True)
         moved = {path: one.within(step) for (path, one), step in each}
         for halved in (1.0, 0.5, 0.25, 0.1, 0.03):

@@ -532,9 +532,9 @@ class Balance:
     def unknown(self, which: int, path: str) -> Array:
         """Return what a unit of a parameter that is looked for takes, at the rows (n,)."""
         rows = self.rows(which)
-        force = rows.seen([p.record.unknown[path].force for p in self.pieces])
-        inertia = self.pieces[0].record.unknown[path].inertia
-        return np.asarray(inertia * rows.acceleration - force)
+        own = [p.record.unknown[path] for p in self.pieces]  # each as its trial was set up
+        inertia = np.array([one.inertia for one in own])[rows.piece]
+        return np.asarray(inertia * rows.acceleration - rows.seen([one.force for one in own]))
 
     @property
     def inertia(self) -> float:
@@ -591,7 +591,8 @@ class Balance:
             [p.record for p in self.pieces],
         )
         inertia = np.array([one.inertia or 0.0 for one in records])
-        inertia += sum(x * records[0].unknown[path].inertia for path, x in likely.items())
+        for path, x in likely.items():
+            inertia += x * np.array([one.unknown[path].inertia for one in records])
         forces = [
             (0.0 * one.time if one.mechanism is None else one.mechanism)
             + sum(x * one.unknown[path].force for path, x in likely.items())

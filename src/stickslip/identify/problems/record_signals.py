@@ -26,6 +26,8 @@ FEWEST = 60
 """Samples of a record at least."""
 STRETCHES = 20
 """Stretches of a record, of which some are quiet."""
+ALIKE = 1e-3
+"""Relative difference up to which forces are in proportion to a parameter."""
 CHANGED = math.sqrt(np.finfo(float).eps)
 """Share of the range by which positions are moved to see what known forces change by."""
 
@@ -175,8 +177,15 @@ def records_of(
 
 def _tells_scale(record: Record) -> bool:
     """Return whether a force or an inertia of a record is known, by which all others are scaled."""
-    known = record.mechanism is not None or bool(record.inertia)
-    return known or record.friction or bool(np.any(record.force))
+    if record.friction or np.any(record.force):
+        return True
+    inertia = record.inertia or 0.0
+    forces = 0.0 * record.time if record.mechanism is None else record.mechanism
+    taken = [inertia, *forces]
+    # what all are in proportion to, as to a mass, tells no scale where it is looked for
+    bent = (one for one in record.unknown.values() if one.bent)
+    whole = ([one.given * one.inertia, *(one.given * one.force)] for one in bent)
+    return bool(np.any(taken)) and not any(np.allclose(taken, one, rtol=ALIKE) for one in whole)
 
 
 def _record(

@@ -67,6 +67,8 @@ PRICES = {"none": 0.0, "ageing": 0.0, "slip": 0.0, "prz": 0.6, "nagata": 0.6, SE
 """Logarithm of the prior odds that being unusual costs a law of evolution, and a second state."""
 DISTANCES = (0.004, 0.03, 0.2)
 """Critical distances at which searches begin, over the way between steps."""
+HELD = 0.01
+"""Way of a piece over the longest, up to which it is a hold."""
 EXACT = 0.01
 """Error of a step of a run over the scatter of neighbouring rows: many rows tell friction to a
 thirtieth of their scatter."""
@@ -276,7 +278,11 @@ class VelocitySteps(Simulated):
         self.times, self.measured, count = record.stretches()
         self.weights = count / count.mean()
         self.size = float(np.average(self.measured, weights=count))
-        self.way = record.slid / len(record.path.steps)
+        path = record.path
+        ways = np.abs(np.diff(np.interp(path.segments, path.time, path.position)))
+        way = record.slid / len(path.steps)
+        # nothing slides in a hold at the end
+        self.way = way if way > HELD * ways.max() else float(ways[ways > HELD * ways.max()].mean())
         scatter = float(np.sqrt(0.5 * np.mean(np.diff(self.measured) ** 2)))
         self.tolerance = max(EXACT * scatter, 1e-7)  # of a record without noise
         self._means = np.average(self._along(self.times), axis=0, weights=count)

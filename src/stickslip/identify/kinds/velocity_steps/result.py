@@ -164,6 +164,8 @@ class RateStateFit(Fit[RateState]):
     @property
     def drifts(self) -> bool:
         """Whether friction is told to change along the way beside the law."""
+        if self.problem.trending.all():  # a drift that was asked for
+            return not self.way.low <= 0.0 <= self.way.high
         share = float(self.problem.trending[self.family.sets].mean())
         return len(self.problem.trending) > 1 and share >= ASSERTED / (1.0 + ASSERTED)
 
@@ -414,7 +416,7 @@ def _findings(fit: RateStateFit) -> tuple[Finding, ...]:
 
 def _about_drift(fit: RateStateFit) -> str:
     ends = fit.problem.along(np.array([0.0, fit.problem.record.path.time[-1]]))
-    first, last = ends @ fit.family.usual
+    first, last = ends @ fit.family.usual + (fit.problem.level or 0.0)
     curve = fit.problem.along(fit.problem.times) @ fit.family.usual
     change = float(np.ptp(curve))
     return (
