@@ -49,9 +49,6 @@ from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import joined, quantity
 
-SETTLING, NEAR = 2, 0.25
-"""Times that records are taken again at most, and by how many of its standard deviations a value
-may be off the one about which forces are slopes."""
 STRETCHES_TO_MAKE = 6
 """Stretches of steady motion that are proposed at most."""
 
@@ -275,12 +272,12 @@ def select_record(
     refuse_wrong_signs(records)
     families = families_for(laws, records)
     problem = problem_of(rig, records, families=families)
-    for again in range(SETTLING):
-        values = _values_of(problem, first=not again) if isinstance(problem, RecordProblem) else {}
-        if not values:
-            break
+    values = _values_of(problem) if isinstance(problem, RecordProblem) else {}
+    if values:  # what a gear transmits follows from what the balance says of the mechanism
         rig = with_values(rig, "mechanism", values)
         problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=families)
+    if isinstance(problem, RecordProblem):
+        _refuse_outside(problem)
     return record_verdict(
         problem,
         mechanism,
@@ -296,26 +293,35 @@ def select_record(
     )
 
 
-def _values_of(problem: RecordProblem, *, first: bool) -> dict[str, float]:
-    """Return what the balance says of the mechanism, where records are to be taken again with it.
-
-    What a gear transmits follows from it, and slopes of forces that are not linear.
-    """
+def _refuse_outside(problem: RecordProblem) -> None:
+    """Refuse parameters that end outside their range: with them nothing has a scale."""
     unknown = problem.records[0].unknown
-    drawn = problem.rig(problem.posterior.draws(MIDDLE))
-    off, values = 0.0, dict[str, float]()
-    for path, x in drawn.items():
-        middle = float(np.median(x))
-        one = unknown.get(path)
-        if one is not None and one.bent:
-            step = one.within(middle - one.given)
-            off = max(off, abs(step) / (float(np.std(x)) + 1e-300))
-            middle = one.given + step
+    for path, x in problem.rig(problem.posterior.draws(MIDDLE)).items():
+        one, middle = unknown.get(path), float(np.median(x))
+        if one is None or not one.bent or one.limits[0] <= middle - one.given <= one.limits[1]:
+            continue
+        name = path.removeprefix("mechanism.")
+        raise InputError(
+            f"vary: beside the others {name} ends at {middle:.3g}, outside its range: these records"
+            " do not tell them together. Give the value of one."
+        )
+
+
+def _values_of(problem: RecordProblem) -> dict[str, float]:
+    """Return what the balance says of a mechanism with a gear that transmits what changes.
+
+    Parameters about which forces are slopes stay where a plain balance leaves least: taken again
+    where the posterior is, forces by place could stand for all others.
+    """
+    if not problem.model.frame.transmitted:
+        return {}
+    unknown, values = problem.records[0].unknown, dict[str, float]()
+    for path, x in problem.rig(problem.posterior.draws(MIDDLE)).items():
+        one, middle = unknown.get(path), float(np.median(x))
         inside = one is None or one.limits[0] < middle - one.given < one.limits[1]
-        if "." in path and inside:
+        if "." in path and inside and not (one is not None and one.bent):
             values[path] = middle
-    with_gear_ = first and bool(problem.model.frame.transmitted)
-    return values if with_gear_ or off > NEAR else {}
+    return values
 
 
 def record_verdict(

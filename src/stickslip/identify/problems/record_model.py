@@ -476,7 +476,9 @@ class RecordModel(Model):
                 usual = of_force / design.least[at]
                 found[at] = (unknown.doubt if unknown else 0.0) or LOOKED_FOR * usual
                 if unknown is not None and unknown.bent:
-                    found[at] = SETTLED * np.maximum(abs(unknown.given), usual)
+                    positive = unknown.given > 0.0 and unknown.given + unknown.limits[0] >= 0.0
+                    far = unknown.given if positive else np.maximum(abs(unknown.given), usual)
+                    found[at] = SETTLED * far
             elif name == "given":
                 found[at] = self.at(node, name)
             elif name == "delay":
