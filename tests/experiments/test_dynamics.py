@@ -255,7 +255,7 @@ def test_faults_are_the_errors_of_a_check(driven):
         Measurement(time=t, position=1e3 * x, force=force),
         Measurement(time=t, position=x, velocity=1e3 * v, force=force),
         Measurement(time=t, velocity=v, friction=-v),
-        Measurement(velocity=[-1.0, 1.0, 2.0], friction=[1.0, -1.0, -2.0]),
+        Measurement(velocity=[-2.0, -1.0, 1.0, 2.0], friction=[2.0, 1.2, -1.2, -2.0]),
         Measurement(time=t[:5], position=x[:5]),
         Measurement(time=t, position=x, force=1e70 * force),
         Measurement(time=t, position=x, overrides={"mechanism.mas": 1.0}),
