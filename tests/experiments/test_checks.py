@@ -568,7 +568,7 @@ def test_a_friction_map_of_one_direction_without_repeats_says_so():
 
 
 def test_a_friction_map_of_the_wrong_sign_is_an_error():
-    checks = check(Measurement(velocity=[-0.2, -0.1, 0.1, 0.2], friction=[2.0, 1.0, -1.0, -2.0]))
+    checks = check(Measurement(velocity=[-0.2, -0.1, 0.1, 0.2], friction=[2.0, 1.5, -1.5, -2.0]))
     assert checks.of("friction sign")[0].severity == "error"
 
 

@@ -276,7 +276,7 @@ def select_record(
     if values:  # what a gear transmits follows from what the balance says of the mechanism
         rig = with_values(rig, "mechanism", values)
         problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=families)
-    if isinstance(problem, RecordProblem):
+    if isinstance(problem, RecordProblem) and any(x.bent for x in records[0].unknown.values()):
         _refuse_outside(problem)
     return record_verdict(
         problem,

@@ -191,7 +191,7 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
 def motions_sentence(shrinks: Sequence[float]) -> str:
     """Return what further free motions take off the band, by its width after one, two ... ."""
     enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
-    many = f"even {len(shrinks)} of them do not" if enough is None else f"{enough} of them"
+    many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
     return (
         "Record another such motion as a further trial: with it the band is expected to be"
         f" {percent(shrinks[0])} as wide; {many} halve it."

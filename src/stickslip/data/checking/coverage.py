@@ -24,7 +24,7 @@ from stickslip.show.formatting import count, lower_first, number, percent, quant
 
 FEWEST_DISTINCT: Final = 3
 FEW_SPEEDS: Final = 5
-CHANCE: Final = 0.007
+CHANCE: Final = 0.005
 """Probability of a mean as low by noise alone, below which a sign is told."""
 SHOWN: Final = 8
 """Names of columns in a sentence at most."""
