@@ -46,6 +46,7 @@ from stickslip.identify.kinds import (
     AnyKind,
     Law,
     Request,
+    TrialComparison,
     as_judged,
     drawn_laws,
     kind_of,
@@ -708,12 +709,12 @@ def show_open(words: Wording) -> None:
             console.print(f"  {terminal.plain(line)}")
 
 
-def content_of(comparison: fits.TrialComparison | None) -> Mapping[str, Any]:
+def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
     """Return the comparison as a part of what a command writes as JSON."""
     return {} if comparison is None else {"trials": comparison.to_dict()}
 
 
-def show_trials(comparison: fits.TrialComparison | None) -> None:
+def show_trials(comparison: TrialComparison | None) -> None:
     """Print whether the trials share one law, and by trial what was fitted where they do not."""
     if comparison is None:
         return
@@ -732,8 +733,7 @@ def show_trials(comparison: fits.TrialComparison | None) -> None:
         for name in comparison.conditions:
             value = trial.conditions.get(name)
             row.append(significant(value, 4) if isinstance(value, float) else value or "")
-        for parameter, error in zip(trial.estimates, trial.errors, strict=True):
-            known = math.isfinite(error)
-            row += [significant(parameter.value, 4), parameter.range if known else "open"]
+        for one in trial.estimates:
+            row += [significant(one.value, 4), one.range if one.bounded else "open"]
         rows.append([terminal.plain(cell) for cell in row])
     terminal.show_table("", heads, rows, whole=heads)

@@ -9,11 +9,13 @@ from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
 from stickslip.identify.figures import plot_band as plot_band
+from stickslip.identify.fitting import fitted_law as fitted_law
 from stickslip.identify.fits import Estimate as Estimate
 from stickslip.identify.fits import Fit as Fit
 from stickslip.identify.fits import RecordFit as RecordFit
-from stickslip.identify.fits import TrialComparison as TrialComparison
 from stickslip.identify.joints import JointVerdict as JointVerdict
+from stickslip.identify.joints import JointLawFit as JointLawFit
+from stickslip.identify.joints import fit_joints as fit_joints
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.kinds import FeatureFit as FeatureFit
@@ -23,6 +25,7 @@ from stickslip.identify.kinds import RateStateFit as RateStateFit
 from stickslip.identify.kinds import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
+from stickslip.identify.kinds import TrialComparison as TrialComparison
 from stickslip.identify.ladder import ladder_rows as ladder_rows
 from stickslip.identify.ladder import probability_text as probability_text
 from stickslip.identify.laws import CurvePoint as CurvePoint
@@ -33,6 +36,12 @@ from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section
 from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import verdict_sections as verdict_sections
+from stickslip.identify.judgement import ASSERTED as ASSERTED
+from stickslip.identify.posterior import allotted as allotted
+from stickslip.identify.problems.table_model import INPUT as INPUT
+from stickslip.identify.problems.table_model import INPUTS_PRIOR as INPUTS_PRIOR
+from stickslip.identify.problems.table_model import RUNS as RUNS
+from stickslip.identify.problems.table_model import RUNS_PRIOR as RUNS_PRIOR
 from stickslip.identify.problems.travel_shares import band_of as band_of
 from stickslip.identify.problems.travels import INSENSITIVE as INSENSITIVE
 from stickslip.identify.problems.travels import TravelJudgement as TravelJudgement

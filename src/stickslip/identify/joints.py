@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,25 +22,29 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
 from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import Candidate, Verdict, Wording, in_sentence
+from stickslip.identify.compared import LawsToCompare, laws_for, with_own_laws
 from stickslip.identify.fits import (
     JOINTS,
+    OFFSET,
     Estimate,
     Fit,
     JointFitter,
     RecordSettings,
+    check_inputs,
     estimates_for,
     joint_record,
+    load_of,
 )
+from stickslip.identify.fitting import fitted_law
 from stickslip.identify.page import figure_section, laws_section, parameters_section
 from stickslip.identify.problems.joints import JointRecords, Links, links_of
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.selection import (
     checked,
-    families_for,
     problem_of_records,
     record_verdict,
 )
-from stickslip.identify.verdict import BandVerdict
+from stickslip.identify.verdict import BandVerdict, LawFit
 from stickslip.mechanisms import Axis, Mechanism, as_rotary
 from stickslip.quantities import parameters, vary
 from stickslip.show.formatting import capital, parameter_words, with_unit
@@ -63,19 +68,45 @@ class JointLawFit(Fit[Laws]):
     """The laws of all joints and the mechanism, with their intervals."""
 
     joints: Mapping[str, BandVerdict]
+    """Verdicts by contact."""
+    fits: Mapping[str, LawFit]
+    """Fits by contact."""
+    verdict: "JointVerdict | None" = None
+    """What is said of the fit: the verdict with these laws alone; None in a verdict."""
+
+    def predict(self, measurement: Measurement) -> dict[str, Foreseen]:
+        """Return readings of another measurement beside their band, as a verdict does.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            Positions and forces of the joints in another run.
+
+        Returns
+        -------
+        dict of str to Foreseen
+            Force at the rows of each joint that moves, its band, the share in it, and the error.
+        """
+        return {name: one.foreseer(measurement) for name, one in self.joints.items()}
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the measurement does not tell, in sentences."""
+        return () if self.verdict is None else self.verdict.words.cannot_tell
+
+    def _notes(self) -> Sequence[str]:
+        return self.sentences
 
     def law_estimates(self) -> LawEstimates:
-        fits = {name: one.closest.fit for name, one in self.joints.items()}
-        parts = [
-            np.eye(len(self.estimates) - sum(len(one.estimates) for one in fits.values() if one))
-        ]
-        parts += [one.correlation for one in fits.values() if one]
+        fits = self.fits
+        parts = [np.eye(len(self.estimates) - sum(len(one.estimates) for one in fits.values()))]
+        parts += [one.correlation for one in fits.values()]
         return estimates_for(
             self.law,
             self.estimates,
             block_diag(*parts),
             levels=levels_at(self.mechanism),
-            largest_speed={name: one.largest_speed for name, one in fits.items() if one},
+            largest_speed={name: one.largest_speed for name, one in fits.items()},
         )
 
     def _plot(self, ax: "Target") -> "Drawing":
@@ -246,48 +277,175 @@ def select_joints(
     settings: RecordSettings | None = None,
 ) -> JointVerdict:
     """Judge records of several joints: which law each has, and what its friction is."""
-    settings = settings or RecordSettings()
-    zeros = bool(settings.position_zeros)
-    checks = checked(mechanism, measurement, validate)
     fitter = JointFitter.of(
         mechanism, "viscous", measurement, vary=vary, fixed=fixed, settings=settings
     )
-    if said := fitter.wrong_columns("viscous"):
-        wrong = Finding(kind="joint columns", sentence=said, severity="warning")
-        checks = replace(checks, findings=(wrong, *checks.findings))
-    rig, paths = fitter.motion.mechanism, fitter.motion.torques.linear
-    made = partial(JointRecords.of, rig, unknown=paths, zeros=zeros, resting=fitter.motion.resting)
-    records = made(measurement)
-    if not records.records:
-        raise InputError("no joint moves in these records: nothing tells friction.")
-    held = settings.hold != "first"
-    links = links_of(records, held) if paths or zeros else Links(change={}, errors={})
-    joints = dict[str, BandVerdict]()
-    moved = set() if validate is None else made(validate).at(links, held=held).keys()
-    for name, own in records.at(links, held=held).items():
-        contact, alone = records.contacts[name], _alone(rig, name, records.inertias[name])
+    judge = _JointJudge.of(fitter, validate=validate, tolerance=tolerance)
+    joints = {judge.records.contacts[name]: judge.verdict_of(name, laws) for name in judge.own}
+    fits = {name: one.closest.fit for name, one in joints.items() if one.closest.fit}
+    return _verdict(judge, joints, fits)
+
+
+def fit_joints(
+    mechanism: Mechanism,
+    laws: Any,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    settings: RecordSettings | None = None,
+) -> JointLawFit:
+    """Fit the laws of several contacts, and parameters of the mechanism.
+
+    Friction along each joint is the applied force less what the motion takes. A constant force of
+    each joint is found too, unless it is fixed or positions count from a zero of each record.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, TwoLinkArm
+    >>> from stickslip.engine.formulation import JointTorques
+    >>> t = np.linspace(0.0, 10.0, 2001)
+    >>> upper, bend = np.sin(5.0 * t), 0.8 * np.sin(7.3 * t)
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, gravity=0.0,
+    ... )  # fmt: skip
+    >>> rates = np.column_stack([5.0 * np.cos(5.0 * t), 0.8 * 7.3 * np.cos(7.3 * t)])
+    >>> places = np.column_stack([upper, bend])
+    >>> takes = JointTorques.of(arm, [])
+    >>> forces, _ = takes.along(arm, t, places, rates, places * [-25.0, -(7.3**2)])
+    >>> forces = forces + np.sign(rates) * [0.3, 0.1]
+    >>> record = Measurement(
+    ...     time=t,
+    ...     position={"shoulder": upper, "elbow": bend},
+    ...     force={"shoulder": forces[:, 0], "elbow": forces[:, 1]},
+    ... )
+    >>> both = {"shoulder": CoulombViscous, "elbow": CoulombViscous}
+    >>> found = fit_joints(arm, both, record, vary=["friction.*", "upper_inertia"])
+    >>> round(found.law["elbow"].kinetic_coefficient, 2)
+    0.1
+    """
+    fitter = JointFitter.of(mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings)
+    judge, asked = _JointJudge.of(fitter), fitter.asked
+    joints, fits = dict[str, BandVerdict](), dict[str, LawFit]()
+    for name in judge.own:
+        contact = judge.records.contacts[name]
+        law = asked.laws.get(contact)
+        if law is None:
+            continue
+        check_inputs(
+            law, mechanism, measurement, [*judge.own[name][0].inputs],
+            contact=contact, fitted=judge.paths,
+        )  # fmt: skip
+        fit = fitted_law(
+            partial(judge.verdict_of, name),
+            law,
+            free=asked.free[contact],
+            known=asked.known.get(contact, {}),
+            load=load_of(judge.alone(name)),
+        )
+        assert fit.verdict is not None
+        joints[contact], fits[contact] = fit.verdict, fit
+    if not fits:
+        raise InputError("there is nothing to fit: give a law of a joint that moves.")
+    still = {name: law for name, law in asked.laws.items() if isinstance(law, FrictionLaw)}
+    verdict = _verdict(judge, joints, fits, still)
+    fitted = verdict.closest.fit
+    assert fitted is not None
+    return replace(fitted, verdict=verdict)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _JointJudge:
+    """Records of several joints, each as that of one coordinate with the others' motion known."""
+
+    fitter: JointFitter
+    """Motions, and what is looked for of the mechanism."""
+    made: Callable[[Measurement], JointRecords]
+    """Makes records of another measurement."""
+    records: JointRecords
+    links: Links
+    own: Mapping[str, Sequence[Record]]
+    """Records of each joint that moves, by coordinate."""
+    checks: Checks
+    wrong: str
+    """Which columns seem to be exchanged, in a sentence; empty if none."""
+    validate: Measurement | None = None
+    moved: frozenset[str] = frozenset()
+    """Joints that move in the second measurement."""
+    tolerance: float | None = None
+
+    @classmethod
+    def of(
+        cls,
+        fitter: JointFitter,
+        *,
+        validate: Measurement | None = None,
+        tolerance: float | None = None,
+    ) -> "_JointJudge":
+        """Return the records of a measurement, with the links that all joints tell together."""
+        motion, measurement = fitter.motion, fitter.measurement
+        checks = checked(fitter.mechanism, measurement, validate)
+        if said := fitter.wrong_columns("viscous"):
+            wrong = Finding(kind="joint columns", sentence=said, severity="warning")
+            checks = replace(checks, findings=(wrong, *checks.findings))
+        zeros, paths = bool(fitter.settings.position_zeros), motion.torques.linear
+        made = partial(
+            JointRecords.of, motion.mechanism, unknown=paths, zeros=zeros, resting=motion.resting
+        )
+        records = made(measurement)
+        if not records.records:
+            raise InputError("no joint moves in these records: nothing tells friction.")
+        held = fitter.asked_hold != "first"
+        links = links_of(records, held) if paths or zeros else Links(change={}, errors={})
+        seen = set[str]() if validate is None else {*made(validate).at(links, held=held)}
+        return cls(
+            fitter=fitter, made=made, records=records, links=links,
+            own=records.at(links, held=held), checks=checks, wrong=said, validate=validate,
+            moved=frozenset(seen), tolerance=tolerance,
+        )  # fmt: skip
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Paths of what is looked for of the mechanism."""
+        return self.fitter.motion.torques.linear
+
+    def alone(self, name: str) -> Mechanism:
+        """Return a joint as an axis."""
+        return _alone(self.fitter.motion.mechanism, name, self.records.inertias[name])
+
+    def verdict_of(self, name: str, laws: Any) -> BandVerdict:
+        """Return the verdict on a joint."""
+        alone, measurement, mechanism = (
+            self.alone(name),
+            self.fitter.measurement,
+            self.fitter.mechanism,
+        )
+        given = self.fitter.asked.offsets.get(name)
+        own = [*self.own[name]]
+        if given is not None:
+            own = [replace(one, force=one.force - given, constant=given) for one in own]
         # forces of another joint may follow none of the laws
-        families = None if said else families_for(laws, own)
+        asked = LawsToCompare() if self.wrong else laws_for(laws, own, load_of(alone))
         judged = problem_of_records(
-            alone, own, families=families, turning=measurement.turning, highest=records.widest,
-            timed=settings.hold is not None,
+            alone, own, offset=given is None, families=asked.alone, turning=measurement.turning,
+            highest=self.records.widest, timed=self.fitter.asked_hold is not None,
         )  # fmt: skip
         volts = volts_sentence(f"force.{name}")
-        findings = (x for x in checks.findings if x.kind != "volts" or x.sentence == volts)
-        joints[contact] = record_verdict(
-            judged,
+        findings = (x for x in self.checks.findings if x.kind != "volts" or x.sentence == volts)
+        held = self.fitter.asked_hold != "first"
+        return record_verdict(
+            with_own_laws(judged, asked),
             alone,
             joint_record(mechanism, measurement, name),
-            offset=True,  # joints have no constant force
-            tolerance=tolerance,
-            checks=replace(checks, findings=tuple(findings)),
+            offset=not asked.fitted,  # joints have no constant force
+            tolerance=self.tolerance,
+            checks=replace(self.checks, findings=tuple(findings)),
             route=JOINTS,
-            second=validate and joint_record(mechanism, validate, name),
-            other=validate if name in moved else None,
-            again=partial(_joint_again, made, links, held, name),
+            second=self.validate and joint_record(mechanism, self.validate, name),
+            other=self.validate if name in self.moved else None,
+            again=partial(_joint_again, self.made, self.links, held, name),
         )
-    values = _values(rig, links, paths)
-    return _verdict(mechanism, rig, measurement, joints, values, records, checks)
 
 
 def _joint_again(
@@ -341,31 +499,37 @@ def _laws(mechanism: Mechanism, laws: Mapping[str, FrictionLaw]) -> Laws:
 
 
 def _verdict(
-    mechanism: Mechanism,
-    rig: Mechanism,
-    measurement: Measurement,
+    judge: _JointJudge,
     joints: Mapping[str, BandVerdict],
-    values: tuple[Estimate, ...],
-    records: JointRecords,
-    checks: Checks,
+    fits: Mapping[str, LawFit],
+    still: Mapping[str, FrictionLaw] = MappingProxyType({}),
 ) -> JointVerdict:
-    """Return the verdict on all joints, in words."""
-    fits = {name: one.closest.fit for name, one in joints.items()}
+    """Return the verdict on all joints, in words; `still` are given laws of those that rest."""
+    rig, records, checks = judge.fitter.motion.mechanism, judge.records, judge.checks
+    mechanism, measurement = judge.fitter.mechanism, judge.fitter.measurement
+    values = _values(rig, judge.links, judge.paths)
+    along = {contact: name for name, contact in records.contacts.items()}
     of_joints = [
-        replace(one, path=one.path.replace("friction.", f"friction.{name}.", 1))
+        replace(
+            one,
+            path=OFFSET + along[name]
+            if one.path == "offset"
+            else one.path.replace("friction.", f"friction.{name}.", 1),
+        )
         for name, fit in fits.items()
-        for one in (fit.estimates if fit else ())
+        for one in fit.estimates
     ]
     try:
         moved = vary(rig, "mechanism", {one.path: one.value for one in values}) if values else rig
     except ParameterError:  # what the motion tells is no links one by one: those of the fit are
         moved = rig
     fitted = JointLawFit(
-        law=_laws(mechanism, {name: fit.law for name, fit in fits.items() if fit}),
+        law=_laws(mechanism, {**still, **{name: fit.law for name, fit in fits.items()}}),
         mechanism=moved,
         estimates=(*values, *of_joints),
-        remarks=tuple(dict.fromkeys(line for fit in fits.values() if fit for line in fit.remarks)),
+        remarks=tuple(dict.fromkeys(line for fit in fits.values() for line in fit.remarks)),
         joints=joints,
+        fits=fits,
     )
     candidate = JointLaws(
         name=",".join(f"{name}={one.closest.name}" for name, one in joints.items()),

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import (
     LEVEL,
@@ -32,6 +33,7 @@ from stickslip.identify.bands import (
     quantile_band,
 )
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
+from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure
 from stickslip.identify.projection import (
     PLACES,
@@ -46,6 +48,7 @@ from stickslip.identify.projection import (
     is_signed,
     names_of,
 )
+from stickslip.show.formatting import joined
 
 SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
 """Terms whose shape ends in the exponent by which they fade."""
@@ -146,6 +149,8 @@ class Problem(ABC):
     """Number of runs or specimens that were measured."""
     looked_for: frozenset[str] = frozenset()
     """Terms beside every law that a user looks for."""
+    fitted: bool = False
+    """Whether one law is fitted: it stays of its type, and a constant offset stands beside it."""
 
     @abstractmethod
     def asked(self) -> Any:
@@ -265,6 +270,18 @@ class Problem(ABC):
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of the readings about a law [N]."""
 
+    def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "Problem":
+        """Return the problem with laws that are no sums of parts, where they and some are named."""
+        names = joined([one[0][0].partition(".")[0] for one in own])
+        raise InputError(
+            f"{names} friction cannot be compared on this measurement, as it is no sum of parts:"
+            " use stickslip.fit with route='shooting' for its parameters."
+        )
+
+    def slips(self, rows: Any) -> Slipping:
+        """Return velocities, loads and inputs at rows."""
+        raise NotImplementedError
+
     def usual(self, rows: Any) -> Array:
         """Return what Coulomb + viscous friction by least squares says of other readings (n,).
 
@@ -330,7 +347,9 @@ class Judgement:
         found, known = [], dict[Any, list[Array]]()
         for each in self.problem.candidates():
             columns = self.problem.designs(each.structures, self._places, known)
-            rung = self._projection.closest(each.structures, columns, each.parameters)
+            rung = self._projection.closest(
+                each.structures, columns, each.parameters, alone=self.problem.restricted
+            )
             if rung is not None:
                 share = masses.get(each.family, 0.0)
                 found.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
@@ -516,7 +535,7 @@ class Judgement:
         composed = replace(composed, rig={**composed.rig, **self.rig})
         sliding = self.sliding(self.curve_of(rung, self._both_ways), rung)
         law = composed.law()
-        if law is not None and not composed.text and not sliding.brakes(law, composed):
+        if law is not None and composed.kind is None and not sliding.brakes(law, composed):
             law = None
         return composed, sliding, law
 
@@ -645,6 +664,9 @@ class Judgement:
             every = np.concatenate([own, self.values.get(path, own), *same])
             low, high = np.quantile(own, tails).tolist()
             low_any, high_any = np.quantile(every, tails).tolist()
+            if path.rpartition(".")[2] in self.composition.untold:
+                low = low_any = -math.inf
+                high = high_any = math.inf
             found.append(
                 Interval(
                     path=path,

@@ -16,7 +16,6 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.data import Checks, Measurement
-from stickslip.friction import law as law_class
 from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import (
     MOST,
@@ -73,8 +72,8 @@ def title_of(judgement: Judgement, rung: Rung) -> str:
     composed = judgement.problem.composition(rung.structure, rung.coefficients[None])
     if not rung.structure:
         title = NO_FRICTION
-    elif composed.text:
-        title = str(law_class(composed.text).title)
+    elif composed.kind is not None:
+        title = str(composed.kind.title)
     else:
         names = dict.fromkeys(name for name in names_of(rung.structure) if name != "offset")
         title = capital(" + ".join(judgement.problem.title(name) for name in names))
@@ -90,16 +89,16 @@ def phrase_of(judgement: Judgement, rung: Rung) -> str:
     """Return the friction of a law as one says it; terms that are no law as they are."""
     composed = judgement.problem.composition(rung.structure, rung.coefficients[None])
     title = title_of(judgement, rung)
-    return friction_of(title) if composed.text else in_sentence(title)
+    return friction_of(title) if composed.kind is not None else in_sentence(title)
 
 
 def name_of(judgement: Judgement, rung: Rung) -> str:
     """Return the key of a law: as `--law` takes it, then what stands beside."""
     if not rung.structure:
         return "none"
-    text = judgement.problem.composition(rung.structure, rung.coefficients[None]).text
+    kind = judgement.problem.composition(rung.structure, rung.coefficients[None]).kind
     parts = [name for name in rung.family if name != "offset"]
-    named = [law_class(text).name] if text else parts
+    named = parts if kind is None else [kind.name]
     return " + ".join([*named, *judgement.beside_of(rung)])
 
 
@@ -290,7 +289,7 @@ def ladder_verdict(
     remarks: Sequence[str] = (),
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
-    if "offset" not in mechanism.__dataclass_fields__:
+    if "offset" not in mechanism.__dataclass_fields__ and not judgement.problem.fitted:
         judgement = replace(judgement, offset=True)
     rows = judgement.problem.asked()
     band = judgement.band(rows)

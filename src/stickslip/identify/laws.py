@@ -8,7 +8,7 @@ a law through measured levels (``table[...]``).
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Annotated, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from stickslip.friction import FrictionLaw, SetValuedLaw, bound, curve_through, 
 from stickslip.friction import law as law_class
 from stickslip.maths import Scalar, where
 from stickslip.quantities import Parametrised, Quantity, fields_of
+
+if TYPE_CHECKING:
+    from stickslip.identify.own_laws import OwnLaw
 
 Array: TypeAlias = NDArray[np.float64]
 Shape: TypeAlias = tuple[float, ...]
@@ -80,6 +83,20 @@ class Composition:
     """Means of the inputs that its terms depend on."""
     memory: str = ""
     """Notation of the memory around its levels; empty without any."""
+    own: "OwnLaw | None" = None
+    """The law, where it is no sum of the vocabulary's parts."""
+
+    @property
+    def kind(self) -> type[FrictionLaw] | None:
+        """The type of the law; None if it is none."""
+        if self.own is not None:
+            return type(self.own.law)
+        return law_class(self.text) if self.text else None
+
+    @property
+    def untold(self) -> tuple[str, ...]:
+        """Names of parameters that nothing tells."""
+        return () if self.own is None else self.own.untold
 
     def normal(self) -> float:
         """Return the normal force of the first draw [N]."""
@@ -87,6 +104,8 @@ class Composition:
 
     def law(self, draw: int = 0) -> FrictionLaw | None:
         """Return the law of one draw; None if there is none."""
+        if self.own is not None:
+            return self.own.at([float(self.values[name][draw]) for name in self.own.varied])
         for text in filter(None, (self.text, self.instead)):
             names = law_class(text).__dataclass_fields__
             own = {name: float(x[draw]) for name, x in self.values.items()}
@@ -148,6 +167,20 @@ CHANGING: Mapping[str, str] = {
     "viscous": "viscous friction that changes with the {}",
 }
 """The same of terms that change with an input of the contact."""
+
+
+def term_title(term: str) -> str:
+    """Return what a term is called in a sentence.
+
+    Examples
+    --------
+    >>> term_title("viscous"), term_title("level*temperature")
+    ('viscous friction', 'level that changes with the temperature')
+    """
+    part, _, of = term.partition("*")
+    return CHANGING[part].format(of) if of else TITLES.get(term, term.rpartition(".")[2])
+
+
 FLOWS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "viscous": ("viscous_coefficient", ()),
     "power": ("viscous_coefficient", ("viscous_exponent",)),

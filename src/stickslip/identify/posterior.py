@@ -38,9 +38,10 @@ One Cholesky factor serves all laws of a node.
 import heapq
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import TypeAlias
 
 import numpy as np
@@ -58,6 +59,8 @@ Structure: TypeAlias = tuple[Column, ...]
 """A law with its shapes: its columns, in the order of their names."""
 Family: TypeAlias = tuple[str, ...]
 """Names of the terms of a structure."""
+Known: TypeAlias = dict[int, float]
+"""Coefficients that are known, by the number of their column."""
 
 COEFFICIENT = 1.5
 """Prior standard deviation of a coefficient, over the size of the friction: a law may be larger
@@ -129,6 +132,8 @@ class Model(ABC):
     """The scales, in the order of the entries of a node."""
     signed: frozenset[str] = frozenset()
     """Terms whose coefficients may have either sign."""
+    certain: Mapping[str, float] = MappingProxyType({})
+    """Terms whose coefficients are known."""
 
     @abstractmethod
     def system(self, node: Node, columns: Sequence[Column]) -> System:
@@ -253,20 +258,28 @@ class Posterior:
         self.weights: Array = np.exp(table - less[:, None])
         """Posterior probabilities of nodes and structures (k, s), in sum 1."""
 
-    def _batched(self) -> "Iterator[tuple[Places, Places, NDArray[np.bool_]]]":
-        """Yield the structures of each number of columns: places, their columns, their signs."""
+    def _batched(self) -> "Iterator[tuple[Places, Places, NDArray[np.bool_], Known]]":
+        """Yield structures of one number of columns: places, columns, signs, and what is known."""
         number = {one: k for k, one in enumerate(self.columns)}
-        lengths = np.array([len(one) for one in self.structures])
-        for length in np.unique(lengths):
-            at = np.flatnonzero(lengths == length)
-            of = [[number[column] for column in self.structures[k]] for k in at]
-            names = [[name not in self.model.signed for name, _ in self.structures[k]] for k in at]
-            shape = (len(at), int(length))
+        free = [tuple(x for x in one if x not in self.known_of(one)) for one in self.structures]
+        groups: dict[tuple[int, tuple[tuple[Column, float], ...]], list[int]] = {}
+        for k, one in enumerate(self.structures):
+            groups.setdefault((len(free[k]), tuple(self.known_of(one).items())), []).append(k)
+        for (length, known), places in groups.items():
+            of = [[number[column] for column in free[k]] for k in places]
+            names = [[name not in self.model.signed for name, _ in free[k]] for k in places]
+            shape = (len(places), length)
             yield (
-                at,
+                np.array(places, dtype=np.intp),
                 np.array(of, dtype=np.intp).reshape(shape),
                 np.array(names, dtype=bool).reshape(shape),
+                {number[column]: x for column, x in known},
             )
+
+    def known_of(self, structure: Structure) -> Mapping[Column, float]:
+        """Return the columns of a structure whose coefficients are known, with these."""
+        known = self.model.certain
+        return {one: known[one[0]] for one in structure if one[0] in known}
 
     def _visit(self, begin: Sequence[Node], most: int) -> None:
         """Visit nodes best first: each is compared with the best of the same data."""
@@ -305,7 +318,12 @@ class Posterior:
         system = self.model.system(node, self.columns)
         base, left = eliminated(system)
         found = np.empty(len(self.structures))
-        for at, of, positive in self._batches:
+        every, nothing = left, base
+        for at, of, positive, known in self._batches:
+            left, base = every, nothing
+            if known:
+                left = without(every, known, system.sizes)
+                base += 0.5 * float(every[-1, -1] - left[-1, -1])
             size = of.shape[1]
             if size == 0:
                 found[at] = base
@@ -357,7 +375,9 @@ class Posterior:
         self, node: Node, system: System, structure: Structure, count: int, rng: np.random.Generator
     ) -> Draws:
         """Return draws of the coefficients of one structure at one node."""
-        mean, root = self._moments(system, structure)
+        whole, known = structure, self.known_of(structure)
+        structure = tuple(one for one in whole if one not in known)
+        mean, root = self._moments(system, structure, known)
         m = len(system.deviations)
         x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
         kept = np.ones(SPARE * count, dtype=bool)
@@ -368,18 +388,19 @@ class Posterior:
         bounded = m + np.flatnonzero(self._is_positive(structure))
         held_to_zero(x, root, bounded)
         sizes = system.sizes[[self.columns.index(one) for one in structure]]
-        return Draws(
-            node=node,
-            structure=structure,
-            law=np.maximum(x[m:], np.where(self._is_positive(structure), 0.0, -np.inf)[:, None])
-            * sizes[:, None],
-            random=x[:m],
-        )
+        law = np.maximum(x[m:], np.where(self._is_positive(structure), 0.0, -np.inf)[:, None])
+        for place, one in enumerate(whole):
+            if one in known:
+                law = np.insert(law, place, known[one], axis=0)
+                sizes = np.insert(sizes, place, 1.0)
+        return Draws(node=node, structure=whole, law=law * sizes[:, None], random=x[:m])
 
     def _is_positive(self, structure: Structure) -> NDArray[np.bool_]:
         return np.array([name not in self.model.signed for name, _ in structure], dtype=bool)
 
-    def _moments(self, system: System, structure: Structure) -> tuple[Array, Array]:
+    def _moments(
+        self, system: System, structure: Structure, known: Mapping[Column, float]
+    ) -> tuple[Array, Array]:
         """Return mean and a root of the covariance of random and law coefficients (m + d)."""
         m, q = len(system.deviations), system.deviations
         at = np.r_[np.arange(m), [m + self.columns.index(one) for one in structure]].astype(int)
@@ -387,23 +408,30 @@ class Posterior:
         k = unit[:, None] * system.gram[np.ix_(at, at)] * unit
         k[np.diag_indices(len(k))] += 1.0
         inverse, _ = lapack.dtrtri(cholesky(k, lower=True), lower=1)
-        return unit * (inverse.T @ (inverse @ (unit * system.gram[at, -1]))), unit[
-            :, None
-        ] * inverse.T
+        moment = system.gram[at, -1]
+        for column, x in known.items():
+            place = self.columns.index(column)
+            moment = moment - system.gram[at, m + place] * (x / system.sizes[place])
+        return unit * (inverse.T @ (inverse @ (unit * moment))), unit[:, None] * inverse.T
 
     def effective(self, node: Node, structure: Structure) -> float:
         """Return the number of coefficients that the measurement tells at a node."""
-        system = self.model.system(node, self.columns)
-        _, root = self._moments(system, structure)
+        system, known = self.model.system(node, self.columns), self.known_of(structure)
+        structure = tuple(one for one in structure if one not in known)
+        _, root = self._moments(system, structure, known)
         unit = np.r_[system.deviations, np.full(len(structure), COEFFICIENT)]
         return float(len(unit) - np.sum((root / unit[:, None]) ** 2))
 
     def estimate(self, node: Node, structure: Structure) -> tuple[Array, Array]:
         """Return the mean coefficients of a law (d,) and of the random columns (m,) at a node."""
-        system = self.model.system(node, self.columns)
-        mean, _ = self._moments(system, structure)
+        system, known = self.model.system(node, self.columns), self.known_of(structure)
+        free = tuple(one for one in structure if one not in known)
+        mean, _ = self._moments(system, free, known)
         m = len(system.deviations)
-        return mean[m:] * system.sizes[[self.columns.index(one) for one in structure]], mean[:m]
+        law = dict(known)
+        for one, x in zip(free, mean[m:].tolist(), strict=True):
+            law[one] = x * system.sizes[self.columns.index(one)]
+        return np.array([law[one] for one in structure]), mean[:m]
 
 
 def allotted(weights: Array, count: int) -> Places:
@@ -435,6 +463,16 @@ def eliminated(system: System) -> tuple[float, Array]:
     left = system.gram[m:, m:] - h.T @ h
     base = system.volume - float(np.sum(np.log(np.diag(factor)))) - 0.5 * float(left[-1, -1])
     return base, left
+
+
+def without(left: Array, known: Mapping[int, float], sizes: Array) -> Array:
+    """Return products of columns and values (p + 1, p + 1) with known coefficients taken off."""
+    found = left.copy()
+    for column, x in known.items():
+        scaled = x / sizes[column]
+        found[-1] -= scaled * found[column]
+        found[:, -1] -= scaled * found[:, column]
+    return found
 
 
 def inverted(matrices: Array) -> tuple[Array, Array]:

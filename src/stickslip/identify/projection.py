@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.identify.own_laws import is_slope, known_coefficients, may_be_negative
 from stickslip.identify.posterior import Array, Family, Structure
 from stickslip.identify.vocabulary import FAMILIES, FLOW_DIRECTIONS, NARROW, PARTS, SIGNED
 
@@ -61,7 +62,7 @@ EITHER = frozenset({"offset", "level_direction", *FLOW_DIRECTIONS, "stribeck_sid
 
 def is_signed(name: str) -> bool:
     """Return whether the coefficients of a term may have either sign."""
-    return name in EITHER or "*" in name
+    return may_be_negative(name) if is_slope(name) else name in EITHER or "*" in name
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -127,21 +128,29 @@ class Projection:
     def __init__(self, target: Target) -> None:
         self.middle, self.size, self.allowed = target.middle, target.size, target.allowed
 
-    def closest(self, structures: Sequence[Structure], x: Array, parameters: int) -> Rung | None:
+    def closest(
+        self, structures: Sequence[Structure], x: Array, parameters: int, *, alone: bool = False
+    ) -> Rung | None:
         """Return the law of a family with columns (s, n, p) that is closest.
 
-        None if none has coefficients of the signs that they must have.
+        None if none has coefficients of the signs that they must have; if it is `alone`, what would
+        be negative is 0.
         """
         norm = np.sqrt(np.mean(x * x, axis=1)) + 1e-300
         weighted = x / norm[:, None, :] / self.allowed[:, None]
         y = self.middle / self.allowed
-        positive = np.array([not is_signed(name) for name in names_of(structures[0])])
+        names = names_of(structures[0])
+        positive = np.array([not is_signed(name) for name in names])
         gram = np.einsum("sni,snj->sij", weighted, weighted)
         size = gram.shape[1]
         gram[:, range(size), range(size)] *= 1.0 + 1e-9
         moment = np.einsum("sni,n->si", weighted, y)
+        for k, x_k in known_coefficients(names).items():
+            hold(gram, moment, k, x_k * norm[:, k])
         c = np.linalg.solve(gram, moment[..., None])[..., 0]
-        left = -np.sum(c * moment, axis=1)
+        if alone:
+            c = solved(gram, moment, positive)
+        left = -np.sum(c * (2.0 * moment - np.einsum("sij,sj->si", gram, c)), axis=1)
         wrong = np.any((c < 0.0) & positive, axis=1)
         k = int(np.argmin(np.where(wrong, np.inf, left)))
         if wrong[k]:
@@ -164,6 +173,35 @@ class Projection:
             excess=float(np.quantile(left / self.allowed, PLACES)),
             parameters=parameters,
         )
+
+
+def hold(gram: Array, moment: Array, place: int, value: Array | float) -> None:
+    """Hold a coefficient of normal equations (..., p, p) and (..., p) to a value (...)."""
+    moment -= gram[..., :, place] * np.asarray(value)[..., None]
+    gram[..., place, :] = 0.0
+    gram[..., :, place] = 0.0
+    gram[..., place, place] = 1.0
+    moment[..., place] = value
+
+
+def solved(gram: Array, moment: Array, positive: "NDArray[np.bool_]") -> Array:
+    """Return solutions (k, p) of normal equations (k, p, p), (k, p): some are not negative.
+
+    What is negative is held to 0, and what then is negative as well.
+    """
+    c = np.linalg.solve(gram, moment[..., None])[..., 0]
+    held = np.zeros(c.shape, dtype=bool)
+    for _ in range(c.shape[1]):
+        wrong = (c < 0.0) & positive
+        if not wrong.any():
+            break
+        held |= wrong
+        free = ~held[:, :, None] & ~held[:, None, :]
+        own = np.where(free, gram, 0.0) + held[:, :, None] * np.eye(c.shape[1])
+        c = np.where(
+            held, 0.0, np.linalg.solve(own, np.where(held, 0.0, moment)[..., None])[..., 0]
+        )
+    return np.asarray(c)
 
 
 def names_of(structure: Structure) -> list[str]:
@@ -285,13 +323,11 @@ class Projector:
         gram = np.einsum("kni,knj->kij", scaled, scaled)
         size = gram.shape[1]
         gram[:, range(size), range(size)] *= 1.0 + 1e-10
-        c = np.linalg.solve(gram, np.einsum("kni,kn->ki", scaled, y)[..., None])[..., 0]
+        moment = np.einsum("kni,kn->ki", scaled, y)
+        for k, one in known_coefficients(names_of(structure)).items():
+            hold(gram, moment, k, one * norm[:, k])
+        c = solved(gram, moment, self.positive)
         return c / norm, y - np.einsum("kni,ki->kn", scaled, c)
-
-    def _misfit(self, c: Array, left: Array, y: Array) -> Array:
-        """Return the squares that are left (k,); more than all where a sign is wrong."""
-        wrong = np.any((c < 0.0) & self.positive, axis=1)
-        return np.asarray(np.sum(left * left, axis=1) + 1e3 * wrong * np.sum(y * y, axis=1))
 
     def __call__(self, draws: Array, structures: Sequence[Structure]) -> tuple[Array, Shaped]:
         """Return coefficients (k, p) and shapes of draws (k, n), from the best of structures."""
@@ -303,7 +339,7 @@ class Projector:
             own = np.array([[one[f.column][1][f.entry] for f in self.free]], dtype=float)
             own = np.broadcast_to(own, shapes.shape)
             coefficients, left = self._along(one, y)
-            misfit = self._misfit(coefficients, left, y)
+            misfit = np.sum(left * left, axis=1)
             better = misfit < least
             least = np.where(better, misfit, least)
             shapes[better], c[better] = own[better], coefficients[better]
@@ -317,7 +353,11 @@ class Projector:
         norm = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
         gram = (x / norm).T @ (x / norm)
         gram[np.diag_indices(len(gram))] *= 1.0 + 1e-10
-        c = np.linalg.solve(gram, (x / norm).T @ y.T).T / norm
+        moment = y @ (x / norm)
+        for k, one in known_coefficients(names_of(structure)).items():
+            hold(gram, moment, k, one * norm[k])
+        many = np.broadcast_to(gram, (len(y), *gram.shape))
+        c = solved(many, moment, self.positive) / norm
         return c, y - c @ x.T
 
     def _polished(
@@ -346,7 +386,7 @@ class Projector:
             move = -np.linalg.solve(gram, np.einsum("kni,kn->ki", j, base)[..., None])[..., 0]
             new = np.clip(logs + np.clip(move, -0.5, 0.5), low, high)
             coefficients, left = self._solved(structure, np.exp(new), y)
-            misfit = self._misfit(coefficients, left, y)
+            misfit = np.sum(left * left, axis=1)
             better = misfit < least
             damping = np.where(better, 0.3 * damping, 10.0 * damping)
             least = np.where(better, misfit, least)

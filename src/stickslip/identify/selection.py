@@ -1,7 +1,7 @@
 """Selection: a measurement of each kind judged, with the verdict in words."""
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,24 +18,22 @@ from stickslip.data import (
     without_outliers,
 )
 from stickslip.errors import InputError
-from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.bands import Foreseen
+from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import goes_straight, inside, load_of
-from stickslip.identify.forces import TRANSMITTED, doubts_of, load_slopes, with_gear
+from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
-from stickslip.identify.problems.record_columns import through_gear
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import WORTH, Proposal, propose
 from stickslip.identify.verdict import BandVerdict
-from stickslip.identify.vocabulary import PARTS as PARTS_OF_LAWS
 from stickslip.identify.wording import (
     ORDERED,
     SCALED,
@@ -47,7 +45,7 @@ from stickslip.identify.wording import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
-from stickslip.show.formatting import joined, quantity
+from stickslip.show.formatting import quantity
 
 STRETCHES_TO_MAKE = 6
 """Stretches of steady motion that are proposed at most."""
@@ -98,10 +96,11 @@ def select_table(
     A law may be off by the `tolerance`, a share of friction.
     """
     checks = checked(mechanism, measurement, validate)
-    families = None
+    asked = LawsToCompare()
     if laws is not None:
-        families = families_of(laws, known_terms(readings_of(mechanism, measurement)))
-    problem = TableProblem.of(mechanism, measurement, families)
+        table = readings_of(mechanism, measurement)
+        asked = laws_to_compare(laws, known_terms(table), float(np.median(table.rows.load)))
+    problem = with_own_laws(TableProblem.of(mechanism, measurement, asked.alone), asked)
     judgement = Judgement(problem, tolerance=TOLERANCE if tolerance is None else tolerance)
     words = Words(
         measured="readings",
@@ -225,20 +224,6 @@ def problem_of_records(
     )
 
 
-def families_for(laws: Any, records: Sequence[Record]) -> tuple[Family, ...] | None:
-    """Return the families of laws that a user asks to compare; None of all."""
-    if laws is None:
-        return None
-    known = [*PARTS_OF_LAWS, "offset", "viscous_direction", *REMEMBERED]
-    if any(one.load is not None for one in records):
-        known.append("level_direction")
-    if any(through_gear(one) is not None for one in records):
-        known.append("gear")
-    inputs = {name for one in records for name in one.inputs if name != TRANSMITTED}
-    known += [f"{part}*{name}" for name in sorted(inputs) for part in ("level", "viscous")]
-    return families_of(laws, known)
-
-
 def select_record(
     mechanism: Mechanism,
     measurement: Measurement,
@@ -270,16 +255,16 @@ def select_record(
     rig = settled(mechanism, measurement, vary, offset=offset)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
-    families = families_for(laws, records)
-    problem = problem_of(rig, records, families=families)
+    asked = laws_for(laws, records, load_of(rig))
+    problem = problem_of(rig, records, families=asked.alone)
     values = _values_of(problem) if isinstance(problem, RecordProblem) else {}
     if values:  # what a gear transmits follows from what the balance says of the mechanism
         rig = with_values(rig, "mechanism", values)
-        problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=families)
+        problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=asked.alone)
     if isinstance(problem, RecordProblem) and any(x.bent for x in records[0].unknown.values()):
         _refuse_outside(problem)
     return record_verdict(
-        problem,
+        with_own_laws(problem, asked),
         mechanism,
         measurement,
         offset=not offset,
@@ -409,91 +394,3 @@ def run_sentences(
         f"A run of the law leaves {quantity(left.typical, unit, 2)} of the motion (root mean"
         f" square); a reading has an error of {quantity(left.error, unit, 2)}."
     ]
-
-
-# Laws that a user asks to compare, as families of terms.
-
-IGNORED = ("peak", "step")
-"""Optional parts: without a value for them, a law lacks them."""
-NAMES: Mapping[str, str] = {"weight[transmitted]": "gear"}
-"""Terms that are not called as the part is."""
-REMEMBERED = ("dahl", "lugre")
-"""Memories that records tell: they mark a family. The balance does not tell them apart, as the
-damping of bristles is hardly a part of it."""
-BOTH_WAYS: Mapping[str, str] = {
-    "level": "level_direction",
-    "stribeck": "stribeck_sides",
-    "viscous": "viscous_direction",
-}
-"""Terms that make a part differ by direction."""
-
-
-def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[str]) -> Family:
-    """Return the terms of a law among those that a measurement can tell.
-
-    Examples
-    --------
-    >>> terms = ["level", "viscous", "stribeck"]
-    >>> family_of_law("stribeck", terms)
-    ('level', 'stribeck', 'viscous')
-    >>> family_of_law("dahl", terms)
-    Traceback (most recent call last):
-    stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, ...
-    """
-    kind = law_type(law) if isinstance(law, str) else law
-    if kind.composition is None:
-        raise InputError(
-            f"{kind.title} friction cannot be compared on this measurement, as it is no sum of"
-            f" parts: use stickslip.fit for its parameters. Compared can be {', '.join(known)} and"
-            " sums of these."
-        )
-    found: set[str] = set()
-    parts = [str(one) for one in kind.composition.parts()]
-    both = any(part.startswith("both_ways") for part in parts)
-    smooth = "tanh" in parts
-    unknown = []
-    inputs = [name.partition("[")[2].rstrip("]") for name in parts if name.startswith("linear[")]
-    for part in parts:
-        if part.startswith(("both_ways", "linear[")) or part in IGNORED:
-            continue
-        name = "tanh" if smooth and part == "level" else NAMES.get(part, part)
-        if name not in known:
-            unknown.append(part)
-            continue
-        found.add(name)
-        other = BOTH_WAYS.get(name) if both else None
-        if other == "level_direction" and other not in known:
-            other = "offset"  # under one load they are the same
-        if other is not None and other in known:
-            found.add(other)
-            found -= {"stribeck"} if other == "stribeck_sides" else set()
-    text = str(kind.composition)
-    for name in inputs:
-        for part in ("level", "viscous"):
-            if f"{part} * linear[{name}]" in text and f"{part}*{name}" in known:
-                found.add(f"{part}*{name}")
-    if unknown:
-        memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
-        why = (
-            "tells the memories of Dahl and LuGre, and only in time: use stickslip.fit for its"
-            " parameters"
-            if memory
-            else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
-        )
-        raise InputError(
-            f"{kind.title} friction cannot be compared on this measurement, which {why}. Compared"
-            f" can be {', '.join(known)} and sums of these."
-        )
-    return tuple(sorted(found))
-
-
-def families_of(
-    laws: Mapping[str, FrictionLaw] | Iterable[FrictionLaw | type[FrictionLaw] | str],
-    known: Collection[str],
-) -> tuple[Family, ...]:
-    """Return the families of laws, each once."""
-    given = laws.values() if isinstance(laws, Mapping) else laws
-    found = tuple(dict.fromkeys(family_of_law(law, known) for law in given))
-    if not found:
-        raise InputError("laws is empty: name at least one law, or leave it out.")
-    return found

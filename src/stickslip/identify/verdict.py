@@ -66,6 +66,8 @@ class LawFit(Fit[FrictionLaw]):
     """Largest speed that was measured [m/s] or [rad/s]."""
     correlation: Array
     """Correlation of the estimates (p, p)."""
+    verdict: "BandVerdict | None" = None
+    """What is said of the fit: the verdict of a selection with this law alone; None in one."""
     lacking: tuple[str, ...] = ()
     """What of its structure the law has otherwise, or not at all, in sentences."""
 
@@ -80,6 +82,53 @@ class LawFit(Fit[FrictionLaw]):
             levels=levels_at(self.mechanism),
             largest_speed=self.largest_speed,
         )
+
+    def predict(self, measurement: Measurement) -> Foreseen:
+        """Return readings of another measurement beside their band, as a verdict does.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            What another run gave, as was fitted.
+
+        Returns
+        -------
+        Foreseen
+            Readings (n,), their band, the share in it, the error, and that of Coulomb + viscous
+            friction by least squares.
+
+        Raises
+        ------
+        InputError
+            If it lacks what was fitted, or has the same readings.
+        """
+        assert self.verdict is not None
+        return self.verdict.predict(measurement)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the measurement does not tell, in sentences."""
+        return () if self.verdict is None else self.verdict.words.cannot_tell
+
+    def _notes(self) -> Sequence[str]:
+        return self.sentences
+
+    def to_dict(self) -> Mapping[str, Any]:
+        if self.verdict is None:
+            return super().to_dict()
+        words = self.verdict.words
+        return {
+            **super().to_dict(),
+            "route": self.verdict.route,
+            "verdict": words.verdict,
+            "within": self.verdict.closest.distance,
+            "leaves": self.verdict.closest.left,
+            "correlation": self.correlation.tolist(),
+            "settles": list(words.settles),
+            "cannot_tell": list(words.cannot_tell),
+            "measure_next": list(words.measure_next),
+            "remarks": list(self.remarks),
+        }
 
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
@@ -641,9 +690,9 @@ def _rig_of(
     """
     found = {path: float(x[0]) for path, x in composed.rig.items()}
     own = {path: x for path, x in found.items() if path.startswith("mechanism.")}
-    if offset and "offset" in found:
-        own["mechanism.offset"] = found["offset"]
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    if offset and "offset" in found and "mechanism.offset" in known:
+        own["mechanism.offset"] = found["offset"]
     wrong = [path for path, x in own.items() if not known[path].allows(x)]
     remarks = [unphysical_sentence(known[path], own[path]) for path in wrong]
     own = {path: x for path, x in own.items() if path not in wrong}
@@ -676,6 +725,7 @@ def _estimate(
     low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
     least = own.low if own.above is None else max(own.low, own.above)
     least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
+    least = least if math.isfinite(low) else -math.inf
     return Estimate(
         path=one.path,
         quantity=own,
@@ -683,6 +733,7 @@ def _estimate(
         low=max(low, least),
         high=max(high, least),
         interval="95 %",
+        reason="" if math.isfinite(high - low) else "no reading tells it from the others",
     )
 
 

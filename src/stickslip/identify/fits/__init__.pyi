@@ -28,8 +28,11 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import improve as im
 from stickslip.identify.fits.estimation.levenberg_marquardt import search as search
 from stickslip.identify.fits.estimation.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
+from stickslip.identify.fits.estimation.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.estimation.parameters import required_of as required_of
+from stickslip.identify.fits.estimation.parameters import Sizes as Sizes
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
+from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
 from stickslip.identify.fits.estimation.parameters import told as told
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.problem import Problem as Problem
@@ -50,13 +53,11 @@ from stickslip.identify.fits.gears import transmitted_along as transmitted_along
 from stickslip.identify.fits.records.fit import Prediction as Prediction
 from stickslip.identify.fits.records.fit import RecordFit as RecordFit
 from stickslip.identify.fits.records.fit import Score as Score
-from stickslip.identify.fits.records.fitting import ROUTES as ROUTES
 from stickslip.identify.fits.records.fitting import RouteName as RouteName
 from stickslip.identify.fits.records.fitting import fit_records as fit_records
 from stickslip.identify.fits.records.fitting import route_of as route_of
 from stickslip.identify.fits.records.joint_fitting import JOINTS as JOINTS
 from stickslip.identify.fits.records.joint_fitting import JointFitter as JointFitter
-from stickslip.identify.fits.records.joint_fitting import fit_joints as fit_joints
 from stickslip.identify.fits.results import Estimate as Estimate
 from stickslip.identify.fits.results import Fit as Fit
 from stickslip.identify.fits.results import Law_co as Law_co
@@ -86,10 +87,6 @@ from stickslip.identify.fits.travel_model import quantities_read as quantities_r
 from stickslip.identify.fits.travel_model import standard_errors as standard_errors
 from stickslip.identify.fits.travel_model import trials_of as trials_of
 from stickslip.identify.fits.travel_model import under_cycles as under_cycles
-from stickslip.identify.fits.trials import ConditionLine as ConditionLine
-from stickslip.identify.fits.trials import TrialComparison as TrialComparison
-from stickslip.identify.fits.trials import compare_trials as compare_trials
-from stickslip.identify.fits.trials import compared as compared
 from stickslip.identify.fits.validation import AnyLaw as AnyLaw
 from stickslip.identify.fits.validation import LAW as LAW
 from stickslip.identify.fits.validation import Laws as Laws
@@ -111,11 +108,8 @@ __all__ = [
     "RecordFit",
     "RecordSettings",
     "Score",
-    "TrialComparison",
-    "compare_trials",
     "drives_itself",
     "durations",
-    "fit_joints",
     "fit_records",
     "inverse_dynamics",
     "starting_law",

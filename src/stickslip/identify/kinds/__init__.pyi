@@ -44,6 +44,9 @@ from stickslip.identify.kinds.travels.result import TravelFit as TravelFit
 from stickslip.identify.kinds.travels.selection import select_travels as select_travels
 from stickslip.identify.kinds.travels.verdict import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels.verdict import TravelVerdict as TravelVerdict
+from stickslip.identify.kinds.trials import ConditionLine as ConditionLine
+from stickslip.identify.kinds.trials import TrialComparison as TrialComparison
+from stickslip.identify.kinds.trials import compare_trials as compare_trials
 from stickslip.identify.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
 from stickslip.identify.kinds.velocity_steps.result import RateStateFit as RateStateFit
 from stickslip.identify.kinds.velocity_steps.selection import select_rate_state as select_rate_state

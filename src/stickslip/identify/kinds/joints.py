@@ -1,27 +1,32 @@
 """Records of several joints: fitted by inverse dynamics, judged joint by joint."""
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Sequence
 
 from stickslip.data import Measurement
-from stickslip.identify import JointVerdict, joint_sections, probability_text, select_joints
-from stickslip.identify.candidates import limits_of
-from stickslip.identify.fits import JOINTS, RecordFit, RecordSettings, fit_joints
+from stickslip.identify import (
+    JointLawFit,
+    JointVerdict,
+    fit_joints,
+    joint_sections,
+    probability_text,
+    select_joints,
+)
+from stickslip.identify.candidates import in_sentence
+from stickslip.identify.fits import JOINTS
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
-from stickslip.identify.kinds.records import left_text, restarts_lines
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.show.formatting import percent
 from stickslip.show.report import Origin, SectionMaker
 
 
-class JointKind(Kind[RecordFit[Any], JointVerdict]):
+class JointKind(Kind[JointLawFit, JointVerdict]):
     """Friction of every joint; fits have the parameters of all in one problem."""
 
     routes = (JOINTS,)
     measured = "records of several joints"
     content = "joints"
     uses = frozenset({"validate", "tolerance"})
-    settings = frozenset({"hold", "starts", "seed", "position_zeros"})
+    settings = frozenset({"hold", "position_zeros"})
     by_contact = True
 
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
@@ -36,16 +41,15 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
         own = {name: 0 for one in mechanism.contacts() for name in input_names(mechanism, one.name)}
         return (*own, *measurement.input_names())  # fits ask for those of each contact
 
-    def why_unused(self, name: str, request: Request) -> str:
-        if request.law is None and name in {"starts", "seed"}:
-            return (
-                f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
-            )
-        return ""
-
-    def fit(self, request: Request) -> RecordFit[Any]:
-        settings = request.settings or RecordSettings()
-        return fit_joints(laws=request.law, settings=settings, **request.arguments())
+    def fit(self, request: Request) -> JointLawFit:
+        return fit_joints(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            settings=request.settings,
+        )
 
     def select(self, request: Request) -> JointVerdict:
         return select_joints(
@@ -83,33 +87,23 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
 
     def summary(
         self,
-        fit: RecordFit[Any],
+        fit: JointLawFit,
         validate: Measurement | None = None,
         horizon: float | None = None,
     ) -> FitSummary:
-        own = fit.score()
-        second = None if validate is None else fit.score(validate)
-        heads = ["joint", "residual of the force", *(["second record"] if second else [])]
-        rows = []
-        for name, one in own.joints.items():
-            other = [] if second is None else [second.joints[name]]
-            scale = own.scales[one.unit]
-            rows.append([name, *(scale.quantity(each.rms) for each in (one, *other))])
+        assert fit.verdict is not None
+        second = {} if validate is None else fit.predict(validate)
+        lines = [fit.verdict.words.verdict, fit.verdict.words.lede]
+        lines += [
+            f"On the second record, {name}: {in_sentence(str(x))}." for name, x in second.items()
+        ]
         return FitSummary(
-            heads=heads,
-            rows=rows,
-            lines=[f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions],
-            findings=[f"Model error: {error}" for error in fit.model_errors],
-            limits=limits_of(fit),
+            lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
-            second=None if second is None else _by_joint(second.joints),
+            second={name: one.error for name, one in second.items()} or None,
         )
 
     def sections(
         self, verdict: JointVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
         return joint_sections(verdict, origin, remark)
-
-
-def _by_joint(scores: Mapping[str, Any]) -> dict[str, float]:
-    return {name: one.rms for name, one in scores.items()}

@@ -20,10 +20,10 @@ from stickslip.identify.fits import (
     Estimate,
     Fit,
     RecordSettings,
-    TrialComparison,
     known_inputs,
     names_of,
 )
+from stickslip.identify.kinds.trials import TrialComparison
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import (
     NO_VALUE,

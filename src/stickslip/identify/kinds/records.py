@@ -2,131 +2,83 @@
 
 import math
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 from stickslip.data import QUANTITIES, Measurement, command_of
 from stickslip.errors import InputError
 from stickslip.identify import (
     BandVerdict,
+    Fit,
+    LawFit,
+    fitted_law,
     importance,
     ladder_rows,
     select_record,
     select_table,
     verdict_sections,
 )
-from stickslip.identify.candidates import limits_of
+from stickslip.identify.candidates import in_sentence, limits_of
 from stickslip.identify.fits import (
     LAW,
-    ROUTES,
     Laws,
     Parameters,
     RecordFit,
     RecordSettings,
-    Score,
-    compared,
+    check_inputs,
     fit_records,
     goes_straight,
+    load_of,
     names_of,
     route_of,
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.kinds.trials import compared
 from stickslip.quantities import turned
 from stickslip.show import formatting
 from stickslip.show.formatting import joined, percent
 from stickslip.show.report import Origin, SectionMaker
 
-WITHOUT_EFFECT = {
-    "shooting": frozenset[str](),
-    "inverse-dynamics": frozenset({"segment", "resolution"}),
-    "force-map": frozenset({"segment", "resolution", "hold"}),
-}
-"""Settings that a way to fit records has no use for."""
-OF_MEASURED = frozenset({"friction_delay", "friction_lag"})
-"""Settings that are of measured friction alone."""
+BALANCE, TABLE, SHOOTING = "balance", "table", "shooting"
+"""Routes: by the posterior of a force balance, or of a table, and by simulated segments."""
+OF_BALANCE = frozenset({"hold"})
+"""Settings of a balance."""
 
 
-BALANCE = "balance"
-"""Route by which laws of records are compared."""
+class BandKind(Kind[Fit[Any], BandVerdict]):
+    """Laws are compared, and one is fitted, by the posterior of `stickslip.identify`."""
 
-
-class BandKind(Kind[RecordFit, BandVerdict]):
-    """Laws are compared by `stickslip.identify`; fits are those of records.
-
-    The first of its routes is that of `select`, the others are those of `fit`.
-    """
-
-    uses = frozenset({"route", "validate"})
-    compared: frozenset[str] = frozenset()
-    """Names of the settings that laws are compared by."""
+    uses = frozenset({"route", "validate", "tolerance"})
+    known: frozenset[str] = frozenset()
+    """Names of the settings that the posterior takes."""
 
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return ["laws"]
 
-    def resolved(self, request: Request) -> Request:
-        """Return the request with the way to fit the records, and with its settings."""
-        return request if request.law is None else replace(request, route=self._route(request))
+    def fit(self, request: Request) -> Fit[Any]:
+        return self._fit(request)
 
-    def _route(self, request: Request) -> str:
-        """Return how records are fitted."""
-        measurement, law = request.measurement, request.law
+    def _fit(self, request: Request) -> LawFit:
+        """Return the fit of one law by the posterior."""
         chosen = Parameters.of(
             request.mechanism,
-            None if law is None else self.owner(law),
+            self.owner(request.law),
             request.vary,
             request.fixed,
-            measurement=measurement,
+            measurement=request.measurement,
         )
-        vary = [LAW, *chosen.unknown]
-        return route_of(chosen.mechanism, measurement, vary=vary, asked=request.route)
-
-    def why_unused(self, name: str, request: Request) -> str:
-        selects, asked = request.law is None, request.route
-        verb, other = ("select", "fit") if selects else ("fit", "select")
-        unused = (
-            f"applies to `{other}` of {self.measured}; it has no effect on `{verb}`: leave it out."
+        check_inputs(chosen.law, chosen.mechanism, request.measurement)
+        return fitted_law(
+            partial(self._select, request, chosen),
+            chosen.law,
+            free=chosen.free,
+            known=chosen.known,
+            load=load_of(chosen.mechanism),
         )
-        if name in self.settings & {"hold"} and not _holds(request):
-            return (
-                "applies to records of a force that drives the motion, and this has none: leave it"
-                " out."
-            )
-        if name == "route" and asked and (asked == self.routes[0]) is not selects:
-            return f"{asked!r} {unused}"
-        if selects and name == "settings" and self.compared:
-            usual, given = RecordSettings(), request.settings or RecordSettings()
-            names = (one.name for one in fields(RecordSettings) if one.name not in self.compared)
-            changed = [one for one in names if getattr(given, one) != getattr(usual, one)]
-            return f"with {changed[0]} {unused}" if changed else ""
-        if selects and name in ({"settings", "horizon"} | self.settings) - self.compared:
-            return unused
-        known = not selects and name in self.uses | self.settings
-        return self._why_not_fitted(name, request) if known else ""
 
-    def _why_not_fitted(self, name: str, request: Request) -> str:
-        """Return why a setting has no effect on a fit."""
-        route = request.route
-        if route is None:  # not chosen yet
-            return ""
-        if name in OF_MEASURED and route != "force-map":
-            return (
-                "applies to measured friction (route force-map); here the route is"
-                f" {route}: leave it out."
-            )
-        if name in WITHOUT_EFFECT[route]:
-            return (
-                "applies to simulated segments (route shooting); here the route is"
-                f" {route}, which fits friction along the measured motion: leave it out."
-            )
-        return ""
-
-    def residual_text(self, error: float, request: Request) -> str:
-        compared_, measurement = "friction", request.measurement
-        if self._route(request) == "shooting":
-            compared_ = "position" if "position" in measurement.quantities() else "velocity"
-        return error_text(error, quantity=compared_, turning=measurement.turning)
-
-    def fit(self, request: Request) -> RecordFit:
-        return fit_records(**request.arguments("law", "route", "settings"))
+    def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
+        """Return the verdict on some laws, for what is known and looked for of a mechanism."""
+        raise NotImplementedError
 
     def comparison(self, verdict: BandVerdict) -> Comparison:
         closest = verdict.closest
@@ -141,24 +93,20 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         )
 
     def summary(
-        self, fit: RecordFit, validate: Measurement | None = None, horizon: float | None = None
+        self, fit: Fit[Any], validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
-        compared_ = fit.problem.quantity
-
-        def text(error: float) -> str:
-            return error_text(error, quantity=compared_, turning=fit.measurement.turning)
-
-        second = None if validate is None else fit.score(validate, horizon=horizon)
-        lines = [f"Residual of {compared_}: {text(fit.rms)} (route {fit.route})"]
-        if second is not None:
-            lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
-        lines += [f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions]
+        assert isinstance(fit, LawFit)
+        assert fit.verdict is not None
+        words, second = fit.verdict.words, None
+        lines = [words.verdict, words.lede, *words.settles[:1]]
+        if validate is not None:
+            other = fit.predict(validate)
+            lines.append(f"On the second record {in_sentence(str(other))}.")
+            second = other.error
         return FitSummary(
-            lines=lines,
-            findings=[f"Model error: {error}" for error in fit.model_errors],
-            limits=limits_of(fit),
+            lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
-            second=None if second is None else second.rms,
+            second=second,
             trials=compared(fit),
         )
 
@@ -169,23 +117,71 @@ class BandKind(Kind[RecordFit, BandVerdict]):
 
 
 class RecordKind(BandKind):
-    """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
+    """Records in time: by the force balance along the motion, or by simulated segments."""
 
-    routes = (BALANCE, *ROUTES)
+    routes = (BALANCE, SHOOTING)
     measured = "records of motion or friction"
     content = "records"
     uses = frozenset({"route", "validate", "horizon", "tolerance"})
     settings = frozenset(field.name for field in fields(RecordSettings))
-    compared = frozenset({"hold"})
+    known = OF_BALANCE
+
+    def resolved(self, request: Request) -> Request:
+        """Return the request with the way to fit the records."""
+        return request if request.law is None else replace(request, route=self._route(request))
+
+    def _route(self, request: Request) -> str:
+        """Return how records are fitted."""
+        law = None if request.law is None else self.owner(request.law)
+        return route_of(request.mechanism, request.measurement, law, asked=request.route)
+
+    def why_unused(self, name: str, request: Request) -> str:
+        if name in OF_BALANCE and not _holds(request):
+            return (
+                "applies to records of a force that drives the motion, and this has none: leave it"
+                " out."
+            )
+        if request.law is None:
+            if name == "route" and request.route == SHOOTING:
+                return f"{SHOOTING!r} {_unused('fit', 'select', self)}"
+            if name == "settings":
+                usual, given = RecordSettings(), request.settings or RecordSettings()
+                names = (x.name for x in fields(RecordSettings) if x.name not in self.known)
+                changed = [x for x in names if getattr(given, x) != getattr(usual, x)]
+                return f"with {changed[0]} {_unused('fit', 'select', self)}" if changed else ""
+            if name in (self.settings | {"horizon"}) - self.known:
+                return _unused("fit", "select", self)
+            return ""
+        if request.route == BALANCE and name in (self.settings | {"horizon"}) - self.known:
+            return (
+                "applies to simulated segments (route shooting); here the route is balance, which"
+                " compares forces along the measured motion: leave it out."
+            )
+        if name == "tolerance" and request.route == SHOOTING:
+            return "applies to the route balance; here the route is shooting: leave it out."
+        return ""
+
+    def residual_text(self, error: float, request: Request) -> str:
+        measurement = request.measurement
+        quantity = "position" if "position" in measurement.quantities() else "velocity"
+        return error_text(error, quantity=quantity, turning=measurement.turning)
+
+    def fit(self, request: Request) -> Fit[Any]:
+        if self._route(request) == SHOOTING:
+            return fit_records(**request.arguments("law", "settings"))
+        return self._fit(request)
 
     def select(self, request: Request) -> BandVerdict:
         chosen = Parameters.of(
             request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
         )
+        return self._select(request, chosen, request.laws)
+
+    def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         return select_record(
             chosen.mechanism,
             request.measurement,
-            laws=request.laws,
+            laws=laws,
             vary=chosen.unknown,
             offset="mechanism.offset" not in chosen.held,
             hold=request.settings.hold if request.settings else None,
@@ -194,14 +190,43 @@ class RecordKind(BandKind):
             route=BALANCE,
         )
 
+    def summary(
+        self, fit: Fit[Any], validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        if not isinstance(fit, RecordFit):
+            return super().summary(fit, validate, horizon)
+        compared_ = fit.problem.quantity
+
+        def text(error: float) -> str:
+            return error_text(error, quantity=compared_, turning=fit.measurement.turning)
+
+        second = None if validate is None else fit.score(validate, horizon=horizon)
+        lines = [f"Residual of {compared_}: {text(fit.rms)} (route {fit.route})"]
+        if second is not None:
+            in_segments = f"in segments of {formatting.quantity(second.horizon, 's')}"
+            lines.append(f"On the second record: {text(second.rms)}, {in_segments}")
+        lines += [f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions]
+        return FitSummary(
+            lines=lines,
+            findings=[f"Model error: {error}" for error in fit.model_errors],
+            limits=limits_of(fit),
+            open=("Limitations", fit.sentences),
+            second=None if second is None else second.rms,
+        )
+
+
+def _unused(verb: str, other: str, kind: Kind[Any, Any]) -> str:
+    """Return that an option is of one verb alone, as the end of a sentence."""
+    return f"applies to `{verb}` of {kind.measured}; it has no effect on `{other}`: leave it out."
+
 
 def _holds(request: Request) -> bool:
     """Return whether anything is recorded that may hold between samples.
 
-    Only a fit follows the goals of a loop, which `select` takes as they are.
+    Only a fit by segments follows the goals of a loop, which a balance takes as they are.
     """
     records = request.measurement.records()
-    if request.law is None:
+    if request.law is None or request.route == BALANCE:
         return any(not goes_straight(record, "zero") for record in records)
     return any(command_of(record) for record in records)
 
@@ -237,33 +262,21 @@ def restarts_lines(fit: RecordFit[Any]) -> list[str]:
     return [f"{text}, in short segments; longer segments were fitted from there"]
 
 
-def _predicted(fit: RecordFit, second: Score) -> str:
-    """Return how a second record was predicted: where friction is, bristles run through it."""
-    if fit.problem.simulates:
-        return f"in segments of {formatting.quantity(second.horizon, 's')}"
-    return "along the measured motion"
-
-
-# Tables of friction over the speed, judged by `stickslip.identify`.
-
-FORCE_MAP = "force-map"
-"""Route by which tables are fitted."""
+# Tables of friction over the speed.
 
 
 class FrictionTableKind(BandKind):
     """Friction against velocity without time: no bristles, rows in any order."""
 
-    routes = ("table", FORCE_MAP)
-    uses = frozenset({"route", "validate", "tolerance"})
+    routes = (TABLE,)
     measured = "tables of friction"
     content = "tables"
-    settings = frozenset(field.name for field in fields(RecordSettings)) - WITHOUT_EFFECT[FORCE_MAP]
 
     def why_unused(self, name: str, request: Request) -> str:
         if name == "route" and request.route and not self.serves(request.measurement):
             own = f"{request.route!r} applies to {self.measured}"
             return f"{own}, not to this measurement: leave it out."
-        return super().why_unused(name, request)
+        return ""
 
     def select(self, request: Request) -> BandVerdict:
         varied = {*names_of(request.vary or ())} - {LAW}
@@ -273,11 +286,19 @@ class FrictionTableKind(BandKind):
                     f"{name} applies to `fit` of {self.measured}; it has no effect on `select`,"
                     f" got {joined(sorted(given))}: leave it out."
                 )
+        chosen = Parameters.of(request.mechanism, None, measurement=request.measurement)
+        return self._select(request, chosen, request.laws)
+
+    def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
+        if chosen.unknown:
+            raise InputError(
+                f"vary: a table of friction tells nothing of {chosen.unknown[0]}: leave it out."
+            )
         return select_table(
-            request.mechanism,
+            chosen.mechanism,
             request.measurement,
-            laws=request.laws,
+            laws=laws,
             validate=request.validate,
             tolerance=request.tolerance,
-            route=self.routes[0],
+            route=TABLE,
         )

@@ -20,6 +20,7 @@ from scipy.linalg import lapack
 from scipy.signal import lfilter
 
 from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
 from stickslip.identify.posterior import Array, Column
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
@@ -137,6 +138,15 @@ class RecordFrame:
         x = (time - self.start) / self.duration
         waves = [np.cos(math.pi * k * x) / k for k in range(2, COURSE + 1)]
         return np.column_stack([2.0 * x - 1.0, *waves])
+
+    def raw(self, inputs: Mapping[str, Array], like: Record) -> dict[str, Array]:
+        """Return inputs as laws take them, of those from their means over their deviations.
+
+        What does not change is as in a record.
+        """
+        still = {name: np.mean(x) for name, x in like.inputs.items() if name not in self.inputs}
+        of = {name: mean + size * inputs[name] for name, (mean, size) in self.inputs.items()}
+        return {**still, **of}
 
     def places(self, position: Array, waves: Sequence[float]) -> Array:
         """Return the basis of what changes with the place (n, p)."""
@@ -432,7 +442,14 @@ class Balance:
         hats = self._hats(piece)
         course = frame.course(piece.record.time)
         through = self.transmitted(piece)
-        x = np.column_stack([law_column(one, v, z, frame.least, through) for one in laws])
+        x = np.column_stack(
+            [
+                self._slope(one, piece, state)
+                if is_slope(one[0])
+                else law_column(one, v, z, frame.least, through)
+                for one in laws
+            ]
+        )
         groups = {
             "state": z[:, None],
             "common": z[:, None] * hats,
@@ -455,6 +472,19 @@ class Balance:
         if memory.length > SHORT * frame.noise and memory.lags:
             self._lag(memory, laws, piece, hats, x, groups)
         return groups, x
+
+    def _slope(self, column: Column, piece: Piece, state: Array) -> Array:
+        """Return the column of a term of a law of any form at the samples (n,)."""
+        name, v = column[0], piece.velocity
+        assert isinstance(name, Slope)
+        side = np.sign(state) if is_dry(name) else np.sign(v)
+        given = {name: self.input(piece, name) for name in self.frame.inputs}
+        rows = Slips(
+            velocity=side * np.maximum(np.abs(v), self.frame.least),
+            load=name.own.load * np.ones(len(v)) * self.load(piece),
+            inputs=self.frame.raw(given, piece.record),
+        )
+        return slope_column(column, rows) * (np.abs(state) if is_dry(name) else 1.0)
 
     @property
     def _first(self) -> float:

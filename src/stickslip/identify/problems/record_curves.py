@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.identify.posterior import Array, Draws
+from stickslip.identify.own_laws import Slips, is_slope, slope_column
+from stickslip.identify.posterior import Array, Column, Draws
 from stickslip.identify.problems.record_columns import (
     RESOLVED,
     Balance,
@@ -95,6 +96,14 @@ class RestRows(OtherRows):
         return cls(balance=Balance(records, like=model.balance, rests=True))
 
 
+def steady_column(balance: Balance, column: Column, at: SteadyRows) -> Array:
+    """Return the column of a term of a law in steady sliding (n,); (k, n) for shapes of k draws."""
+    if is_slope(column[0]):
+        inputs = balance.frame.raw(at.inputs, balance.pieces[0].record)
+        return slope_column(column, Slips(velocity=at.velocity, load=at.load, inputs=inputs))
+    return law_column(column, at.velocity, np.sign(at.velocity) * at.ratio, 0.0, at.transmitted)
+
+
 def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
     """Return steady friction, with what is constant (draws, n).
 
@@ -112,7 +121,7 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
         plain = model.split(one.node, one.random)
         f = np.zeros((one.random.shape[1], len(v)))
         for column, c in zip(one.structure, one.law, strict=True):
-            f += np.outer(c, law_column(column, v, state, 0.0, at.transmitted))
+            f += np.outer(c, steady_column(model.balance, column, at))
         level = place @ plain["place"] + course @ plain["drift"][:count]
         level += _mean(plain["stretch"], 0)
         slope = course @ plain["drift"][count:] + _mean(plain["stretch"], 1)

@@ -17,6 +17,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 3. Other cutoffs take these, with the size of what is left of their own rows.
 """
 
+import copy
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
@@ -29,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky
 
+from stickslip.identify.own_laws import certain_of, signed_of
 from stickslip.identify.posterior import (
     Array,
     Column,
@@ -318,6 +320,16 @@ class RecordModel(Model):
         node = self._rounds()
         self.start = self._widen(node)
         """Nodes from which the posterior begins: one of each cutoff."""
+
+    def with_laws(self, own: Sequence[Structure]) -> "RecordModel":
+        """Return the model with laws that are no sums of parts beside those compared."""
+        found = copy.copy(self)
+        found.signed, found.certain = SIGNED | signed_of(own), certain_of(own)
+        found.structures = (*self.structures, *own)
+        found.priors = np.append(self.priors, np.full(len(own), np.max(self.priors)))
+        found.columns = tuple(dict.fromkeys(one for law in found.structures for one in law))
+        found._designs, found._plain, found._grams = {}, {}, {}
+        return found
 
     def posterior(self, most: int = NODES) -> Posterior:
         """Return the posterior of the records."""

@@ -1,5 +1,6 @@
 """Records of one coordinate as a problem of the judgement: curves, readings, laws, findings."""
 
+import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,12 +18,21 @@ from stickslip.identify.laws import (
     DIRECTIONS,
     FLOWS,
     POINTS,
-    TITLES,
     Composition,
     bounds_of,
     compose,
+    term_title,
 )
-from stickslip.identify.posterior import COEFFICIENT, Array, Column, Draws, Family, Structure
+from stickslip.identify.own_laws import Slips, is_own, is_slope, own_composition
+from stickslip.identify.posterior import (
+    COEFFICIENT,
+    Array,
+    Column,
+    Draws,
+    Family,
+    Structure,
+    family_of,
+)
 from stickslip.identify.problems.record_columns import (
     FORCE,
     GEAR,
@@ -40,6 +50,7 @@ from stickslip.identify.problems.record_curves import (
     of_another_run,
     readings,
     resolved_speeds,
+    steady_column,
     steady_curves,
 )
 from stickslip.identify.problems.record_model import SCALES, STRETCHES, RecordModel, laws_of
@@ -143,6 +154,20 @@ class RecordProblem(Problem):
         self.restricted = known is not None
         if self.offset.startswith("mechanism."):
             self.looked_for = frozenset({"offset"})
+
+    def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "RecordProblem":
+        found = copy.copy(self)
+        for name in ("changing", "beside", "_families", "_left", "_usual", "_middle", "_noisier"):
+            found.__dict__.pop(name, None)
+        found.families, found.restricted = (*families, *map(family_of, own)), True
+        found.model = self.model.with_laws(own)
+        found.posterior = found.model.posterior()
+        return found
+
+    def slips(self, rows: SteadyRows) -> Slips:
+        balance = self.model.balance
+        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record)
+        return Slips(velocity=rows.velocity, load=rows.load, inputs=inputs)
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -256,7 +281,7 @@ class RecordProblem(Problem):
             part, _, of = name.partition("*")
             size = self.model.frame.inputs[of][1]
             return [law_column((part, ()), rows.velocity, state) * rows.inputs[of] * size]
-        return [law_column(column, rows.velocity, state, 0.0, rows.transmitted)]
+        return [steady_column(self.model.balance, column, rows)]
 
     @cached_property
     def changing(self) -> tuple[str, ...]:
@@ -322,7 +347,13 @@ class RecordProblem(Problem):
         known = self.model.families
         laws: dict[Family, list[Structure]] = {}
         for law, _ in laws_of(self._grid, [one for one in known if one]):
-            laws.setdefault(tuple(name for name, _ in law), []).append(law)
+            laws.setdefault(family_of(law), []).append(law)
+        for one in self.model.structures:
+            if is_own(one):
+                laws[family_of(one)] = [one]
+        if self.families is not None:
+            named = {parts_of(one) or one for one in self.families}
+            laws = {family: some for family, some in laws.items() if family in named}
         found = []
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
@@ -330,6 +361,7 @@ class RecordProblem(Problem):
             every = [self._with_beside(one) for one in structures]
             names = tuple(name for name, _ in every[0])
             count = parameters_of(family) + (GEAR in family) + len(names) - len(family)
+            count += sum(is_slope(name) and name.place >= 0 for name in family)
             found.append(Candidates(family=names, structures=every, parameters=count))
         return found
 
@@ -339,10 +371,7 @@ class RecordProblem(Problem):
 
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
-        if "*" in term:
-            part, _, of = term.partition("*")
-            return CHANGING[part].format(of)
-        return FINDINGS.get(term) or TITLES[term]
+        return FINDINGS.get(term) or term_title(term)
 
     # ---- weights ----------------------------------------------------------------------------
 
@@ -466,6 +495,8 @@ class RecordProblem(Problem):
         """Return the law that a structure with coefficients (k, p) is, at the usual load."""
         at, count = 0, len(coefficients)
         normal = self._normals(draws)
+        if is_own(structure):
+            return self._own_composition(structure, coefficients, normal, offset=offset)
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}
         for name, shape in structure:
@@ -497,6 +528,22 @@ class RecordProblem(Problem):
         if "power_direction" in terms:  # no law of stickslip.friction has it
             found = replace(found, text="", instead="")
         return replace(found, rig=rig, load=normal[:, 0])
+
+    def _own_composition(
+        self, structure: Shaped, coefficients: Array, normal: Array, *, offset: bool
+    ) -> Composition:
+        """Return a law that is no sum of parts."""
+        rig = {
+            "offset" if offset else self.offset or "offset": coefficients[:, k]
+            + (0.0 if offset else self.records[0].constant)
+            for k, (name, _) in enumerate(structure)
+            if name == "offset"
+        }
+        first, frame = self.records[0], self.model.frame
+        still = {name: float(np.mean(x)) for name, x in first.inputs.items()}
+        means = {name: mean for name, (mean, _) in frame.inputs.items()}
+        found = own_composition(structure, coefficients)
+        return replace(found, rig=rig, load=normal[:, 0], inputs=still | means)
 
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
         """Return the normal forces (k, 1) of draws, or that in the middle of all."""

@@ -28,6 +28,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.identify.own_laws import is_slope, slope_column
 from stickslip.identify.posterior import (
     COEFFICIENT,
     Array,
@@ -381,6 +382,8 @@ def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
     proportion to it and the others do not change. A Hersey surplus fades with speed over load.
     """
     name, shape = column
+    if is_slope(name):
+        return slope_column(column, rows)
     ratio = rows.load / frame.load
     if name == "hersey":
         surplus = PARTS["stribeck"].curve(rows.speed / ratio, shape)
@@ -821,6 +824,8 @@ class TableFit:
     posterior: Posterior
     far: Array
     """How far each reading is from what the others say (n,), in its deviations."""
+    priors: Array
+    """Logarithms of the priors of the structures (s,)."""
     draws: dict[tuple[int, int], list[Draws]] = field(default_factory=dict)
 
 
@@ -872,7 +877,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
         )
         if turn and np.allclose(before, weights, atol=0.15):
             break
-    return TableFit(model, posterior, far)
+    return TableFit(model, posterior, far, priors)
 
 
 def _refined(

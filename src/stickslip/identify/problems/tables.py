@@ -1,5 +1,6 @@
 """A measured table of friction as a problem of the judgement: readings, curves, laws, findings."""
 
+import copy
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -13,9 +14,18 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.identify.bands import MeasuredPoints
-from stickslip.identify.fits import stretches_of
+from stickslip.identify.fits import load_of, stretches_of, uncertainties_of
+from stickslip.identify.forces import load_slopes
 from stickslip.identify.judgement import Candidates, Finding, Problem
-from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, term_title
+from stickslip.identify.own_laws import (
+    certain_of,
+    is_dry,
+    is_own,
+    is_slope,
+    own_composition,
+    signed_of,
+)
 from stickslip.identify.posterior import (
     Array,
     Column,
@@ -31,6 +41,7 @@ from stickslip.identify.problems.table_model import (
     BEYOND,
     FEW_SPEEDS,
     JUMP,
+    MOST,
     NEAR,
     RHO,
     RUNS,
@@ -46,7 +57,7 @@ from stickslip.identify.problems.table_model import (
     law_column,
     structures_of,
 )
-from stickslip.identify.projection import Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.projection import Free, Rung, Shaped, names_of, shapes_to_draw
 from stickslip.identify.vocabulary import (
     FAMILIES,
     FLOW_DIRECTIONS,
@@ -84,6 +95,9 @@ OUTLYING = 6.0
 """Deviations from which a reading is said to be far from the others."""
 MOST_RESTS = 4
 """Readings that may be at rest, in each direction."""
+LOAD = "mechanism.load"
+NOT_BY_LOAD = frozenset({"offset", "adhesion", *FLOWS, *FLOW_DIRECTIONS})
+"""Terms that are no levels over the load."""
 DIRECTIONS: tuple[tuple[str, ...], ...] = (
     (),
     ("offset",),
@@ -104,6 +118,8 @@ class TableProblem(Problem):
     rests: Array | None = None
     """Velocities of the readings that are taken to be at rest (k,)."""
     families: Sequence[Family] | None = None
+    load_error: float = 0.0
+    """Standard uncertainty of the normal force that was stated, over that."""
     posterior: Posterior = field(init=False)
 
     def __post_init__(self) -> None:
@@ -140,7 +156,7 @@ class TableProblem(Problem):
         usual = [tuple(one.split()) for one in FAMILIES]
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
-        fit = fitted(table, known)
+        fit, rests = fitted(table, known), None
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow):
@@ -153,15 +169,26 @@ class TableProblem(Problem):
                 if other.posterior.evidence + rest_prior > fit.posterior.evidence:
                     resting = table.rows.velocity[slow]
                     kept_table = table.where(kept)
-                    return cls(kept_table, other, turning=turning, rests=resting, families=families)
-        return cls(table, fit, turning=turning, families=families)
+                    table, fit, rests = kept_table, other, resting
+        unsure = load_error_of(mechanism, measurement)
+        return cls(table, fit, turning=turning, rests=rests, families=families, load_error=unsure)
+
+    def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "TableProblem":
+        before, model = self.posterior, copy.copy(self.model)
+        model.signed, model.certain = TableModel.signed | signed_of(own), certain_of(own)
+        priors = np.append(self.fit.priors, np.full(len(own), np.max(self.fit.priors)))
+        posterior = Posterior(
+            model, [*before.structures, *own], priors, begin=before.nodes, most=MOST
+        )
+        fit = replace(self.fit, model=model, posterior=posterior, draws={})
+        return replace(self, fit=fit, families=(*families, *map(family_of, own)))
+
+    def slips(self, rows: Rows) -> Rows:
+        return rows
 
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
-        if "*" in term:
-            part, _, of = term.partition("*")
-            return CHANGING[part].format(of)
-        return TITLES[term]
+        return term_title(term)
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -305,13 +332,14 @@ class TableProblem(Problem):
         """Return the number of parameters of a family of laws."""
         first = next(iter(structures))
         names = tuple("stribeck" if name == "hersey" else name for name, _ in first)
+        own = sum(is_slope(name) and name.place >= 0 for name in names)
         powers = any(
             len(shape) > len(PARTS[name].shapes) and shape[-1] != 1.0
             for one in structures
             for name, shape in one
             if name in PARTS
         )
-        return parameters_of(names) + ("adhesion" in names) + int(powers)
+        return parameters_of(names) + ("adhesion" in names) + int(powers) + own
 
     def _besides(self, family: Family) -> list[tuple[str, ...]]:
         """Return what may stand beside the parts of a law: directions, effects of inputs."""
@@ -379,6 +407,13 @@ class TableProblem(Problem):
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is, over the mean load."""
         load, at = self.model.frame.load, 0
+        if draws is not None and self.load_error:
+            z = np.random.default_rng(23).normal(size=(len(coefficients), 1))
+            coefficients = self._under_other_loads(structure, coefficients, z)
+        if is_own(structure):
+            found = own_composition(structure, coefficients)
+            rig = {n: coefficients[:, k] for k, (n, _) in enumerate(structure) if n == "offset"}
+            return replace(found, rig=rig, load=load, inputs=dict(self.model.frame.means))
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}
         for name, shape in structure:
@@ -407,6 +442,13 @@ class TableProblem(Problem):
             terms["level"] = shape, own + rig["adhesion"][:, None] / load
         found = compose(terms, self.model.frame.means, len(coefficients))
         return replace(found, rig=rig, load=load)
+
+    def _under_other_loads(self, structure: Shaped, coefficients: Array, z: Array) -> Array:
+        """Return coefficients (k, p) over loads that are off by deviations (k, 1)."""
+        names = names_of(structure)
+        dry = [is_dry(x) if is_slope(x) else x not in NOT_BY_LOAD for x in names]
+        over = np.maximum(1.0 + self.load_error * z, 0.1)
+        return np.asarray(np.where(dry, coefficients / over, coefficients))
 
     # ---- weights ----------------------------------------------------------------------------
 
@@ -759,6 +801,26 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
             f" and this table has {most}: measure friction at more speeds."
         )
     return Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+
+
+def load_error_of(mechanism: Mechanism, measurement: Measurement) -> float:
+    """Return the stated standard uncertainty of the normal force in the mean of records, over it.
+
+    What was set anew for each record averages out.
+    """
+    parts, count = uncertainties_of(mechanism, measurement), len(measurement.records())
+    total = 0.0
+    for places, each in ((0, 1.0 / count), (1, 1.0)):
+        for path in dict.fromkeys(one for part in parts for one in part[places]):
+            doubt = max(part[places].get(path, 0.0) for part in parts)
+            if path == LOAD and "load" in measurement.quantities():
+                raise InputError(
+                    f"the uncertainty of {LOAD} was stated, but the measured load replaces its"
+                    " value: leave the uncertainty out."
+                )
+            slope, _ = load_slopes(mechanism, (), {path: doubt}).get(path, (0.0, 0.0))
+            total += each * (slope * doubt) ** 2
+    return math.sqrt(total) / load_of(mechanism) if total else 0.0
 
 
 def with_runs(rows: Rows) -> Rows:

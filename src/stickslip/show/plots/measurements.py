@@ -14,7 +14,8 @@ from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
 from stickslip import data
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.identify.fits import ConditionLine, TrialComparison, load_along
+from stickslip.identify.fits import load_along
+from stickslip.identify.kinds import ConditionLine, TrialComparison
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.show.formatting import Scale, scale_of, unit_text
@@ -668,7 +669,7 @@ def _order(comparison: TrialComparison, condition: str) -> list[int]:
     known = [
         i
         for i in range(len(paths))
-        if any(math.isfinite(trial.errors[i]) for trial in comparison.trials)
+        if any(trial.estimates[i].bounded for trial in comparison.trials)
     ]
     shown = sorted(known, key=lambda i: width.get(paths[i], math.inf))[:MOST_PARAMETERS]
     return sorted(shown)

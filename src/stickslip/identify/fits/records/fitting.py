@@ -18,7 +18,7 @@ from stickslip.data import (
     with_doubts,
     without_outliers,
 )
-from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import (
     as_informed,
@@ -50,19 +50,17 @@ from stickslip.identify.fits.force_map.model import ForceMap
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
 from stickslip.identify.fits.records.problems import (
     FitSetup,
-    RecordRouteName,
     RouteChoice,
     Wanted,
     held_otherwise,
-    per_current,
-    prepared,
+    simulated,
 )
 from stickslip.identify.fits.results import Estimate
 from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
 from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
-from stickslip.identify.fits.settings import SEGMENT, RecordSettings
+from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
-from stickslip.identify.fits.validation import LAW, Parameters
+from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import parameters, vary
@@ -70,65 +68,60 @@ from stickslip.show.formatting import joined, number, quantity
 
 # Which way records are fitted, by what was measured.
 
-OwnRouteName: TypeAlias = Literal[
-    "shooting", "force-map", "inverse-dynamics", "features", "rate-state", "table", "balance"
-]
+OwnRouteName: TypeAlias = Literal["table", "balance", "shooting", "features", "rate-state"]
 RouteName: TypeAlias = OwnRouteName | str
 """What `fit` and `select` may be asked for; editors complete ours, and other packages add theirs.
 """
-ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamics")
+KNOWN_STATES = frozenset({"dahl", "lugre"})
+"""Memories that a force balance tells."""
 
 
 def route_of(
     mechanism: Mechanism,
     measurement: Measurement,
+    law: FrictionLaw | type[FrictionLaw] | None = None,
     *,
-    vary: str | Sequence[str] | None = None,
     asked: str | None = None,
-) -> RecordRouteName:
-    """Return how a measurement is fitted: as asked, or as its quantities allow.
+) -> str:
+    """Return how a record is fitted: as asked, or as its quantities and the law allow.
+
+    Along a force balance, unless what is recorded moves by itself, follows goals of a loop, has
+    stops or several coordinates, or the law has states that no balance tells: then by simulated
+    segments.
 
     Examples
     --------
     >>> from stickslip import Axis
-    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> from stickslip.friction import ElastoPlastic
     >>> t = np.arange(300) / 100
     >>> pushed = Measurement(time=t, position=np.sin(t), force=np.cos(t))
-    >>> [route_of(Axis(inertia=1.0), one) for one in (table, pushed)]
-    ['force-map', 'inverse-dynamics']
+    >>> route_of(Axis(inertia=1.0), pushed), route_of(Axis(inertia=1.0), pushed, ElastoPlastic)
+    ('balance', 'shooting')
     """
     if asked is not None:
-        for known in ROUTES:
-            if asked == known:
-                return known
-        if asked == "features":
-            raise InputError(
-                "the route 'features' has no residuals in time: use fit_features, `fit` or"
-                " `select`."
-            )
-        raise UnknownNameError("route", asked, (*ROUTES, "features"))
+        return asked
     if "friction" in measurement.quantities():
-        return "force-map"
+        return "balance"
     commands = {command_of(one) for one in measurement.records()}
-    short = all(float(np.ptp(np.asarray(one.time))) <= SEGMENT for one in measurement.records())
-    if drives_itself(mechanism, measurement) or not driven(measurement) or "reference" in commands:
+    if drives_itself(mechanism, measurement) or "reference" in commands:
         return "shooting"
-    unknown = Parameters.of(mechanism, None, vary).unknown
-    linear = all(path.rpartition(".")[2] in ("inertia", "mass") for path in unknown)
-    balances = not short and (linear or per_current(mechanism, measurement, unknown))
-    return "inverse-dynamics" if balances and _tracked(mechanism, measurement) else "shooting"
+    free = not driven(measurement)
+    told = law is None or _is_told(law, free=free)
+    return "balance" if told and _tracked(mechanism) else "shooting"
 
 
-def _tracked(mechanism: Mechanism, measurement: Measurement) -> bool:
-    """Whether a mechanism has one coordinate without stops, recorded as positions in time."""
-    return (
-        len(mechanism.coordinates) == 1
-        and not stops_of(mechanism)
-        and all(
-            record.time is not None and "position" in record.quantities()
-            for record in measurement.records()
-        )
-    )
+def _is_told(law: FrictionLaw | type[FrictionLaw], *, free: bool) -> bool:
+    """Return whether a balance tells the states of a law; a free motion tells sums of parts."""
+    kind = law if isinstance(law, type) else type(law)
+    if kind.composition is None:
+        return not (free or kind.states)
+    parts = [one for one in kind.composition.parts() if one.role == "memory"]
+    return not parts if free else {one.name for one in parts} <= KNOWN_STATES
+
+
+def _tracked(mechanism: Mechanism) -> bool:
+    """Return whether a mechanism has one coordinate without stops."""
+    return len(mechanism.coordinates) == 1 and not stops_of(mechanism)
 
 
 Array = NDArray[np.float64]
@@ -222,20 +215,13 @@ def fit_records(
     *,
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    route: str | None = None,
     settings: RecordSettings | None = None,
     progress: Watch | None = None,
+    begin: Mapping[str, float] | None = None,
 ) -> RecordFit:
-    """Fit a law to records in time or measured friction; arguments as in `stickslip.fit`.
+    """Fit a law to records in time by simulated segments; arguments as in `stickslip.fit`.
 
-    Examples
-    --------
-    >>> from stickslip import Axis, Coulomb
-    >>> table = Measurement(
-    ...     velocity=[-0.2, -0.1, 0.1, 0.2] * 3, friction=[-2.0, -2.0, 2.0, 2.0] * 3
-    ... )
-    >>> fit_records(Axis(inertia=1.0), Coulomb, table).route
-    'force-map'
+    A search may begin at values by path too, as a force balance has them.
     """
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
     refuse_faults(measurement, chosen.mechanism, chosen.unknown)
@@ -247,7 +233,7 @@ def fit_records(
             unknown=chosen.unknown,
             free=chosen.free,
             known=chosen.known,
-            route=route,
+            begin=begin or {},
             settings=settings,
             held=chosen.held,
             watch=progress,
@@ -262,16 +248,15 @@ def fit_record(
     unknown: Sequence[str] = (),
     free: Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
-    route: str | None = None,
+    begin: Mapping[str, float] | None = None,
     settings: RecordSettings | None = None,
     held: Sequence[str] = (),
     watch: Watch | None = None,
 ) -> RecordFit:
-    """Fit a law to records in time or to measured friction."""
+    """Fit a law to records in time by simulated segments."""
     check_inputs(law, mechanism, measurement)
     measurement, left_out = without_outliers(measurement)
     choice = RouteChoice.of(
-        route_of(mechanism, measurement, vary=[LAW, *unknown], asked=route),
         mechanism,
         measurement,
         settings or RecordSettings(),
@@ -286,14 +271,14 @@ def fit_record(
         held=tuple(held),
     )
     with with_doubts(measurement, mechanism):
-        ready = prepared(choice, wanted, measurement)
+        ready = simulated(choice, wanted, measurement, begin or {})
     found = first = searched(ready, choice.settings, watch)
     if ready.problem.simulates and not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
     build = ready.build.at(found.best.values)
     if build is not ready.build:
         ready = replace(ready, build=build, problem=build.fitted(measurement, None))
-    fit = finished(choice.route, measurement, ready, found, first, hold=choice.hold)
+    fit = finished("shooting", measurement, ready, found, first, hold=choice.hold)
     return replace(fit, left_out=left_out)
 
 

@@ -11,33 +11,26 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.engine.formulation import JointTorques
-from stickslip.errors import ConvergenceError, InputError, ParameterError
-from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
-from stickslip.identify.fits.contact_inputs import check_inputs
-from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, Watch
+from stickslip.errors import InputError, ParameterError
+from stickslip.friction import CandidateSpec, FrictionLaw, given_to, specification
 from stickslip.identify.fits.estimation.parameters import (
     OFFSET,
     WIDE,
     FreeParameter,
-    FreeParameters,
 )
 from stickslip.identify.fits.force_map.data import MotionSegment
 from stickslip.identify.fits.force_map.force_balance import SAMPLES
-from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
+from stickslip.identify.fits.force_map.holds import hold_of
 from stickslip.identify.fits.force_map.joint_balance import (
-    JointBalance,
-    JointBalanceBuilder,
     check_joints,
     contacts_along,
     joint_stretches,
     regression_of,
 )
-from stickslip.identify.fits.force_map.model import ForceMap, moved
-from stickslip.identify.fits.force_map.problem import FEW, SENSOR, ConstantForce, map_along
-from stickslip.identify.fits.records.fit import RecordFit
-from stickslip.identify.fits.records.fitting import finished, searched
+from stickslip.identify.fits.force_map.model import moved
+from stickslip.identify.fits.force_map.problem import FEW
 from stickslip.identify.fits.records.links import told_links
-from stickslip.identify.fits.records.problems import SOME, FitSetup
+from stickslip.identify.fits.records.problems import SOME
 from stickslip.identify.fits.series.inverse_dynamics import positions_of
 from stickslip.identify.fits.series.start_values import MOST
 from stickslip.identify.fits.settings import NEGLIGIBLE, ROUNDS, SETTLED, Hold, RecordSettings
@@ -64,53 +57,6 @@ OTHER_UNITS: Mapping[str, Mapping[str, tuple[str, float]]] = {
     "m": {"positions": ("millimetres", 1e-3), "forces": ("mN", 1e-3)},
 }
 """Units that columns may be in by mistake, and what they are in SI, by the unit of a joint."""
-
-
-def fit_joints(
-    mechanism: Mechanism,
-    laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
-    measurement: Measurement,
-    *,
-    vary: str | Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    settings: RecordSettings | None = None,
-    progress: Watch | None = None,
-) -> RecordFit[Laws]:
-    """Fit the laws of several contacts, and parameters of the mechanism, in one problem.
-
-    Friction along each joint is the applied force less what the motion takes, ``M q'' - h``, by
-    inverse dynamics. Where the forces that a motion takes are not linear in the parameters of the
-    mechanism that are looked for, slopes are taken anew where a search ended. A constant force of
-    each joint is fitted too, unless positions count from a zero of each record.
-
-    Examples
-    --------
-    >>> from stickslip import CoulombViscous, TwoLinkArm
-    >>> t = np.linspace(0.0, 10.0, 2001)
-    >>> upper, bend = np.sin(5.0 * t), 0.8 * np.sin(7.3 * t)
-    >>> arm = TwoLinkArm(
-    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
-    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, gravity=0.0,
-    ... )  # fmt: skip
-    >>> rates = np.column_stack([5.0 * np.cos(5.0 * t), 0.8 * 7.3 * np.cos(7.3 * t)])
-    >>> places = np.column_stack([upper, bend])
-    >>> takes = JointTorques.of(arm, [])
-    >>> forces, _ = takes.along(arm, t, places, rates, places * [-25.0, -(7.3**2)])
-    >>> forces = forces + np.sign(rates) * [0.3, 0.1]
-    >>> record = Measurement(
-    ...     time=t,
-    ...     position={"shoulder": upper, "elbow": bend},
-    ...     force={"shoulder": forces[:, 0], "elbow": forces[:, 1]},
-    ... )
-    >>> both = {"shoulder": CoulombViscous, "elbow": CoulombViscous}
-    >>> found = fit_joints(arm, both, record, vary=["friction.*", "upper_inertia"])
-    >>> round(found.law["elbow"].kinetic_coefficient, 2)
-    0.1
-    """
-    fitter = JointFitter.of(
-        mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings or RecordSettings()
-    )
-    return fitter.fitted(laws, progress=progress)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -227,8 +173,10 @@ class JointFitter:
     """Starts, seed and hold."""
     motion: _Motion
     """What the records say whatever the laws are."""
-    hold: HoldFinding | None = None
-    """How forces run between samples, as given or estimated from the records."""
+    asked: "_Asked"
+    """What is fitted, by contact."""
+    asked_hold: Hold | None = None
+    """How forces run between samples, if that was given."""
 
     @classmethod
     def of(
@@ -244,6 +192,7 @@ class JointFitter:
     ) -> "JointFitter":
         """Check the records and derive their motion."""
         settings = settings or RecordSettings()
+        given = settings.hold
         for record in measurement.records():
             check_joints(record, mechanism.coordinates)
         zeros = bool(settings.position_zeros)
@@ -259,13 +208,14 @@ class JointFitter:
             settings = settings if hold is None else hold.applied(settings)
             motion = _Motion.of(asked, measurement, settings.holding, bristles=bristles)
         return cls(
+            asked=asked,
+            asked_hold=given,
             mechanism=mechanism,
             measurement=measurement,
             vary=vary,
             fixed=fixed,
             settings=settings,
             motion=motion,
-            hold=hold,
         )
 
     @property
@@ -310,123 +260,6 @@ class JointFitter:
             f" to {percent(left)}"
         )
         return finding.replace("{falls}", falls)
-
-    def fitted(
-        self,
-        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
-        *,
-        progress: Watch | None = None,
-    ) -> RecordFit[Laws]:
-        """Fit laws by contact."""
-        if isinstance(laws, Mapping):  # of what rests, none has to be given
-            known = contacts_along(self.mechanism)
-            laws = {
-                **{known[one].name: None for one in self.motion.resting if one in known},
-                **laws,
-            }
-        asked = _Asked.of(
-            self.mechanism,
-            laws,
-            self.vary,
-            self.fixed,
-            self.measurement,
-            zeros=bool(self.settings.position_zeros),
-        )
-        with with_doubts(self.measurement, asked.mechanism):
-            ready, found = self._searched(asked, progress)
-        paths = ready.problem.free_parameters.paths
-        ends = dict(zip(paths, found.best.values.tolist(), strict=True))
-        if not _allows(ready.mechanism, {path: ends[path] for path in self.motion.torques.linear}):
-            raise ConvergenceError(
-                "the links that explain the forces best have no positive mass matrix: record a"
-                " motion that moves them more, or leave 'links' out of vary."
-            )
-        build = ready.build.at(found.best.values)
-        ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
-        fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
-        return replace(fit, sentences=(*self.resting, *fit.sentences), hold=self.hold)
-
-    def _searched(
-        self,
-        asked: "_Asked",
-        progress: Watch | None,
-    ) -> tuple[FitSetup, OptimizeResult]:
-        """Search, again with slopes where it ended if forces are not linear in parameters."""
-        motion = self.motion
-        for _ in range(ROUNDS):
-            start = self._prepared(asked, motion)
-            ready, found = start, searched(start, self.settings, progress)
-            if not motion.torques.bent or found.cancelled:
-                break
-            known = dict(zip(ready.problem.free_parameters.paths, found.best.values, strict=True))
-            own = {path: float(known[path]) for path in motion.torques.linear}
-            at = {item.path: item.start for item in motion.linear}
-            if _change(vary(asked.mechanism, "mechanism", at), own) < SETTLED:
-                break
-            asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", own))
-            bristles = any(map(_has_bristles, asked.laws.values()))
-            motion = _Motion.along(
-                motion.torques, asked, self.measurement, self.settings.holding, bristles=bristles
-            ).at(np.array(list(own.values())))
-        return ready, found
-
-    def _prepared(
-        self,
-        asked: "_Asked",
-        motion: _Motion,
-    ) -> FitSetup[JointBalance]:
-        """Return the problem of all joints, with start values from the record."""
-        first = [item.start for item in motion.linear]
-        torques, contacts = motion.torques, self.contacts
-        samples = FEW if any(map(_has_bristles, asked.laws.values())) else SAMPLES
-        mechanism = vary(
-            asked.mechanism, "mechanism", dict(zip(torques.linear, first, strict=True))
-        )
-        maps, names = {}, {}
-        for i, coordinate in enumerate(torques.coordinates):
-            if coordinate in motion.resting:
-                continue
-            contact = contacts.get(coordinate, "")
-            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
-            check_inputs(
-                asked.laws.get(contact),
-                asked.mechanism,
-                self.measurement,
-                [k for k in whole[0].path.inputs if all(k in s.path.inputs for s in whole)],
-                contact=contact,
-                fitted=torques.linear,
-            )
-            one = maps[coordinate] = _map_of(asked, contact, coordinate, (whole, some), motion)
-            names[coordinate] = tuple(
-                _among_all(path, contact, coordinate) for path in one.free_parameters.paths
-            )
-        free = _joined(maps, names, contacts)
-        every = zip(torques.coordinates, motion.left.tolist(), strict=True)
-        left = {name: one for name, one in every if name in maps}
-        size = float(np.sqrt(np.mean(np.square([*left.values()]))))
-        problem = JointBalance(
-            maps=maps,
-            names=names,
-            weights={name: size / one for name, one in left.items()},
-            free_parameters=free,
-        )
-        slips = {name: coordinate for coordinate, name in contacts.items()}
-        laws = Laws(members=tuple(_members(asked.laws, slips, maps)))
-        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
-        return FitSetup(mechanism, laws, problem, build)  # type: ignore[arg-type]
-
-
-def _members(
-    laws: Mapping[str, FrictionLaw | type[FrictionLaw] | None],
-    slips: Mapping[str, str],
-    maps: Mapping[str, ForceMap],
-) -> Iterator[tuple[str, FrictionLaw]]:
-    """Yield the laws of contacts: those that are fitted, and what was given of one that rests."""
-    for name, law in laws.items():
-        if law is not None and name in slips:
-            yield name, maps[slips[name]].law
-        elif isinstance(law, FrictionLaw):
-            yield name, law
 
 
 def _suspected(
@@ -705,56 +538,3 @@ def _middle(measurement: Measurement, names: Sequence[str]) -> Array:
             for name in names
         ]
     )
-
-
-def _map_of(
-    asked: _Asked,
-    contact: str,
-    coordinate: str,
-    stretches: tuple[Sequence[MotionSegment], Sequence[MotionSegment]],
-    motion: _Motion,
-) -> ForceMap:
-    """Return the force map of one joint."""
-    law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
-    inertia = float(motion.inertias[motion.torques.coordinates.index(coordinate)])
-    problem, _ = map_along(
-        Viscous(viscous_coefficient=0.0) if law is None else law,
-        *stretches,
-        free=() if law is None else asked.free[contact],
-        known=asked.known.get(contact) if isinstance(law, type) else None,
-        held=() if offset is None else (SENSOR,),
-        beside=ConstantForce(SENSOR, offset or 0.0),
-        linear=motion.linear,
-        derived=[item.start for item in motion.linear],
-        mass=inertia,
-    )
-    return replace(problem, of_applied=True)
-
-
-def _among_all(path: str, contact: str, coordinate: str) -> str:
-    """Return what an unknown of one joint is called among those of all."""
-    if path == SENSOR:
-        return OFFSET + coordinate
-    return path.replace("friction.", f"friction.{contact}.", 1)
-
-
-def _joined(
-    maps: Mapping[str, ForceMap], names: Mapping[str, Sequence[str]], contacts: Mapping[str, str]
-) -> FreeParameters:
-    """Return the unknowns of all joints, those of the mechanism last and once."""
-    items: dict[str, FreeParameter] = {}
-    shared: dict[str, FreeParameter] = {}
-    known: dict[str, float] = {}
-    for coordinate, one in maps.items():
-        contact = contacts.get(coordinate, "")
-        for item, path in zip(one.free_parameters.items, names[coordinate], strict=True):
-            if path == item.path:
-                shared[path] = item
-                continue
-            above = item.above and _among_all(item.above, contact, coordinate)
-            symbol = f"{item.quantity.symbol}_{contact or coordinate}"
-            quantity = replace(item.quantity, symbol=symbol)
-            items[path] = replace(item, path=path, above=above, quantity=quantity)
-        for path, value in (one.free_parameters.known or {}).items():
-            known[_among_all(path, contact, coordinate)] = value
-    return FreeParameters((*items.values(), *shared.values()), known)

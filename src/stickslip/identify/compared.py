@@ -1,0 +1,225 @@
+"""Laws that a user asks to compare: as families of terms, or laws that are no sum of these.
+
+A sum of the vocabulary's parts is a family. Any other law without states is linearised
+(`stickslip.identify.own_laws`) about the values at which it fits the median of the drawn curves
+best; these are taken again where it is projected, until they stay.
+"""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.friction import PARTS, FrictionLaw, law_type
+from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.judgement import Judgement
+from stickslip.identify.own_laws import OwnLaw, is_own, own_composition, starting
+from stickslip.identify.posterior import Family
+from stickslip.identify.problems.record_columns import through_gear
+from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.vocabulary import PARTS as PARTS_OF_LAWS
+from stickslip.show.formatting import joined
+
+IGNORED = ("peak", "step")
+"""Optional parts: without a value for them, a law lacks them."""
+MAY_BE_HELD = frozenset({"viscous_exponent", "yield_exponent", "fading_exponent"})
+"""Exponents that a family of the vocabulary need not find."""
+NAMES: Mapping[str, str] = {"weight[transmitted]": "gear"}
+"""Terms that are not called as the part is."""
+REMEMBERED = ("dahl", "lugre")
+"""Memories that records tell: they mark a family. The balance does not tell them apart, as the
+damping of bristles is hardly a part of it."""
+BOTH_WAYS: Mapping[str, str] = {
+    "level": "level_direction",
+    "stribeck": "stribeck_sides",
+    "viscous": "viscous_direction",
+}
+"""Terms that make a part differ by direction."""
+
+
+def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[str]) -> Family:
+    """Return the terms of a law among those that a measurement can tell.
+
+    Examples
+    --------
+    >>> terms = ["level", "viscous", "stribeck"]
+    >>> family_of_law("stribeck", terms)
+    ('level', 'stribeck', 'viscous')
+    >>> family_of_law("dahl", terms)
+    Traceback (most recent call last):
+    stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, ...
+    """
+    kind = law_type(law) if isinstance(law, str) else law
+    if kind.composition is None:
+        raise InputError(
+            f"{kind.title} friction cannot be compared on this measurement, as it is no sum of"
+            f" parts: use stickslip.fit for its parameters. Compared can be {', '.join(known)} and"
+            " sums of these."
+        )
+    found: set[str] = set()
+    parts = [str(one) for one in kind.composition.parts()]
+    both = any(part.startswith("both_ways") for part in parts)
+    smooth = "tanh" in parts
+    unknown = []
+    inputs = [name.partition("[")[2].rstrip("]") for name in parts if name.startswith("linear[")]
+    for part in parts:
+        if part.startswith(("both_ways", "linear[")) or part in IGNORED:
+            continue
+        name = "tanh" if smooth and part == "level" else NAMES.get(part, part)
+        if name not in known:
+            unknown.append(part)
+            continue
+        found.add(name)
+        other = BOTH_WAYS.get(name) if both else None
+        if other == "level_direction" and other not in known:
+            other = "offset"  # under one load they are the same
+        if other is not None and other in known:
+            found.add(other)
+            found -= {"stribeck"} if other == "stribeck_sides" else set()
+    text = str(kind.composition)
+    for name in inputs:
+        for part in ("level", "viscous"):
+            if f"{part} * linear[{name}]" in text and f"{part}*{name}" in known:
+                found.add(f"{part}*{name}")
+    if unknown:
+        memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
+        why = (
+            "tells the memories of Dahl and LuGre, and only in time: use stickslip.fit for its"
+            " parameters"
+            if memory
+            else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
+        )
+        raise InputError(
+            f"{kind.title} friction cannot be compared on this measurement, which {why}. Compared"
+            f" can be {', '.join(known)} and sums of these."
+        )
+    return tuple(sorted(found))
+
+
+ROUNDS = 3
+"""Times that values about which laws are linear are taken, at most."""
+STAYS = 0.2
+"""Change of friction over what is allowed, up to which they stay."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WholeLaw:
+    """A law of which all is found that its parts have."""
+
+    kind: type[FrictionLaw]
+    found: tuple[str, ...]
+    """Names of its parameters that are found."""
+
+    @property
+    def is_family(self) -> bool:
+        """Whether it may be a family of the vocabulary: other laws are linear about values."""
+        if self.kind.composition is None:
+            return False
+        parts = [str(one) for one in self.kind.composition.parts()]
+        optional = {"break_away_coefficient", *(["static_coefficient"] * ("step" in parts))}
+        needed = {*self.kind.fit_order} - MAY_BE_HELD
+        both = any(one.startswith("both_ways") for one in parts)
+        return not both and needed <= {*self.found} and not optional & {*self.found}
+
+    def family(self, known: Collection[str]) -> Family:
+        """Return the family among terms that a measurement can tell; a held power is viscous."""
+        found = {*family_of_law(self.kind, known)}
+        if "power" in found and "viscous_exponent" not in self.found:
+            found = (found - {"power"}) | {"viscous"}
+        return tuple(sorted(found))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawsToCompare:
+    """Laws that a user asks to compare; all of the vocabulary if none."""
+
+    families: tuple[Family, ...] = ()
+    """Those that are sums of the vocabulary's parts."""
+    own: tuple[OwnLaw, ...] = ()
+    """Those of any other form."""
+    fitted: bool = False
+    """Whether it is one law, which is fitted."""
+
+    @property
+    def alone(self) -> tuple[Family, ...] | None:
+        """Families that are compared; None of all, as others are placed beside them."""
+        return None if self.own or not self.families else self.families
+
+
+def laws_to_compare(
+    laws: Mapping[str, Any] | Iterable[Any], known: Collection[str], load: float
+) -> LawsToCompare:
+    """Return laws (instances, types, names), each once, among terms that a measurement can tell.
+
+    Laws of other forms begin at ordinary values under a load [N].
+    """
+    given = [*(laws.values() if isinstance(laws, Mapping) else laws)]
+    families, own = list[Family](), list[OwnLaw]()
+    for one in given:
+        if isinstance(one, OwnLaw):
+            own.append(one)
+            continue
+        whole = one if isinstance(one, WholeLaw) else None
+        law = law_type(one) if isinstance(one, str) else one if whole is None else whole.kind
+        try:
+            families.append(whole.family(known) if whole else family_of_law(law, known))
+        except InputError:
+            if law.states or not law.fit_order:
+                raise
+            varied = tuple(law.fit_order) if whole is None else whole.found
+            own.append(OwnLaw(law=starting(law, {}, load), varied=varied))
+    if not families and not own:
+        raise InputError("laws is empty: name at least one law, or leave it out.")
+    fitted = any(isinstance(one, WholeLaw | OwnLaw) for one in given)
+    return LawsToCompare(families=tuple(dict.fromkeys(families)), own=tuple(own), fitted=fitted)
+
+
+def laws_for(laws: Any, records: Sequence[Record], load: float) -> LawsToCompare:
+    """Return the laws that a user asks to compare on records; none of all."""
+    if laws is None:
+        return LawsToCompare()
+    known = [*PARTS_OF_LAWS, "offset", "viscous_direction", *REMEMBERED]
+    if any(one.load is not None for one in records):
+        known.append("level_direction")
+    if any(through_gear(one) is not None for one in records):
+        known.append("gear")
+    inputs = {name for one in records for name in one.inputs if name != TRANSMITTED}
+    known += [f"{part}*{name}" for name in sorted(inputs) for part in ("level", "viscous")]
+    return laws_to_compare(laws, known, load)
+
+
+def with_own_laws(problem: Any, asked: LawsToCompare) -> Any:
+    """Return a problem with the laws of any form that a user asks for."""
+    problem.fitted = asked.fitted
+    if not asked.own:
+        return problem
+    target = Judgement(problem).target
+    rows = problem.slips(problem.places())
+    told = [one.fitted(target.middle, target.allowed, rows) for one in asked.own]
+    for one in told:
+        if not one.varied:
+            raise InputError(
+                f"nothing that was measured depends on what is varied of {one.law.title} friction."
+            )
+    values = [one.values for one in told]
+    for _ in range(ROUNDS):
+        structures = [one.structure(x) for one, x in zip(told, values, strict=True)]
+        found = problem.with_laws(structures, asked.families)
+        rungs = [one for one in Judgement(found).rungs if is_own(one.structure)]
+        before, values = values, list(values)
+        for k, one in enumerate(told):
+            own = [x for x in rungs if any(n in dict(structures[k]) for n in dict(x.structure))]
+            if own:
+                best = min(own, key=lambda x: x.excess)
+                composed = own_composition(best.structure, best.coefficients[None])
+                at = one.at([float(composed.values[name][0]) for name in one.varied])
+                values[k] = replace(one, law=at).values
+        moved = [
+            float(np.max(np.abs(one.friction(x, rows) - one.friction(y, rows)) / target.allowed))
+            for one, x, y in zip(told, values, before, strict=True)
+        ]
+        if max(moved) <= STAYS:
+            break
+    return found

@@ -1,0 +1,93 @@
+"""A fit of one law: the selection in which no other law is compared.
+
+What a law shares with the vocabulary is judged as a family of it; a law of any other form, or one
+of which some parameters are held, is linear about the values at which it fits best. Numbers,
+sentences and model error are those of `select` with that law alone.
+"""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.identify.compared import MAY_BE_HELD, WholeLaw
+from stickslip.identify.fits import LAW, check_varied
+from stickslip.identify.own_laws import OwnLaw, starting
+from stickslip.identify.verdict import BandVerdict, LawFit
+from stickslip.quantities import fields_of
+
+OPTIONAL = frozenset({"static_coefficient", "break_away_coefficient"})
+"""Parameters that sliding does not tell, and that laws may have beside a family."""
+
+
+def fitted_law(
+    select: Callable[[Sequence[Any]], BandVerdict],
+    law: FrictionLaw | type[FrictionLaw],
+    *,
+    free: Sequence[str] | None,
+    known: Mapping[str, float],
+    load: float,
+) -> LawFit:
+    """Return the fit of one law, by what selects among laws.
+
+    Of the law the parameters `free` are found (paths), its default if None; others have `known`
+    values, their own or usual ones under the load [N].
+    """
+    kind = law if isinstance(law, type) else type(law)
+    names = names_to_find(kind, free, known)
+    check_varied(len(names))
+    given = {} if isinstance(law, type) else {name: getattr(law, name) for name in fields_of(kind)}
+    held = {**{n: x for n, x in given.items() if x is not None and n not in names}, **known}
+    whole = WholeLaw(kind=kind, found=names)
+    plain = all(name in OPTIONAL or (name in MAY_BE_HELD and x == 1.0) for name, x in held.items())
+    if whole.is_family and plain:
+        verdict = select([whole])
+        fit = _as(verdict, kind, held)
+        if fit is not None:
+            return replace(fit, verdict=verdict)
+    if kind.states:
+        raise InputError(
+            f"{kind.title} friction has states that this measurement does not show, or not with"
+            " these parameters alone: simulate it along a recorded force (route 'shooting'), or"
+            " give a law without states."
+        )
+    own = OwnLaw(law=starting(law, known, load), varied=names)
+    verdict = select([own])
+    found = _as(verdict, kind, {})
+    assert found is not None
+    return replace(found, verdict=verdict)
+
+
+def names_to_find(
+    kind: type[FrictionLaw], free: Sequence[str] | None, known: Collection[str]
+) -> tuple[str, ...]:
+    """Return the names of the parameters that are found.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous
+    >>> names_to_find(CoulombViscous, None, {"viscous_coefficient"})
+    ('kinetic_coefficient',)
+    """
+    usual = kind.fit_order or tuple(name for name, one in fields_of(kind).items() if one.scale)
+    found = list[str]()
+    for path in (LAW,) if free is None else free:
+        found += usual if path == LAW else [path.removeprefix("friction.")]
+    return tuple(name for name in dict.fromkeys(found) if name not in known)
+
+
+def _as(verdict: BandVerdict, kind: type[FrictionLaw], held: Mapping[str, float]) -> LawFit | None:
+    """Return the fit of a verdict as a law of some type; None if it is no such law."""
+    fit = next((one.fit for one in verdict.candidates if one.outcome == "named"), None)
+    if fit is None:
+        return None
+    names = fields_of(kind)
+    values = {name: getattr(fit.law, name) for name in fields_of(type(fit.law)) if name in names}
+    with suppress(InputError, TypeError):
+        law = kind(**{**held, **{name: x for name, x in values.items() if x is not None}})
+        known = {one.path.rpartition(".")[2] for one in fit.estimates}
+        if type(fit.law) is kind or {*values} >= known & {*names}:
+            return replace(fit, law=law)
+    return None
