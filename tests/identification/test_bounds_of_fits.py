@@ -40,6 +40,7 @@ def test_a_short_record_of_one_direction_is_explained_to_its_noise(motion, first
         CoulombViscous,
         cut(motion, first, count),
         vary=["friction.*", "mechanism.inertia"],
+        route="shooting",
     )
     assert found.at_bounds == {}
     # 59 residuals have their deviation to 9 %: three times that

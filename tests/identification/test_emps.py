@@ -5,7 +5,14 @@ import functools
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    DirectionDependent,
+    Stribeck,
+    fit,
+    load_measurement,
+)
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.identify.fits.settings import RecordSettings
@@ -55,8 +62,8 @@ def test_robust_regression_hardly_differs_on_a_record_without_outliers(emps):
 
 @pytest.mark.slow
 def test_both_routes_agree_on_the_mass_that_was_published(emps, by_motion):
-    asked = {"unknown": ("inertia",), "settings": ONE, "route": "inverse-dynamics"}
-    by_force = fit_record(AXIS, DirectionDependent, emps, **asked).estimate("inertia")
+    both = ["friction.*", "inertia"]
+    by_force = fit(AXIS, DirectionDependent, emps, vary=both).estimate("inertia")
     one = by_motion(DirectionDependent)
     assert one.route == "shooting"
     other = one.estimate("inertia")
@@ -71,7 +78,7 @@ def by_motion(emps):
 
     @functools.cache
     def fit_of(law):
-        return fit_record(AXIS, law, emps, unknown=("inertia",), route="shooting", settings=ONE)
+        return fit_record(AXIS, law, emps, unknown=("inertia",), settings=ONE)
 
     return fit_of
 
@@ -106,7 +113,7 @@ def test_naive_intervals_are_several_times_too_narrow(by_motion):
 
 @pytest.mark.slow
 def test_the_stribeck_step_is_reported_as_undetermined(emps):
-    found = fit_record(AXIS, Stribeck, emps, unknown=("inertia",), route="shooting")
+    found = fit_record(AXIS, Stribeck, emps, unknown=("inertia",))
     told = " ".join(found.sentences)
     assert "mu_s" in told or "v_s" in told
     assert not (found.estimate("static_coefficient").bounded

@@ -10,7 +10,7 @@ from stickslip import Axis, Dahl, LuGre, Measurement, RecordSettings, fit, simul
 from stickslip.friction import law
 from stickslip.identify.fits.estimation.bristle_integration import Path, follow
 from stickslip.identify.fits.estimation.parameters import FreeParameters
-from stickslip.identify.fits.records.problems import RouteChoice, prepared
+from stickslip.identify.fits.records.problems import RouteChoice, simulated
 from stickslip.identify.fits.shooting.initial_states import FirstDeflections, RecordedMotion
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
@@ -91,8 +91,8 @@ def problem_of(own, record):
     wanted = Parameters(
         mechanism=Axis(inertia=3.0), law=own, unknown=("inertia",), free=type(own).fit_order
     )
-    choice = RouteChoice(route="shooting", settings=RecordSettings(segment=0.5))
-    return prepared(choice, wanted, record).problem
+    choice = RouteChoice(settings=RecordSettings(segment=0.5))
+    return simulated(choice, wanted, record, {}).problem
 
 
 @pytest.fixture(scope="module")

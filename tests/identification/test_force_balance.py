@@ -28,13 +28,12 @@ from stickslip.identify.fits.force_map.force_balance import (
     passed_by_balance,
     travelled,
 )
-from stickslip.identify.fits.force_map.problem import constant_of, map_along
 from stickslip.mechanisms.drives import Sampled
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
 TRUTH = CoulombViscous(kinetic_coefficient=LEVEL, viscous_coefficient=VISCOUS)
-JOINED = RecordSettings(starts=1, hold="first")
-HELD = RecordSettings(starts=1)
+JOINED = RecordSettings(hold="first")
+HELD = RecordSettings(hold="zero")
 T = np.arange(0.0, 20.0, 1e-3)
 WAVES = ((0.3, 0.8, 0.2), (0.1, 2.3, 1.0))
 X = sum(a * np.sin(w * T + p) for a, w, p in WAVES)
@@ -56,7 +55,7 @@ def derived(mechanism, law, record, *, unknown=("inertia",), settings=JOINED, fr
         law,
         record,
         vary=[*free, *unknown],
-        route="inverse-dynamics",
+        route="balance",
         settings=settings,
     )
 
@@ -95,23 +94,14 @@ def test_an_exact_motion_gives_friction_and_mass_back():
     assert found.law.kinetic_coefficient == pytest.approx(LEVEL, rel=2e-3)
     assert found.law.viscous_coefficient == pytest.approx(VISCOUS, rel=2e-3)
     assert found.mechanism.inertia == pytest.approx(J, rel=2e-3)
-    assert found.problem.quantity == "friction"
-    # what is shown as friction was derived with the mass that was found
-    assert found.problem.mass == found.mechanism.inertia
-    np.testing.assert_allclose(
-        found.problem.measured - found.problem.predicted(found.values), found.residual, atol=1e-9
-    )
 
 
-def test_a_mass_is_one_of_the_unknowns_and_has_a_profile():
+def test_a_mass_is_one_of_the_unknowns():
     found = derived(Axis(inertia=1.0), CoulombViscous, record_of(noise=0.3))
     mass = found.estimate("inertia")
-    assert mass == found.estimates[-1]
-    assert found.free_parameters.paths[-1] == "mechanism.inertia"
     assert found.mechanism.inertia == mass.value
+    assert mass.low < J < mass.high
     assert not any("as known" in line for line in found.sentences)
-    costs = found.profile("inertia", [0.99 * mass.value, mass.value, 1.01 * mass.value])
-    assert costs[1] < min(costs[0], costs[2])
 
 
 @pytest.mark.slow
@@ -168,15 +158,6 @@ def test_the_weight_of_a_mass_that_is_looked_for_loads_the_contact():
     found = derived(block, Coulomb, record, unknown=("mass",))
     assert found.mechanism.mass == pytest.approx(3.0, rel=2e-3)
     assert found.law.kinetic_coefficient == pytest.approx(mu, rel=3e-3)
-    # closed form: the level [N] is mu m g, so that a step of m at the same mu moves it, too
-    k = found.free_parameters.paths.index("mechanism.mass")
-    step = 1e-4 * np.eye(len(found.values))[k]
-    ahead, back = (
-        found.problem.linearise(found.values + side * step).residual for side in (1.0, -1.0)
-    )
-    slope = found.problem.linearise(found.values).slopes[:, k]
-    # all is linear in the mass: rounding only, over the step
-    np.testing.assert_allclose((back - ahead) / 2e-4, slope, atol=1e-7)
 
 
 def dwelling():
@@ -206,43 +187,6 @@ def test_rows_at_rest_are_compared_and_shift_no_level():
     assert found.mechanism.inertia == pytest.approx(2.0, rel=0.01)
 
 
-def test_at_rest_a_law_has_the_friction_that_balances_up_to_break_away():
-    record, _ = dwelling()
-    (one,) = balanced(Axis(inertia=2.0), record, hold="zero")
-    problem, _ = map_along(Coulomb, (one,), (one,), beside=constant_of(Axis(inertia=2.0)))
-    inside = one.resting & (one.segment >= 0)
-    # rows in the middle of rests that last for longer than the filter remembers
-    far = inside.copy()
-    for shift in range(1, math.ceil(4.0 / one.passed)):
-        far &= np.roll(inside, shift) & np.roll(inside, -shift)
-    assert np.sum(far) > 100
-    rows = far[one.segment >= 0]
-    holds, slips = (problem.predicted(np.array([level, 0.0]))[rows] for level in (LEVEL, 3.0))
-    # what is left of rounding and of the filter's tail; the force is 6 N at most
-    np.testing.assert_allclose(holds, problem.measured[rows], atol=0.02)
-    assert np.max(np.abs(slips)) == pytest.approx(3.0, abs=0.1)
-    assert np.max(np.abs(problem.measured[rows])) > 5.0
-
-
-@pytest.mark.parametrize("weighed", [False, True])
-def test_slopes_are_those_of_residuals_where_a_body_rests(weighed):
-    record, _ = dwelling()
-    mechanism = SpringBlock(mass=2.0) if weighed else Axis(inertia=2.0)
-    name = "mass" if weighed else "inertia"
-    level = LEVEL / (2.0 * 9.81) if weighed else LEVEL
-    law = CoulombViscous(kinetic_coefficient=0.4 * level, viscous_coefficient=2.0)
-    problem = derived(mechanism, law, record, unknown=(name,), settings=HELD).problem
-    at = np.array(problem.free_parameters.start)
-    slopes = problem.linearise(at).slopes
-    for k, path in enumerate(problem.free_parameters.paths):
-        step = 1e-6 * max(abs(at[k]), 1e-2) * np.eye(len(at))[k]
-        ahead, back = (problem.linearise(at + side * step).residual for side in (1.0, -1.0))
-        slope = (back - ahead) / (2.0 * step[k])
-        # a level is met at some samples between the two steps
-        wrong = np.abs(slope - slopes[:, k]) > 1e-3 * np.max(np.abs(slope))
-        assert np.mean(wrong) < 0.01, path
-
-
 def swayed(law, seed, *, step=2e-6):
     """Return a record by encoder of strokes, and of slow forces below the level between them."""
     t = np.arange(0.0, 12.0, 2e-3)
@@ -269,7 +213,7 @@ def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
     (one,) = balanced(Axis(inertia=J), record, hold="zero")
     assert np.mean(one.segment >= 0) > 0.9
     cone, bristles = along(record, CoulombViscous), along(record, Dahl, PLAIN)
-    assert bristles.rms < 0.2 * cone.rms
+    assert bristles.verdict.closest.left < 0.2 * cone.verdict.closest.left
     found = bristles.estimate("bristle_stiffness")
     # 3 % of its way to yield are as fine as the encoder
     assert found.value == pytest.approx(BRISTLES.bristle_stiffness, rel=0.05)
@@ -297,7 +241,7 @@ def test_where_a_body_rests_bristles_predict_no_better_than_a_cone(seed):
     assert found.law.kinetic_coefficient == pytest.approx(LEVEL, rel=0.01)
     assert found.law.viscous_coefficient == pytest.approx(VISCOUS, rel=0.01)
     # what an encoder cannot resolve gives bristles no more than what tells two seeds apart
-    assert bristles.rms > 0.9 * found.rms
+    assert bristles.verdict.closest.left > 0.9 * found.verdict.closest.left
 
 
 def test_an_encoder_that_stands_still_most_of_the_time_can_be_differentiated():
@@ -309,18 +253,13 @@ def test_an_encoder_that_stands_still_most_of_the_time_can_be_differentiated():
     assert found.law.kinetic_coefficient == pytest.approx(LEVEL, rel=0.05)
 
 
-def test_segments_are_numbered_on_across_gaps_and_trials():
+def test_gaps_and_trials_are_taken_apart():
     record = record_of()
     seen = (T < 8.0) | (T > 9.0)
     holed = Measurement(time=T[seen], position=X[seen], force=record.force[seen])
-    found = derived(Axis(inertia=J), CoulombViscous, Measurement(trials=(holed, record)))
-    numbers = np.unique(found.optimum.best.segment)
-    np.testing.assert_array_equal(numbers, np.arange(len(found.problem.spans)))
-    assert set(found.problem.spans[:, 0]) == {0.0, 1.0}
-    first = found.problem.spans[found.problem.spans[:, 0] == 0.0]
-    assert not np.any((first[:, 1] < 8.0) & (first[:, 2] > 9.0))
-    blocks = found.score(holed, horizon=1.0).blocks
-    assert np.all(np.isfinite(blocks))
+    found = derived(Axis(inertia=1.0), CoulombViscous, Measurement(trials=(holed, record)))
+    assert found.law.kinetic_coefficient == pytest.approx(LEVEL, rel=2e-3)
+    assert found.mechanism.inertia == pytest.approx(J, rel=2e-3)
 
 
 def test_a_trial_with_a_mass_of_its_own_is_refused_where_one_is_looked_for():
@@ -357,8 +296,7 @@ def test_reversals_of_slowly_sampled_records_are_no_rests():
         rig = replace(rigs.draw(random, name), rate=100.0, disturbance=0.0)
         found = fit(
             Axis(inertia=1.0), type(rig.law), rigs.record(rig, random)[0],
-            vary=["friction.*", "mechanism.inertia"], route="inverse-dynamics",
-            settings=RecordSettings(starts=1),
+            vary=["friction.*", "mechanism.inertia"], route="balance",
         )  # fmt: skip
         level = found.estimate("friction.kinetic_coefficient")
         errors.append((level.value - rig.law.kinetic_coefficient) / level.half_width)
@@ -413,16 +351,13 @@ def one_sided(back):
 def test_a_motion_one_way_says_that_its_level_includes_a_constant_force():
     found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.0))
     said = "a constant force (gravity, a cable, a sensor offset) and the friction level cannot"
-    assert found.one_way
     assert any(said in sentence for sentence in found.sentences)
     known = derived(Axis(inertia=J, offset=-2.0), CoulombViscous, one_sided(0.0))
-    assert not known.one_way
     assert known.estimate("kinetic_coefficient").value == pytest.approx(LEVEL, rel=0.01)
 
 
 def test_a_short_way_back_tells_a_constant_force_from_a_level():
     found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.015))
     offset, level = found.estimate("offset"), found.estimate("kinetic_coefficient")
-    assert not found.one_way
     assert offset.value == pytest.approx(-2.0, rel=0.05)
     assert level.value == pytest.approx(LEVEL, rel=0.01)  # without the way back, it would be 8 N

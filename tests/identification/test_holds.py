@@ -57,15 +57,16 @@ def test_a_given_hold_is_used_and_nothing_is_said_of_it(truth):
     assert right.estimate("inertia").low < 2.0 < right.estimate("inertia").high
 
 
-@pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
-def test_where_the_record_does_not_tell_the_hold_intervals_include_either(route):
+def test_where_the_record_does_not_tell_the_hold_intervals_include_either():
     unsure = record("zero", rate=500.0, noise=3e-3, slow=0.2)
-    found = fit(AXIS, CoulombViscous, unsure, route=route)
+    found = fit(AXIS, CoulombViscous, unsure, route="shooting")
     assert not found.hold.told
     assert found.hold.unsure == 1.0
     assert "intervals include half a sample" in found.assumptions[0]
     for hold in ("zero", "first"):
-        fitted = fit(AXIS, CoulombViscous, unsure, route=route, settings=RecordSettings(hold=hold))
+        fitted = fit(
+            AXIS, CoulombViscous, unsure, route="shooting", settings=RecordSettings(hold=hold)
+        )
         for either, own in zip(found.estimates, fitted.estimates, strict=True):
             assert either.low <= own.value <= either.high
 

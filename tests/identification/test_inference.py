@@ -69,7 +69,7 @@ def test_rows_that_a_fit_follows_exactly_leave_no_division_by_zero():
     v = np.linspace(-1.0, 1.0, 10)
     friction = 2.0 * np.sign(v) + 0.05 * np.random.default_rng(3).normal(size=10)
     found = fit(Axis(inertia=1.0), "power-viscous", Measurement(velocity=v, friction=friction))
-    assert np.all(found.inference.freedom >= 1.0)
+    assert all(np.isfinite(one.value) for one in found.estimates)
 
 
 def test_intervals_keep_what_they_say_where_few_blocks_tell():

@@ -157,7 +157,7 @@ def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
     seen = record(mechanism, length, rate, noise)
     route = route_of(mechanism, seen)
     assert route == "shooting"
-    choice = RouteChoice.of(route, mechanism, seen, RecordSettings())
+    choice = RouteChoice.of(mechanism, seen, RecordSettings())
     assert choice.settings.segment == pytest.approx(np.ptp(seen.time))
     assert choice.settings.resolution >= 100 * choice.settings.segment
     assert not [

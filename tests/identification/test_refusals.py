@@ -41,7 +41,12 @@ def parts():
 
 @pytest.fixture(scope="module")
 def found(parts):
-    return fit(AXIS, "coulomb-viscous", Measurement(**parts), settings=QUICK)
+    return fit(AXIS, "coulomb-viscous", Measurement(**parts))
+
+
+@pytest.fixture(scope="module")
+def simulated(parts):
+    return fit(AXIS, "coulomb-viscous", Measurement(**parts), route="shooting", settings=QUICK)
 
 
 def test_a_law_may_be_given_by_its_name(found):
@@ -103,13 +108,13 @@ def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
     time = np.arange(60) / 100
     record = Measurement(time=time, position=0.1 * (np.cosh(4 * time) - 1))
     with pytest.raises(InputError, match=r"no drive was given.*Give the force"):
-        fit(Axis(inertia=1.0), Viscous, record, settings=QUICK)
+        fit(Axis(inertia=1.0), Viscous, record)
 
 
 def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
     with pytest.raises(InputError, match="% of the force") as caught:
-        fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"], settings=QUICK)
+        fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"])
     assert "Warnings of the data check: " in str(caught.value)
     assert "the sensor is at the end of its range" in str(caught.value)
 
@@ -130,8 +135,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
         CoulombViscous,
         record,
         vary=["friction.*", "mechanism.inertia"],
-        route="inverse-dynamics",
-        settings=QUICK,
+        route="balance",
     )
     assert found.law.kinetic_coefficient == pytest.approx(30.0, rel=0.01)
     reversed_force = Measurement(time=time, position=position, force=-force)
@@ -141,7 +145,6 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
             CoulombViscous,
             reversed_force,
             vary=["friction.*", "mechanism.inertia"],
-            settings=QUICK,
         )
 
 
@@ -166,8 +169,7 @@ def test_a_reversed_force_is_refused_beside_a_weight_and_late_positions(weight, 
             CoulombViscous,
             record,
             vary=unknown,
-            route="inverse-dynamics",
-            settings=QUICK,
+            route="balance",
         )
 
 
@@ -182,12 +184,12 @@ def test_initial_states_of_a_record_in_time_are_refused(parts):
         fit(AXIS, CoulombViscous, Measurement(**parts, initial={"zz": 5.0}))
 
 
-def test_an_uncertainty_of_a_record_is_refused(parts, found):
+def test_an_uncertainty_of_a_record_is_refused(parts, simulated):
     record = Measurement(**parts, uncertainty={"position": 10.0})
     with pytest.raises(InputError, match=r"uncertainty \(position\).* has no effect"):
         fit(AXIS, CoulombViscous, record)
     with pytest.raises(InputError, match="has no effect"):
-        found.score(record)
+        simulated.score(record)
 
 
 @pytest.mark.parametrize(
@@ -204,22 +206,21 @@ def test_settings_that_mean_nothing_are_refused(changes):
 
 
 @pytest.mark.parametrize("horizon", [math.nan, 0.0, -2.0, math.inf, "1 s", True])
-def test_a_horizon_that_is_no_length_of_time_is_refused(found, horizon):
+def test_a_horizon_that_is_no_length_of_time_is_refused(simulated, horizon):
     with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
-        found.score(horizon=horizon)
+        simulated.score(horizon=horizon)
 
 
 # --- a second record
 
 
-def test_a_second_record_must_have_what_the_first_has(parts, found):
+def test_a_second_record_must_have_what_the_first_has(parts, found, simulated):
     bare = Measurement(**{**parts, "force": None})
-    with pytest.raises(InputError, match=r"has no force \(u\) \[N\]"):
-        found.score(bare)
+    with pytest.raises(InputError, match=r"the second record has no force"):
+        found.predict(bare)
     with pytest.raises(InputError, match=r"the second record has no force"):
         select(AXIS, [Coulomb], found.measurement, validate=bare)
     speed = np.gradient(parts["position"], TIME)
-    simulated = fit(AXIS, "coulomb-viscous", found.measurement, route="shooting")
     with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
         simulated.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
 
@@ -230,6 +231,7 @@ def test_a_fit_to_velocities_is_scored_in_velocities(parts):
         AXIS,
         CoulombViscous,
         Measurement(time=TIME, velocity=speed, force=parts["force"]),
+        route="shooting",
         settings=QUICK,
     )
     assert own.score(Measurement(**parts, velocity=speed)).unit == "m/s"
@@ -239,14 +241,14 @@ def test_a_fit_to_velocities_is_scored_in_velocities(parts):
 
 
 def test_a_measured_load_takes_the_place_of_the_mechanism_s(parts, found):
-    loaded = fit(AXIS, CoulombViscous, Measurement(**parts, load=5.0), settings=QUICK)
-    assert loaded.mechanism.load == 5.0
+    loaded = fit(AXIS, CoulombViscous, Measurement(**parts, load=5.0))
     # levels are per unit load: the same friction force is a fifth of the coefficient
     level = found.law.kinetic_coefficient
-    assert loaded.law.kinetic_coefficient == pytest.approx(level / 5.0, rel=1e-4)
+    assert loaded.law.kinetic_coefficient == pytest.approx(level / 5.0, rel=1e-3)
     even = Measurement(**parts, load=np.full(TIME.size, 6.0), offset={"load": 1.0})
-    own = loaded.score(Measurement(**parts, load=5.0))
-    assert loaded.score(even).rms == pytest.approx(own.rms, rel=1e-3)
+    again = fit(AXIS, CoulombViscous, even)
+    assert again.law.kinetic_coefficient == pytest.approx(level / 5.0, rel=1e-3)
+    assert loaded.mechanism.load == again.mechanism.load == 5.0
 
 
 def test_trials_have_each_their_own_load():
@@ -259,16 +261,16 @@ def test_trials_have_each_their_own_load():
         run = simulate(rig, law, t_end=float(TIME[-1]))
         x = run.at(TIME)["x"]
         trials.append(Measurement(time=TIME, position=x, force=force, load=load))
-    found = fit(axis, CoulombViscous, Measurement(trials=tuple(trials)), settings=QUICK)
-    # without noise; rows are 10 ms apart and the force is condensed to as many lines
-    assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-3)
+    found = fit(axis, CoulombViscous, Measurement(trials=tuple(trials)))
+    # without noise; reversals are known to some samples
+    assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=5e-3)
     assert found.mechanism.load == 4.0
 
 
 @pytest.mark.parametrize(
     ("mechanism", "load", "message"),
     [
-        (AXIS, np.linspace(5.0, 6.0, TIME.size), "changes from 5 N to 6 N.*inverse-dynamics"),
+        (AXIS, np.linspace(5.0, 6.0, TIME.size), "changes from 5 N to 6 N.*balance"),
         (AXIS, -5.0, "must be above 0 N"),
         (SpringBlock(mass=5.0), 5.0, "SpringBlock follows from its own parameters"),
     ],
@@ -298,9 +300,9 @@ def test_a_mass_is_not_looked_for_under_a_constant_force():
     ):
         fit(
             Axis(inertia=4.0), "coulomb", constant_push(), vary=["friction.*", "inertia"],
-            route="inverse-dynamics",
+            route="balance",
         )  # fmt: skip
-    found = fit(Axis(inertia=5.0), "coulomb-viscous", constant_push(), route="inverse-dynamics")
+    found = fit(Axis(inertia=5.0), "coulomb-viscous", constant_push(), route="balance")
     assert found.estimates[0].value == pytest.approx(10.0, rel=0.02)
 
 
@@ -329,7 +331,6 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
             CoulombViscous,
             record,
             vary=["friction.*", "mechanism.inertia"],
-            settings=QUICK,
         )
     assert "Check its sign" not in str(caught.value)
 

@@ -139,7 +139,13 @@ def test_a_coast_down_sampled_once_a_second_is_fitted_in_segments_of_its_own_len
     time = np.arange(0.0, 240.0)
     falls = 2.0 * np.tan(1.2 - 0.005 * time)  # m v' = -(c v0^2 + c v^2): a level and a drag
     record = Measurement(time=time, velocity=falls)
-    found = fit(Axis(inertia=100.0), law("level + drag"), record, settings=RecordSettings(starts=1))
+    found = fit(
+        Axis(inertia=100.0),
+        law("level + drag"),
+        record,
+        route="shooting",
+        settings=RecordSettings(starts=1),
+    )
     level, drag = found.values
     assert (level, drag) == (pytest.approx(1.0, rel=1e-2), pytest.approx(0.25, rel=1e-2))
     assert np.all(np.ptp(found.problem.spans[:, 1:], axis=1) > 15.0)

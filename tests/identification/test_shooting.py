@@ -3,7 +3,6 @@
 import math
 import pickle
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from stickslip import Axis, CoulombViscous, Dahl, Measurement, Pendulum, fit, si
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identify.fits.estimation.levenberg_marquardt import improve
 from stickslip.identify.fits.records.fitting import fit_record
-from stickslip.identify.fits.records.problems import RouteChoice, prepared
+from stickslip.identify.fits.records.problems import RouteChoice, simulated
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.initial_states import (
     AGREE,
@@ -59,14 +58,11 @@ def test_a_number_of_threads_that_is_none_is_refused(record, count, monkeypatch)
         fit(RIG, CoulombViscous, record, vary=["friction.*", "inertia"])
 
 
-shot = partial(fit_record, route="shooting")
-
-
 def problem_of(record, law=CoulombViscous):
     settings = RecordSettings(hold="zero", resolution=200)
     wanted = Parameters.of(RIG, law, ["friction.*", "inertia"])
-    choice = RouteChoice.of("shooting", RIG, record, settings)
-    return prepared(choice, wanted, record).problem
+    choice = RouteChoice.of(RIG, record, settings)
+    return simulated(choice, wanted, record, {}).problem
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +73,7 @@ def record():
 @pytest.mark.slow
 def test_an_exact_record_gives_its_parameters_back(record):
     settings = RecordSettings(resolution=200, starts=1)
-    found = shot(Axis(inertia=1.0), CoulombViscous, record, unknown=("inertia",),
+    found = fit_record(Axis(inertia=1.0), CoulombViscous, record, unknown=("inertia",),
                        settings=settings)  # fmt: skip
     end, _ = improve(found.problem, found.values)
     values = dict(zip(found.free_parameters.paths, end.values, strict=True))
@@ -92,7 +88,7 @@ def test_an_exact_record_gives_its_parameters_back(record):
 def values_found(axis, record, **more):
     """Return by path what fits a record best, from where the search of the fit ended."""
     settings = RecordSettings(resolution=200, starts=1)
-    found = shot(axis, CoulombViscous, record, settings=settings, **more)
+    found = fit_record(axis, CoulombViscous, record, settings=settings, **more)
     end, _ = improve(found.problem, found.values)
     assert end.rms < 1e-6 * 0.2  # initial states are settled to 1e-6 of the motion
     return found, dict(zip(found.free_parameters.paths, end.values, strict=True))
@@ -126,7 +122,7 @@ def test_each_trial_is_simulated_with_what_it_overrides():
     assert values["friction.viscous_coefficient"] == pytest.approx(8.0, rel=1e-6)
     assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
     with pytest.raises(InputError, match="trial heavy overrides"):
-        shot(Axis(inertia=4.0), CoulombViscous, both, unknown=("inertia",))
+        fit_record(Axis(inertia=4.0), CoulombViscous, both, unknown=("inertia",))
 
 
 def test_slopes_are_those_of_residuals_whose_initial_states_are_fitted(record):
@@ -202,7 +198,7 @@ def test_parameters_that_are_not_free_stay_as_they_were_given(record):
 def test_bristles_are_found_from_positions_of_an_exact_record():
     law = Dahl(kinetic_coefficient=3.0, bristle_stiffness=300.0, viscous_coefficient=8.0)
     record = record_of(RIG, law)
-    found = shot(
+    found = fit_record(
         Axis(inertia=1.0), Dahl, record, unknown=("inertia",),
         free=("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient"),
         settings=RecordSettings(resolution=200),

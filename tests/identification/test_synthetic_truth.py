@@ -61,7 +61,7 @@ def test_nominal_intervals_cover_the_truth(intervals):
 @pytest.mark.slow  # by shooting, a few records are in the quick tests
 @pytest.mark.parametrize("records", RECORDS)
 def test_nominal_intervals_by_inverse_dynamics_cover_the_truth(records):
-    found = judged(records, FAST_TRUTHS, 3, route="inverse-dynamics")
+    found = judged(records, FAST_TRUTHS, 3, route="balance")
     bounded = [entry for entry in found if entry["bounded"]]
     assert len(bounded) >= 4 * records
     assert sum(entry["jackknife"] for entry in bounded) / len(bounded) >= LOWEST[records]
@@ -142,8 +142,8 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
 
     # another route in the same file is judged by itself; rows without one are of simulated segments
     called.clear()
-    assert synthetic_truth.judged(path, 1, "inverse-dynamics") == []
-    list(run(path, rigs=2, seed=1, jobs=1, candidates=(), route="inverse-dynamics"))
+    assert synthetic_truth.judged(path, 1, "balance") == []
+    list(run(path, rigs=2, seed=1, jobs=1, candidates=(), route="balance"))
     assert called == [0, 1]
     assert len(synthetic_truth.judged(path, 1)) == 4
 

@@ -9,6 +9,7 @@ import pytest
 from stickslip import Axis, Coulomb, CoulombViscous, Measurement, compare_trials, fit
 from stickslip import simulate as run_of
 from stickslip.errors import InputError, ParameterError
+from stickslip.friction import ElastoPlastic
 from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)
@@ -53,19 +54,19 @@ def compared(measurement, law=CoulombViscous):
     return compare_trials(AXIS, law, measurement)
 
 
-# 3 of 60 sets are expected of 5 %: more than 8 have a probability of 0.3 %, and more than 4 of 20
 @pytest.mark.slow
-@pytest.mark.parametrize(("sets", "most"), [(20, 4), pytest.param(60, 8, marks=pytest.mark.slow)])
-def test_trials_of_one_law_are_seldom_said_to_differ(sets, most):
-    rejected = sum(not compared(made(seed)).shared for seed in range(sets))
-    assert rejected <= most
+def test_trials_of_one_law_are_seldom_said_to_differ():
+    # said at odds of 20 to 1: of 20 sets, 1 is expected at most by chance
+    rejected = sum(not compared(made(seed)).shared for seed in range(20))
+    assert rejected <= 1
 
 
 def test_a_level_that_rises_is_found_and_said_with_its_ends():
     found = compared(made(1, rise=0.01))
     assert not found.shared
     first = found.sentences[0]
-    assert first.startswith("The trials do not share one law (p < 0.001): mu_k rises from 5.")
+    assert first.startswith("The trials do not share one law (probability ")
+    assert "): mu_k rises from 5." in first
     assert "at 20 °C to 5." in first
     assert first.endswith("at 60 °C.")
     (level,) = (line for line in found.lines if line.path == "friction.kinetic_coefficient")
@@ -77,7 +78,7 @@ def test_a_level_that_rises_is_found_and_said_with_its_ends():
 
 @pytest.mark.slow
 def test_most_small_rises_are_found():
-    # 0.08 N of 5 N with noise of 0.1 N that remembers ten samples: 86 % of 50 sets when measured
+    # 0.08 N of 5 N with noise of 0.1 N that remembers ten samples
     found = sum(not compared(made(seed, rise=0.002)).shared for seed in range(100, 120))
     assert found >= 12
 
@@ -109,7 +110,7 @@ def test_each_trial_has_its_own_estimates_with_intervals():
         assert one.law.kinetic_coefficient == level.value
     table = found.to_dataframe()
     assert table["temperature [degC]"].tolist() == [20.0, 40.0, 60.0]
-    assert {"mu_k", "mu_k low", "mu_k high", "sigma_2", "residual"} <= set(table.columns)
+    assert {"mu_k", "mu_k low", "mu_k high", "sigma_2", "leaves"} <= set(table.columns)
     plain = json.loads(json.dumps(found.to_dict()))
     assert plain["share_one_law"] is False
     assert plain["lines"][0]["condition"] == "temperature [degC]"
@@ -184,16 +185,15 @@ def test_friction_that_differs_by_direction_beyond_an_offset_is_found():
     assert not compared(Measurement(trials=tuple(trials))).shared
 
 
-def test_trials_that_alone_do_not_tell_a_parameter_are_named():
+def test_trials_that_alone_do_not_tell_a_parameter_are_refused_with_the_reason():
     draw = np.random.default_rng(10)
     slow = []
     for speed in (0.1, 0.2, 0.3):  # one speed to and fro: level and slope are one
         v = speed * np.sign(np.sin(2.0 * np.pi * np.arange(400) / 80.0 + 0.1))
         friction = 5.0 * np.sign(v) + 4.0 * v + 0.1 * draw.normal(size=400)
         slow.append(Measurement(time=0.01 * np.arange(400), velocity=v, friction=friction))
-    found = compared(Measurement(trials=tuple(slow)))
-    assert "is not identified by any trial alone" in str(found)
-    assert found.shared
+    with pytest.raises(InputError, match=r"fewer than two trials could be fitted alone: .*speeds"):
+        compared(Measurement(trials=tuple(slow)))
 
 
 def test_one_trial_travels_and_springs_are_refused():
@@ -205,10 +205,7 @@ def test_one_trial_travels_and_springs_are_refused():
         compared(travels)
 
 
-@pytest.mark.parametrize(
-    "route", [pytest.param("shooting", marks=pytest.mark.slow), "inverse-dynamics"]
-)
-def test_records_of_a_driven_axis_are_compared_by_both_routes_in_time(route):
+def test_records_of_a_driven_axis_are_compared():
     rig, t = Axis(inertia=2.0), np.arange(0.0, 3.0, 2e-3)
     draw, trials = np.random.default_rng(12), []
     for number, level in enumerate((4.0, 4.0, 5.0)):
@@ -222,7 +219,7 @@ def test_records_of_a_driven_axis_are_compared_by_both_routes_in_time(route):
         )
     for count, shared in ((2, True), (3, False)):
         some = Measurement(trials=tuple(trials[:count]))
-        found = compare_trials(rig, CoulombViscous, some, route=route)
+        found = compare_trials(rig, CoulombViscous, some)
         assert found.shared is shared, str(found)
         levels = [one.law.kinetic_coefficient for one in found.trials]
         assert levels == pytest.approx((4.0, 4.0, 5.0)[:count], abs=0.1)
@@ -241,6 +238,16 @@ def test_the_joint_fit_is_that_of_fit():
     assert compared(measurement, Coulomb).fit.estimates == joint.estimates
 
 
+def test_a_law_by_simulated_segments_is_refused():
+    t = np.arange(0.0, 6.0, 5e-3)
+    trials = tuple(
+        Measurement(time=t, position=np.sin(rate * t), force=np.cos(rate * t))
+        for rate in (2.0, 3.0)
+    )
+    with pytest.raises(InputError, match="simulated segments"):
+        compared(Measurement(trials=trials), ElastoPlastic)
+
+
 def beside_a_rest(held):
     """Return a trial of Coulomb friction of 5 N, and one at rest under a force (n,) [N]."""
     draw = np.random.default_rng(0)
@@ -257,7 +264,7 @@ def test_a_trial_at_rest_is_not_compared_with_those_that_move():
     both = beside_a_rest(3.0)
     again = replace(both.trials[0], name="again")
     three = replace(both, trials=(*both.trials, again))
-    found = compare_trials(Axis(inertia=3.0), Coulomb, three, route="inverse-dynamics")
+    found = compare_trials(Axis(inertia=3.0), Coulomb, three)
     assert [one.name for one in found.trials] == ["moving", "again"]
     assert not found.failed
     assert not any("still" in sentence for sentence in found.sentences)

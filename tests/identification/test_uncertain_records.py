@@ -1,7 +1,7 @@
 """Uncertainties of a mechanism's parameters in the intervals of fits to records.
 
-Oracles are refits with the parameter at both sides of its value, and laws in closed form: levels
-over the load are inverse to it.
+Oracles of simulated segments are refits with the parameter at both sides of its value; of others,
+laws in closed form: levels over the load are inverse to it.
 """
 
 from dataclasses import replace
@@ -84,9 +84,6 @@ def refitted(mechanism, law, measurement, path, error, **options):
 
 CASES = {
     "shooting": (AXIS, pushed, CoulombViscous, {"route": "shooting"}, {J: 2e-3, K: 0.03, N: 0.2}),
-    "inverse-dynamics": (
-        AXIS, pushed, CoulombViscous, {"route": "inverse-dynamics"}, {J: 2e-3, K: 0.03, N: 0.2},
-    ),
     "cart": (
         CART, swung, Coulomb, {"vary": ["kinetic_coefficient"]},
         {"mechanism.cart_mass": 2e-3, "mechanism.ball_mass": 5e-4, "mechanism.length": 5e-4},
@@ -94,7 +91,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", quick(CASES, "inverse-dynamics"))
+@pytest.mark.parametrize("case", quick(CASES, "cart"))
 def test_estimates_follow_the_mechanism_as_refits_do(case):
     mechanism, make, law, options, errors = CASES[case]
     record = make()
@@ -128,15 +125,45 @@ def test_a_free_decay_is_differentiated_in_the_segments_it_was_fitted_in():
 
 def test_a_level_over_the_load_is_as_uncertain_as_the_load():
     found = fit(AXIS, CoulombViscous, replace(rubbed(), parameter_uncertainties={N: 0.4}))
-    level, slope = found.estimate("kinetic_coefficient"), found.estimate("viscous_coefficient")
-    assert level.sources[N] / level.value == pytest.approx(0.02, rel=1e-5)
-    assert slope.sources[N] == pytest.approx(0.0, abs=1e-9)
-    own = fit(AXIS, CoulombViscous, rubbed()).estimate("kinetic_coefficient")
-    half = np.hypot(0.5 * (own.high - own.low), NORMAL_95 * 0.02 * level.value)
-    assert 0.5 * (level.high - level.low) == pytest.approx(half, rel=1e-4)
+    plain = fit(AXIS, CoulombViscous, rubbed())
+    level, own = (one.estimate("kinetic_coefficient") for one in (found, plain))
+    half = np.hypot(half_width(own), NORMAL_95 * 0.02 * level.value)
+    # draws know a width of 95 % to some per cent
+    assert half_width(level) == pytest.approx(half, rel=0.1)
+    slope, known = (one.estimate("viscous_coefficient") for one in (found, plain))
+    assert half_width(slope) == pytest.approx(half_width(known), rel=0.1)
     assert found.law_estimates().intervals["kinetic_coefficient"] == (level.low, level.high)
-    spread = found.bootstrap(draws=4000)[:, 0].std()
-    assert spread == pytest.approx(half / NORMAL_95, rel=0.05)  # 4000 draws: 1 % of scatter
+
+
+def half_width(estimate):
+    return 0.5 * (estimate.high - estimate.low)
+
+
+@pytest.mark.parametrize(
+    ("path", "error", "name", "moved"),
+    [
+        (N, 0.4, "kinetic_coefficient", 0.02 * 0.2),  # inverse to the load
+        # along strokes that come back, a damping in parallel is all of the viscous part
+        ("mechanism.damping", 0.05, "viscous_coefficient", 0.05),
+    ],
+)
+def test_a_record_s_intervals_grow_with_what_is_stated_of_its_mechanism(path, error, name, moved):
+    stated = replace(pushed(), parameter_uncertainties={path: error})
+    found, plain = (
+        fit(AXIS, CoulombViscous, one, route="balance").estimate(name) for one in (stated, pushed())
+    )
+    half = np.hypot(half_width(plain), NORMAL_95 * moved)
+    assert half_width(found) == pytest.approx(half, rel=0.15)
+    assert half_width(found) > 1.5 * half_width(plain)
+
+
+def test_a_mass_that_is_off_by_its_uncertainty_leaves_the_truth_in_intervals():
+    record = pushed(replace(AXIS, inertia=2.05))
+    stated = replace(record, parameter_uncertainties={J: 0.05})
+    found = fit(AXIS, CoulombViscous, stated, route="balance")
+    for name in ("kinetic_coefficient", "viscous_coefficient"):
+        estimate = found.estimate(name)
+        assert estimate.low <= getattr(TRUTH, name) <= estimate.high
 
 
 def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
@@ -144,22 +171,14 @@ def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
     found = fit(
         AXIS, DirectionDependent, replace(rubbed(), parameter_uncertainties={"offset": 0.4})
     )
-    up, down = (found.inference.held["mechanism.offset"][0][i] for i in _levels(found))
-    assert up == pytest.approx(-0.02, rel=1e-2)
-    assert down == pytest.approx(0.02, rel=1e-2)
-    sought = fit(AXIS, CoulombViscous, replace(rubbed(), parameter_uncertainties={"offset": 0.4}))
-    assert sought.inference.held == {}  # the record tells it better
-
-
-def _levels(found):
-    return [
-        next(
-            i
-            for i, path in enumerate(found.free_parameters.paths)
-            if way in path and "kinetic" in path
-        )
-        for way in ("forward", "backward")
-    ]
+    for way in ("forward", "backward"):
+        level = found.estimate(f"{way}_kinetic_coefficient")
+        # 0.4 N over the load of 20 N, beside what the noise of the record leaves
+        assert half_width(level) == pytest.approx(NORMAL_95 * 0.02, rel=0.2)
+    stated = replace(rubbed(), parameter_uncertainties={"offset": 0.4})
+    sought, plain = (fit(AXIS, CoulombViscous, one) for one in (stated, rubbed()))
+    for one, other in zip(sought.estimates, plain.estimates, strict=True):
+        assert half_width(one) == pytest.approx(half_width(other), rel=0.1)  # the record tells it
 
 
 @pytest.mark.slow
@@ -182,10 +201,7 @@ def test_intervals_hold_the_truth_where_a_mass_is_off_by_its_uncertainty():
 
 def test_without_uncertainties_a_record_says_what_it_said():
     found = fit(AXIS, CoulombViscous, rubbed())
-    assert found.inference.held == {}
     assert all(estimate.sources == {} for estimate in found.estimates)
-    own = np.sqrt(np.diag(found.inference.covariance))
-    np.testing.assert_array_equal(found.inference.errors, own)
     assert "standard_error_from" not in found.estimates[0].to_dict()
 
 
@@ -202,10 +218,10 @@ def test_what_each_trial_sets_averages_and_what_they_share_does_not():
         CoulombViscous,
         Measurement(trials=[replace(r, parameter_uncertainties={N: 0.4}) for r in records]),
     )
-    sources = [one.estimate("kinetic_coefficient").sources[N] for one in (shared, anew, own)]
-    assert sources[0] == pytest.approx(0.02 * 0.2, rel=1e-2)
-    assert sources[1] == pytest.approx(0.02 * 0.2 / np.sqrt(2.0), rel=1e-2)
-    assert sources[2] == sources[1]
+    halves = [half_width(one.estimate("kinetic_coefficient")) for one in (shared, anew, own)]
+    assert halves[0] > NORMAL_95 * 0.02 * 0.2
+    assert halves[1] < 0.85 * halves[0]
+    assert halves[2] == halves[1]
 
 
 def test_trials_that_differ_by_no_more_than_their_loads_do_share_a_law():

@@ -82,7 +82,7 @@ def test_the_last_route_leaves_nothing_without_one(kind):
     assert own[0] is kind_of(record)
 
 
-@pytest.mark.parametrize("asked", ["force-map", "features", "rate-state"])
+@pytest.mark.parametrize("asked", ["table", "features", "rate-state"])
 def test_a_record_gets_the_route_that_is_asked_for(asked):
     for kind in KINDS:
         _, record = measured(kind)
@@ -150,7 +150,7 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
 @pytest.mark.parametrize(
     ("verb", "measurement", "options", "said"),
     [
-        (select, TABLE, {"route": "force-map"}, "route 'force-map' applies to `fit` of tables"),
+        (select, TABLE, {"route": "table"}, "route 'force-map' applies to `fit` of tables"),
         (fit, TABLE, {"route": "table"}, "route 'table' applies to `select` of tables"),
         (select, MOTION, {"route": "table"}, "route 'table' applies to tables of friction, not to"),
         (fit, MOTION, {"route": "table"}, "route 'table' applies to tables of friction, not to"),
@@ -179,7 +179,7 @@ def test_of_tables_and_records_each_verb_refuses_what_the_other_uses(
     ("verb", "options"),
     [
         (select, {"route": "table"}),
-        (fit, {"route": "force-map"}),
+        (fit, {"route": "table"}),
         (fit, {"settings": RecordSettings(starts=2, seed=1)}),
     ],
 )
@@ -200,7 +200,7 @@ WITHOUT = {
         "the force of a spring",
     ),
     ("motion and force", "shooting"): (set(), ""),
-    ("motion and force", "inverse-dynamics"): ({"segment", "resolution"}, "inverse-dynamics"),
+    ("motion and force", "balance"): ({"segment", "resolution"}, "balance"),
     ("friction over velocity", None): ({"segment", "resolution", "hold"}, "tables of friction"),
 }
 

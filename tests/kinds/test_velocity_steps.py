@@ -90,7 +90,7 @@ def vars_of(verdict):
 
 def test_other_routes_say_what_they_need(machine, steps):
     with pytest.raises(InputError, match=r"leave out the route, or give route='rate-state'"):
-        fit(machine, "coulomb", steps, route="force-map")
+        fit(machine, "coulomb", steps, route="table")
     with pytest.raises(InputError, match="time and spring_force"):
         fit(machine, "coulomb", steps, route="features")
 
