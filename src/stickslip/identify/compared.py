@@ -121,6 +121,8 @@ class WholeLaw:
         optional = {"break_away_coefficient", *(["static_coefficient"] * ("step" in parts))}
         needed = {*self.kind.fit_order} - MAY_BE_HELD
         both = any(one.startswith("both_ways") for one in parts)
+        if not {*self.found} <= {*self.kind.fit_order}:
+            return False
         return not both and needed <= {*self.found} and not optional & {*self.found}
 
     def family(self, known: Collection[str]) -> Family:
@@ -197,7 +199,10 @@ def with_own_laws(problem: Any, asked: LawsToCompare) -> Any:
         return problem
     target = Judgement(problem).target
     rows = problem.slips(problem.places())
-    told = [one.fitted(target.middle, target.allowed, rows) for one in asked.own]
+    usual = float(problem.slips(problem.at(1.0)).load[0])
+    told = [
+        replace(one, load=usual).fitted(target.middle, target.allowed, rows) for one in asked.own
+    ]
     for one in told:
         if not one.varied:
             raise InputError(

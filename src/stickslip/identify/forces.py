@@ -26,6 +26,7 @@ from stickslip.identify.fits import (
     drives_itself,
     known_forces,
     load_of,
+    refuse_load,
     span_of,
     transmitted_along,
     uncertainties_of,
@@ -110,6 +111,7 @@ def doubts_of(
     for parts in uncertainties_of(mechanism, measurement):
         for path, doubt in (one for part in parts for one in part.items()):
             found[path] = max(doubt, found.get(path, 0.0))
+    refuse_load(found, measurement)
     return {path: doubt for path, doubt in found.items() if path not in unknown}
 
 

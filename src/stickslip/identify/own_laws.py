@@ -38,6 +38,8 @@ MOST_BEGINNINGS = 81
 """... and how many of these together, at most."""
 UNTOLD = 1e-2
 """Change of friction over what is allowed, as a parameter changes by its own size, to be told."""
+SMALL = 1e-3
+"""Share of its usual size up to which a parameter is moved by that instead of by its own."""
 PART_OF = 0.1
 """Part of a change that nothing tells, from which it is one of a parameter."""
 
@@ -172,7 +174,8 @@ class OwnLaw:
                 if end.cost < least:
                     best, least = end.x.tolist(), float(end.cost)
         found = replace(self, law=self.at(best), sizes=dict(zip(self.varied, sizes, strict=True)))
-        x = found.columns(best, rows)[:, 1:] * np.maximum(np.abs(best), scale) / allowed[:, None]
+        own_sizes = np.where(np.abs(best) > SMALL * scale, np.abs(best), scale)
+        x = found.columns(best, rows)[:, 1:] * own_sizes / allowed[:, None]
         least = UNTOLD * math.sqrt(len(x))
         _, told, ways = np.linalg.svd(x, full_matrices=True)
         told = np.concatenate([told, np.zeros(len(ways) - len(told))])
@@ -279,7 +282,7 @@ def starting(
     law: FrictionLaw | type[FrictionLaw], values: Mapping[str, float], load: float
 ) -> FrictionLaw:
     """Return a law with values of all it needs: those given, else ordinary ones."""
-    start = starting_law(law, load) if isinstance(law, type) else law
+    start = starting_law(law, load, values) if isinstance(law, type) else law
     return vary(start, "friction", {f"friction.{name}": x for name, x in values.items()})
 
 

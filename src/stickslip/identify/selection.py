@@ -25,7 +25,7 @@ from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
-from stickslip.identify.problems.free_balance import free_form
+from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -78,7 +78,7 @@ def checked(
     checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
     if checks.worst == "error":
         wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
+        raise InputError(f"{which} cannot be used. {findings_text(wrong)}")
     return checks
 
 
@@ -201,6 +201,9 @@ def problem_of_records(
         normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)
     constant = next((path for path in vary if path.endswith(".offset")), "offset" * offset)
     sought = [path for path in vary if path != constant]
+    inertias = [path for path in sought if path not in records[0].unknown]
+    if inertias and all(one.mechanism is None and not np.ptp(one.force) for one in records):
+        _refuse_scale(inertias[0], records)
     if free_form(records):
         return FreeMotionProblem(
             records,
@@ -210,7 +213,6 @@ def problem_of_records(
             deviations=doubts,
             families=families,
         )
-    inertias = [path for path in sought if path not in records[0].unknown]
     return RecordProblem(
         records,
         normal=normal,
@@ -222,6 +224,16 @@ def problem_of_records(
         highest=highest,
         timed=timed,
     )
+
+
+def _refuse_scale(inertia: str, records: Sequence[Record]) -> None:
+    """Refuse an inertia beside friction where one force, or none, acts one way."""
+    if not records[0].friction and not records[0].driven and goes_on(records):
+        raise InputError(
+            f"vary: {inertia}: the force that moves the body never changes, and less inertia with"
+            " other friction explains the motion as well. Give its value, or record under a force"
+            " that changes."
+        )
 
 
 def select_record(

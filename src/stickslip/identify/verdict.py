@@ -597,18 +597,21 @@ def at_usual_inputs(fit: LawFit) -> Iterator[str]:
     if not usual:  # a table stands at the means of inputs
         return
     names = [one.path.rpartition(".")[2] for one in fit.estimates]
-    spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
-    covariance = fit.correlation * np.outer(spread, spread)
     for part, name in (("level", "kinetic_coefficient"), ("viscous", "viscous_coefficient")):
         sizes = {of: x for of, x in usual.items() if f"{part}_{of}_slope" in names}
         if not sizes or name not in names:
             continue
         places = [names.index(one) for one in (name, *(f"{part}_{of}_slope" for of in sizes))]
-        base, *slopes = (fit.estimates[k].value for k in places)
+        own = [fit.estimates[k] for k in places]
+        if not all(one.bounded for one in own):
+            continue
+        base, *slopes = (one.value for one in own)
+        spread = [spread_of(one.value, one.low, one.high) for one in own]
+        covariance = fit.correlation[np.ix_(places, places)] * np.outer(spread, spread)
         each = 1.0 + np.array(slopes) * [*sizes.values()]
         times = float(np.prod(each))
         change = np.array([times, *(base * times / each * [*sizes.values()])])
-        half = 1.96 * math.sqrt(max(float(change @ covariance[np.ix_(places, places)] @ change), 0))
+        half = 1.96 * math.sqrt(max(float(change @ covariance @ change), 0))
         at = inputs_text(sizes, turning=fit.measurement.turning)
         yield usual_sentence(fit.estimates[places[0]], base * times, half, at)
 

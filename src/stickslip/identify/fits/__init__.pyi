@@ -64,6 +64,7 @@ from stickslip.identify.fits.results import Law_co as Law_co
 from stickslip.identify.fits.results import READINGS as READINGS
 from stickslip.identify.fits.results import estimates_for as estimates_for
 from stickslip.identify.fits.results import far_above_dry as far_above_dry
+from stickslip.identify.fits.rig_uncertainties import refuse_load as refuse_load
 from stickslip.identify.fits.rig_uncertainties import span_of as span_of
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of as uncertainties_of
 from stickslip.identify.fits.series.applied_force import applied_force as applied_force

@@ -534,8 +534,7 @@ def _with_load(mechanism: Mechanism, record: Measurement) -> Measurement:
         raise InputError(
             f"the load of {label} changes from {quantity(low, 'N', 4)} to"
             f" {quantity(high, 'N', 4)}, and simulated segments"
-            ' take one load: fit with route="inverse-dynamics", or "force-map" where friction was'
-            " measured, or leave the load out."
+            ' take one load: fit with route="balance", or leave the load out.'
         )
     if low <= 0.0:
         raise InputError(f"the load of {label} must be above 0 N, got {quantity(low, 'N', 4)}.")

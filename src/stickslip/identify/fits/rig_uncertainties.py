@@ -1,12 +1,29 @@
 """Stated uncertainties of the parameters of a mechanism."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from stickslip.data import Measurement, check_uncertainty
 from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits.settings import STEP
 from stickslip.mechanisms import Mechanism, canonical_path
 from stickslip.quantities import Quantity, parameters, vary
+
+LOAD = "mechanism.load"
+"""What a measured load takes the place of."""
+
+
+def refuse_load(paths: Collection[str], measurement: Measurement) -> None:
+    """Refuse a stated uncertainty of a load whose value a measured load replaces.
+
+    Examples
+    --------
+    >>> refuse_load(["mechanism.load"], Measurement(velocity=1.0, friction=2.0))
+    """
+    if LOAD in paths and "load" in measurement.quantities():
+        raise InputError(
+            f"the uncertainty of {LOAD} was stated, but the measured load replaces its value:"
+            " leave the uncertainty out."
+        )
 
 
 def uncertainties_of(

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
-from stickslip.data import QUANTITIES, Measurement, command_of
+from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import InputError
 from stickslip.identify import (
     BandVerdict,
@@ -28,6 +28,7 @@ from stickslip.identify.fits import (
     check_inputs,
     fit_records,
     goes_straight,
+    inside,
     load_of,
     names_of,
     route_of,
@@ -68,6 +69,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             measurement=request.measurement,
         )
         check_inputs(chosen.law, chosen.mechanism, request.measurement)
+        refuse_unused(request.measurement, inside(chosen.mechanism, request.measurement))
         return fitted_law(
             partial(self._select, request, chosen),
             chosen.law,

@@ -29,7 +29,7 @@ from stickslip.engine.solver import notice
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import ASSERTED, INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
-from stickslip.identify.fits import Estimate, RecordSettings
+from stickslip.identify.fits import Estimate, RecordSettings, check_given, uncertainties_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table
@@ -287,6 +287,7 @@ def compare_trials(
     """
     from stickslip.identify.kinds.verbs import fit
 
+    check_given("compare_trials", mechanism, measurement)
     _refuse(measurement)
     joint = fit(mechanism, law, measurement, vary=vary, fixed=fixed, settings=settings)
     if not isinstance(joint, LawFit):
@@ -366,13 +367,15 @@ def _alone(
     from stickslip.identify.kinds.verbs import fit
 
     record = joint.measurement.records()[index]
+    # what all trials share makes no difference between them
+    doubts, _ = uncertainties_of(joint.mechanism, joint.measurement)[index]
     mechanism = vary(joint.mechanism, "mechanism", record.overrides)
     looked = any(one.path == "mechanism.offset" for one in joint.estimates)
     timed = record.time is not None and "friction" not in record.quantities()
     alone = fit(
         mechanism,
         joint.law,
-        replace(record, overrides={}),
+        replace(record, overrides={}, parameter_uncertainties=doubts),
         vary=[one.path for one in own],
         fixed={"offset": mechanism.offset} if looked and timed else None,
         settings=settings,
@@ -583,9 +586,10 @@ def _sentences(
     if differ:
         said = [_change(line) for line in clear]
         said = said or [text for p, text in found.texts if _odds(p) >= ASSERTED][:MOST]
+        likely = [*dict.fromkeys(one.condition for one in found.lines if one.probability > 0.5)]
         yield (
             f"The trials do not share one law (probability {percent(found.probability)}):"
-            f" {joined(said or [*_range(trials)])}."
+            f" {joined(said or [*_range(trials, likely)])}."
         )
         yield f"{spread[0].upper()}{spread[1:]}."
         yield (
@@ -633,8 +637,11 @@ def _slope(line: ConditionLine) -> str:
     )
 
 
-def _range(trials: Sequence[TrialEstimates]) -> Iterator[str]:
-    """Yield the range of the parameter that differs most between trials, over its errors."""
+def _range(trials: Sequence[TrialEstimates], likely: Sequence[str]) -> Iterator[str]:
+    """Yield the range of the parameter that differs most between trials, over its errors.
+
+    Some conditions are `likely` to act, which is not enough to say so.
+    """
     best = (0.0, "")
     for k, one in enumerate(trials[0].estimates):
         least, most = (f(trials, key=lambda t: float(t.values[k])) for f in (min, max))
@@ -647,7 +654,9 @@ def _range(trials: Sequence[TrialEstimates]) -> Iterator[str]:
             )
             best = apart, f"{one.quantity.symbol} ranges from {low} to {high}"
     if best[1]:
-        yield best[1] + ", which no condition explains" * any(one.conditions for one in trials)
+        names = " or ".join(condition_name(one) for one in likely)
+        why = f", which {names} may explain" if likely else ", which no condition explains"
+        yield best[1] + why * any(one.conditions for one in trials)
 
 
 def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:

@@ -15,9 +15,9 @@ shapes weigh them; a length or stiffness that is off is not in it, which is why 
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ from stickslip.identify.problems.free_runs import (
 )
 from stickslip.identify.problems.record_signals import Record, noise_of
 from stickslip.identify.vocabulary import FAMILIES, PARTS, Grid
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import parameters
 
 Places = NDArray[np.intp]
@@ -83,13 +83,18 @@ def free_form(records: Sequence[Record]) -> str:
 
     It goes on where it turns back by little of its way.
     """
-    if any(np.ptp(one.force) > 0.0 or one.friction or one.driven for one in records):
+    if any(np.any(one.force != -one.constant) or one.friction or one.driven for one in records):
         return ""
+    return "momentum" if goes_on(records) else "work"
+
+
+def goes_on(records: Sequence[Record]) -> bool:
+    """Return whether motions turn back by no more than little of their way."""
     ways = [(one.position, float(np.ptp(one.position)) + 1e-300) for one in records]
     back = [
         min(float(np.max(np.maximum.accumulate(q) - q)) for q in (x, -x)) / size for x, size in ways
     ]
-    return "momentum" if max(back) < TURNED else "work"
+    return max(back) < TURNED
 
 
 def before_rest(record: Record) -> Record:
@@ -434,6 +439,22 @@ def balanced(records: Sequence[Record], form: str, inertia: str) -> dict[str, fl
     return {path: found.get(path, 0.0) + change for path, change in changes.items()}
 
 
+def undriven(mechanism: Mechanism) -> Mechanism:
+    """Return a mechanism without the drive of its own, which did not act where it moves freely.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> undriven(Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0))).drive is None
+    True
+    """
+    own = (
+        hasattr(mechanism, "drive") and mechanism.drives() and motor_of(mechanism) is None
+    )  # a motor brakes as it turns
+    return replace(cast("Any", mechanism), drive=None) if own else mechanism
+
+
 def motion_of(balance: FreeRecord) -> Motion:
     """Return a record as runs follow it."""
     one, every = balance.record, math.ceil(len(balance.record.time) / MOST)
@@ -445,7 +466,7 @@ def motion_of(balance: FreeRecord) -> Motion:
         start = float(one.position[0]), float(np.mean(one.velocity[:3]))
     values = one.position if one.located or one.velocity is None else one.velocity
     return Motion(
-        mechanism=balance.mechanism,
+        mechanism=undriven(balance.mechanism),
         time=time[::every],
         values=values[::every],
         start=start,

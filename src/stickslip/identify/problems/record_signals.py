@@ -305,10 +305,18 @@ def _began(
 def _without_forces(
     mechanism: Mechanism, x: Array, doubts: Mapping[str, float]
 ) -> dict[str, Unknown]:
-    """Return doubtful parameters of a mechanism where friction was measured: they change loads."""
+    """Return doubtful parameters of a mechanism where friction was measured.
+
+    They change loads, or are a constant force beside friction.
+    """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     return {
-        path: Unknown(force=np.zeros_like(x), inertia=0.0, given=values[path], doubt=doubt)
+        path: Unknown(
+            force=np.full_like(x, float(path.endswith(".offset"))),
+            inertia=0.0,
+            given=values[path],
+            doubt=doubt,
+        )
         for path, doubt in doubts.items()
     }
 

@@ -550,7 +550,7 @@ class RecordProblem(Problem):
         if not self.load_slopes:
             count = 1 if draws is None else sum(one.random.shape[1] for one in draws)
             return np.full((count, 1), self.normal)
-        rig = self.rig(self._usual if draws is None else draws)
+        rig = self._beside(self._usual if draws is None else draws)
         change = sum(
             slope * (rig[path] - given)
             for path, (slope, given) in self.load_slopes.items()
@@ -605,9 +605,15 @@ class RecordProblem(Problem):
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for beside the law (k,) in draws, by path."""
+        unknown = self.model.balance.pieces[0].record.unknown
+        found = self._beside(draws)
+        return {k: x for k, x in found.items() if k not in unknown or not unknown[k].doubt}
+
+    def _beside(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        """Return what is looked for, or doubtful, beside the law (k,) in draws, by path."""
         found: dict[str, list[Array]] = {}
         unknown = self.model.balance.pieces[0].record.unknown
-        paths = {name: name for name, one in unknown.items() if not one.doubt}
+        paths = {name: name for name in unknown}
         if self.model.balance.finds_inertia:
             paths["inertia"] = self.inertia_path or "inertia"
         for one in draws:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.identify.bands import MeasuredPoints
-from stickslip.identify.fits import load_of, stretches_of, uncertainties_of
+from stickslip.identify.fits import load_of, refuse_load, stretches_of, uncertainties_of
 from stickslip.identify.forces import load_slopes
 from stickslip.identify.judgement import Candidates, Finding, Problem
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, term_title
@@ -95,7 +95,6 @@ OUTLYING = 6.0
 """Deviations from which a reading is said to be far from the others."""
 MOST_RESTS = 4
 """Readings that may be at rest, in each direction."""
-LOAD = "mechanism.load"
 NOT_BY_LOAD = frozenset({"offset", "adhesion", *FLOWS, *FLOW_DIRECTIONS})
 """Terms that are no levels over the load."""
 DIRECTIONS: tuple[tuple[str, ...], ...] = (
@@ -809,15 +808,11 @@ def load_error_of(mechanism: Mechanism, measurement: Measurement) -> float:
     What was set anew for each record averages out.
     """
     parts, count = uncertainties_of(mechanism, measurement), len(measurement.records())
+    refuse_load({path for part in parts for one in part for path in one}, measurement)
     total = 0.0
     for places, each in ((0, 1.0 / count), (1, 1.0)):
         for path in dict.fromkeys(one for part in parts for one in part[places]):
             doubt = max(part[places].get(path, 0.0) for part in parts)
-            if path == LOAD and "load" in measurement.quantities():
-                raise InputError(
-                    f"the uncertainty of {LOAD} was stated, but the measured load replaces its"
-                    " value: leave the uncertainty out."
-                )
             slope, _ = load_slopes(mechanism, (), {path: doubt}).get(path, (0.0, 0.0))
             total += each * (slope * doubt) ** 2
     return math.sqrt(total) / load_of(mechanism) if total else 0.0

@@ -159,8 +159,10 @@ def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
     return tuple(name for name in fields_of(law) if fields[name].default is dataclasses.MISSING)
 
 
-def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
-    """Return a law of that type with ordinary values for each parameter it needs.
+def starting_law(
+    law: type[FrictionLaw], load: float = 1.0, known: Mapping[str, float] | None = None
+) -> FrictionLaw:
+    """Return a law of that type with values of each parameter it needs: known, else ordinary ones.
 
     Examples
     --------
@@ -172,8 +174,10 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
     typical = ORDINARY | {name: ORDINARY[name] * load for name in per_load}
     typical |= {"load": load, "force": ORDINARY["level"] * load}
     sizes = Sizes(typical=typical, reach=typical)
-    values: dict[str, Any] = {}
+    values: dict[str, Any] = dict(known or {})
     for name in required_of(law):
+        if name in values:
+            continue
         quantity = with_ranges(law, name)
         values[name] = sizes.of(quantity).start
         if quantity.at_least in values:

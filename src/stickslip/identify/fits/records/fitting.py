@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Literal, TypeAlias
@@ -18,7 +18,7 @@ from stickslip.data import (
     with_doubts,
     without_outliers,
 )
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import (
     as_informed,
@@ -56,7 +56,7 @@ from stickslip.identify.fits.records.problems import (
     simulated,
 )
 from stickslip.identify.fits.results import Estimate
-from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
+from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
 from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
@@ -126,8 +126,6 @@ def _tracked(mechanism: Mechanism) -> bool:
 
 Array = NDArray[np.float64]
 
-LOAD = "mechanism.load"
-"""What a measured load takes the place of."""
 NARROW = 0.6
 """Band of the filter, over the usual one, in which a balance is fitted again."""
 
@@ -147,7 +145,7 @@ def displacements(
     stated = dict.fromkeys(path for pair in uncertainties for one in pair for path in one)
     if not stated:
         return ()
-    _refuse_load(stated, measurement)
+    refuse_load(stated, measurement)
     problem = again(measurement)
     paths = [path for path in stated if path not in problem.free_parameters.paths]
     record_of = problem.spans[:, 0].astype(int)[best.segment]
@@ -162,14 +160,6 @@ def displacements(
             if own.any():
                 found.append(Displaced(path=path, rows=rows * own, shared=False))
     return tuple(found)
-
-
-def _refuse_load(paths: Collection[str], measurement: Measurement) -> None:
-    if LOAD in paths and "load" in measurement.quantities():
-        raise InputError(
-            f"the uncertainty of {LOAD} was stated, but the measured load replaces its value:"
-            " leave the uncertainty out."
-        )
 
 
 def _moved_by_rig(
