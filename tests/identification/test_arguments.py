@@ -52,7 +52,7 @@ def test_what_is_no_mechanism_or_no_measurement_is_said_to_be_so(
 
 
 def test_a_single_name_needs_no_list_around_it():
-    with pytest.raises(InputError, match=r"does not depend on mechanism\.inertia:"):
+    with pytest.raises(InputError, match=r"tells nothing of mechanism\.inertia:"):
         fit(AXIS, "coulomb", MAP, vary=["friction.*", "mechanism.inertia"])
     with pytest.raises(InputError, match=r"^vary applies to `fit`.*, got mechanism\.inertia:"):
         select(AXIS, ["coulomb"], MAP, vary=["friction.*", "mechanism.inertia"])

@@ -1,5 +1,7 @@
 """Levels of an axis that has no load are forces, and are said in N wherever they stand."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -42,10 +44,13 @@ def test_a_level_beside_a_load_is_a_pure_number():
 
 
 def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit():
-    t = np.linspace(0.0, 2.0, 200)
-    x = 1e-3 * np.sin(2.0 * np.pi * t)
-    friction = 2.0 * np.tanh(30.0 * np.cos(2.0 * np.pi * t))
-    record = Measurement(time=t, position=x, friction=friction)
+    t = np.linspace(0.0, 6.0, 3000)
+    x = 1e-3 * np.sin(2.0 * np.pi * t) + 4e-4 * np.sin(14.0 * t)
+    friction = [0.0]
+    for step in np.diff(x):  # closed form of bristles that yield over 0.1 mm
+        end = math.copysign(2.0, step)
+        friction.append(end + (friction[-1] - end) * math.exp(-abs(step) / 1e-4))
+    record = Measurement(time=t, position=x, friction=np.array(friction))
     found = fit(Axis(inertia=1.0), Dahl, record)
     assert unit_of(found, "bristle_stiffness") == "N/m"
     assert unit_of(found, "yield_exponent") == "1"
@@ -76,7 +81,7 @@ def test_parameters_of_what_turns_keep_units_of_their_own(mechanism, units):
 
 def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence():
     found = fit(Axis(inertia=1.0, offset=0.25), DirectionDependent, table())
-    said = [line for line in found.sentences if "constant force" in line]
+    said = [line for line in found.remarks if "constant force" in line]
     assert len(said) == 1
     assert "cannot be separated" in said[0]
     assert "fixed at 0.25 N" in said[0]

@@ -50,7 +50,7 @@ USED = {
     "features": {"route", "settings", "validate", "executor"},
     "rate-state": {"route", "settings", "validate"},
     "balance": {"route", "settings", "validate"},
-    "table": {"route", "settings", "validate"},
+    "table": {"route", "validate"},
 }
 GIVEN = {
     "route": "shooting",
@@ -150,15 +150,12 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
 @pytest.mark.parametrize(
     ("verb", "measurement", "options", "said"),
     [
-        (select, TABLE, {"route": "table"}, "route 'force-map' applies to `fit` of tables"),
-        (fit, TABLE, {"route": "table"}, "route 'table' applies to `select` of tables"),
         (select, MOTION, {"route": "table"}, "route 'table' applies to tables of friction, not to"),
         (fit, MOTION, {"route": "table"}, "route 'table' applies to tables of friction, not to"),
         (select, TABLE, {"settings": RecordSettings(starts=2)}, "settings applies to `fit`"),
         (select, TABLE, {"vary": ["inertia"]}, r"vary applies to `fit`.*, got inertia"),
         (select, TABLE, {"fixed": {"offset": 0.0}}, r"fixed applies to `fit`.*, got offset"),
         (select, MOTION, {"route": "shooting"}, "route 'shooting' applies to `fit` of records"),
-        (fit, MOTION, {"route": "balance"}, "route 'balance' applies to `select` of records"),
         (
             select,
             MOTION,
@@ -180,7 +177,7 @@ def test_of_tables_and_records_each_verb_refuses_what_the_other_uses(
     [
         (select, {"route": "table"}),
         (fit, {"route": "table"}),
-        (fit, {"settings": RecordSettings(starts=2, seed=1)}),
+        (fit, {"fixed": {"offset": 0.0}}),
     ],
 )
 def test_of_tables_each_verb_takes_its_own(verb, options, monkeypatch):

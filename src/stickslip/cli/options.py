@@ -242,9 +242,8 @@ class EstimationOptions:
     horizon: float | None = None
     """Prediction length on the second record [s]."""
     route: str | None = None
-    """Estimation method for records: shooting, force-map, inverse-dynamics, features or rate-state;
-    balance to select by the band of all laws; travel for films of a capsule or a cart. Default:
-    chosen from the data."""
+    """Estimation method: table, balance or shooting (simulated segments) for records, features,
+    rate-state; travel for films of a capsule or a cart. Default: chosen from the data."""
     segment: float | None = None
     """Length of the simulated segments of a record [s]; default: 1, or 20 samples if that is
     longer."""

@@ -13,7 +13,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.compared import MAY_BE_HELD, WholeLaw
-from stickslip.identify.fits import LAW, check_varied
+from stickslip.identify.fits import LAW, check_varied, offset_left_out
 from stickslip.identify.own_laws import OwnLaw, starting
 from stickslip.identify.verdict import BandVerdict, LawFit
 from stickslip.quantities import fields_of
@@ -46,7 +46,7 @@ def fitted_law(
         verdict = select([whole])
         fit = _as(verdict, kind, held)
         if fit is not None:
-            return replace(fit, verdict=verdict)
+            return _said(fit, verdict)
     if kind.states:
         raise InputError(
             f"{kind.title} friction has states that this measurement does not show, or not with"
@@ -57,7 +57,13 @@ def fitted_law(
     verdict = select([own])
     found = _as(verdict, kind, {})
     assert found is not None
-    return replace(found, verdict=verdict)
+    return _said(found, verdict)
+
+
+def _said(fit: LawFit, verdict: BandVerdict) -> LawFit:
+    """Return a fit with what is said of it."""
+    left_out = offset_left_out(fit.law, fit.mechanism, [one.path for one in fit.estimates])
+    return replace(fit, verdict=verdict, remarks=(*fit.remarks, *left_out))
 
 
 def names_to_find(

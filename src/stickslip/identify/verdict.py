@@ -48,7 +48,7 @@ from stickslip.identify.wording import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.show.formatting import Scale, joined, quantity
+from stickslip.show.formatting import Scale, joined, number, quantity, with_unit
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -729,6 +729,11 @@ def _estimate(
     least = own.low if own.above is None else max(own.low, own.above)
     least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
     least = least if math.isfinite(low) else -math.inf
+    reason = "" if math.isfinite(high - low) else "no reading tells it from the others"
+    if high <= least:
+        bound = with_unit(number(least), unit)
+        low, high, reason = -math.inf, math.inf, f"it reached its lower bound, {bound}"
+        least = low
     return Estimate(
         path=one.path,
         quantity=own,
@@ -736,7 +741,7 @@ def _estimate(
         low=max(low, least),
         high=max(high, least),
         interval="95 %",
-        reason="" if math.isfinite(high - low) else "no reading tells it from the others",
+        reason=reason,
     )
 
 

@@ -14,6 +14,7 @@ from stickslip.identify.fits.contact_inputs import usual_values as usual_values
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
 from stickslip.identify.fits.estimation.estimates import estimates_of as estimates_of
+from stickslip.identify.fits.estimation.estimates import offset_left_out as offset_left_out
 from stickslip.identify.fits.estimation.estimates import sentences_of as sentences_of
 from stickslip.identify.fits.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identify.fits.estimation.jackknife import Inference as Inference

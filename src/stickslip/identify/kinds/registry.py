@@ -57,7 +57,7 @@ def kind_of_route(name: str) -> AnyKind:
 
     Examples
     --------
-    >>> kind_of_route("force-map").measured
+    >>> kind_of_route("balance").measured
     'records of motion or friction'
     """
     known = {each: kind for kind in kinds() for each in kind.routes}

@@ -107,7 +107,7 @@ def fit(
         Parameters of the mechanism are for records and features.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
-    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"}
+    route : {"table", "balance", "shooting", "features", "rate-state"}
         How the measurement is fitted, or a route of another package. If not given, it follows from
         the quantities measured.
     settings : RecordSettings, optional

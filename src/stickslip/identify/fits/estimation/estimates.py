@@ -1,7 +1,7 @@
 """Estimates with their doubt, and what a record cannot tell, in words."""
 
 import math
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,15 +180,17 @@ def _inseparable(free_parameters: FreeParameters, jacobian: ResidualJacobian) ->
 
 
 def offset_left_out(
-    law: FrictionLaw | Laws, mechanism: Mechanism, free_parameters: FreeParameters
+    law: FrictionLaw | Laws, mechanism: Mechanism, paths: Collection[str]
 ) -> tuple[str, ...]:
     """Return a sentence where a level for each direction stands for a constant force as well.
+
+    Of the parameters with `paths` it is none.
 
     Half the sum of the levels acts against the motion and half their difference always one way, so
     a constant force beside them is the same number twice.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
-    fitted = any(path in free_parameters.paths for path in constants)
+    fitted = any(path in paths for path in constants)
     if fitted or isinstance(law, Laws) or not law.directional:
         return ()
     own = float(getattr(mechanism, "offset", 0.0))

@@ -381,7 +381,7 @@ def finished(
         inference=inference,
         sentences=(
             *sentences_of(told_by, best, inference, at_bounds, estimates),
-            *offset_left_out(ready.start, ready.mechanism, free_parameters),
+            *offset_left_out(ready.start, ready.mechanism, free_parameters.paths),
             *_zeros(ready, best, inference),
             *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
             *_of_recorded_swing(mechanism),
