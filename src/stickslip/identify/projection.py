@@ -23,6 +23,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -204,7 +205,7 @@ def solved(gram: Array, moment: Array, positive: "NDArray[np.bool_]") -> Array:
     return np.asarray(c)
 
 
-def names_of(structure: Structure) -> list[str]:
+def names_of(structure: Sequence[tuple[str, Any]]) -> list[str]:
     """Return the name of the term of each column of a structure."""
     return [name for name, _ in structure for _ in range(2 if name == "stribeck_sides" else 1)]
 

@@ -1,12 +1,15 @@
 """Records in time, and measured friction."""
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.friction import LuGre
 from stickslip.identify import (
     BandVerdict,
     Fit,
@@ -61,12 +64,9 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
 
     def _fit(self, request: Request) -> LawFit:
         """Return the fit of one law by the posterior."""
-        chosen = Parameters.of(
-            request.mechanism,
-            self.owner(request.law),
-            request.vary,
-            request.fixed,
-            measurement=request.measurement,
+        law: Any = self.owner(request.law)
+        chosen: Parameters[Any] = Parameters.of(
+            request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
         )
         check_inputs(chosen.law, chosen.mechanism, request.measurement)
         refuse_unused(request.measurement, inside(chosen.mechanism, request.measurement))
@@ -134,7 +134,7 @@ class RecordKind(BandKind):
 
     def _route(self, request: Request) -> str:
         """Return how records are fitted."""
-        law = None if request.law is None else self.owner(request.law)
+        law: Any = None if request.law is None else self.owner(request.law)
         return route_of(request.mechanism, request.measurement, law, asked=request.route)
 
     def why_unused(self, name: str, request: Request) -> str:
@@ -169,9 +169,21 @@ class RecordKind(BandKind):
         return error_text(error, quantity=quantity, turning=measurement.turning)
 
     def fit(self, request: Request) -> Fit[Any]:
-        if self._route(request) == SHOOTING:
-            return fit_records(**request.arguments("law", "settings"))
-        return self._fit(request)
+        if self._route(request) != SHOOTING:
+            return self._fit(request)
+        return fit_records(begin=self._begun(request), **request.arguments("law", "settings"))
+
+    def _begun(self, request: Request) -> dict[str, float]:
+        """Return values that a balance has of what simulated segments look for, by path.
+
+        Those of a law with other states are of LuGre friction, whose parameters they share.
+        """
+        plain = replace(request, settings=None, tolerance=None)
+        for law in (request.law, LuGre):
+            with suppress(InputError, ConvergenceError):
+                fit = self._fit(replace(plain, law=law, vary=_of_mechanism(request.vary)))
+                return {one.path: one.value for one in fit.estimates if one.bounded}
+        return {}
 
     def select(self, request: Request) -> BandVerdict:
         chosen = Parameters.of(
@@ -215,6 +227,13 @@ class RecordKind(BandKind):
             open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
         )
+
+
+def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:
+    """Return what is varied of a mechanism, with all of a law."""
+    if vary is None:
+        return None
+    return [LAW, *(one for one in names_of(vary) if one.startswith("mechanism."))]
 
 
 def _unused(verb: str, other: str, kind: Kind[Any, Any]) -> str:

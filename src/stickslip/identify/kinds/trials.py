@@ -377,7 +377,7 @@ def _alone(
         joint.law,
         replace(record, overrides={}, parameter_uncertainties=doubts),
         vary=[one.path for one in own],
-        fixed={"offset": mechanism.offset} if looked and timed else None,
+        fixed={"offset": getattr(mechanism, "offset", 0.0)} if looked and timed else None,
         settings=settings,
     )
     assert isinstance(alone, LawFit)
@@ -419,8 +419,10 @@ class _Differences:
         size = np.maximum(np.abs(middle), np.min(np.sqrt(1.0 / weights), axis=0))
         columns = _columns(trials)
         noise = block_diag(*(one.covariance for one in trials))
-        mean = np.kron(np.ones((count, 1)), np.diag(BROAD * size))
-        effects = {name: np.kron(x, np.diag(size)) for name, x in columns.items()}
+        mean: Array = np.kron(np.ones((count, 1)), np.diag(BROAD * size)).astype(float)
+        effects: dict[str, Array] = {
+            name: np.kron(x, np.diag(size)).astype(float) for name, x in columns.items()
+        }
         logs, nodes = list[float](), list[tuple[float, ...]]()
         shares = [zip(RUNS, RUNS_PRIOR, strict=True)]
         shares += [zip(INPUT, INPUTS_PRIOR, strict=True) for _ in effects]

@@ -144,7 +144,11 @@ class RecordFrame:
 
         What does not change is as in a record.
         """
-        still = {name: np.mean(x) for name, x in like.inputs.items() if name not in self.inputs}
+        still = {
+            name: np.asarray(np.mean(x))
+            for name, x in like.inputs.items()
+            if name not in self.inputs
+        }
         of = {name: mean + size * inputs[name] for name, (mean, size) in self.inputs.items()}
         return {**still, **of}
 

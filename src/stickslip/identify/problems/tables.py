@@ -411,8 +411,9 @@ class TableProblem(Problem):
             coefficients = self._under_other_loads(structure, coefficients, z)
         if is_own(structure):
             found = own_composition(structure, coefficients)
-            rig = {n: coefficients[:, k] for k, (n, _) in enumerate(structure) if n == "offset"}
-            return replace(found, rig=rig, load=load, inputs=dict(self.model.frame.means))
+            places = [k for k, (name, _) in enumerate(structure) if name == "offset"]
+            beside = {"offset": coefficients[:, k] for k in places}
+            return replace(found, rig=beside, load=load, inputs=dict(self.model.frame.means))
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}
         for name, shape in structure:

@@ -211,29 +211,6 @@ class RecordProblem(Problem):
         """
 
 
-class SubsetProblem:
-    """Some segments of a problem, for a search that begins near an earlier answer.
-
-    Parameters
-    ----------
-    whole : Problem
-        The problem with all segments.
-    chosen : sequence of int
-        Indices of the segments that are kept.
-    known : ResidualJacobian
-        Its residuals and Jacobian at some values, from which local states are carried on.
-    """
-
-    def __init__(self, whole: Problem, chosen: Sequence[int], known: ResidualJacobian) -> None:
-        self.whole, self.chosen, self.known = whole, chosen, known
-        self.free_parameters = whole.free_parameters
-
-    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,)."""
-        near = self.known if near is None else near
-        return self.whole.linearise(values, near, only=self.chosen)
-
-
 class FixedParameterProblem:
     """A problem with one unknown held at a value, for a search.
 

@@ -100,10 +100,6 @@ class MotionSegment:
     """Whether the load is the weight of the mechanism's mass."""
     response: SensorResponse = PROMPT
     """How the sensor shows friction that was measured; the motion is moved by its delay."""
-    winding: bool = False
-    """Whether the rows are those of the winding of a motor, in which no law stands: the recorded
-    current less that of the recorded voltage, times a torque constant. They have the segments of
-    the friction that was recorded with them."""
 
     def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
         """Return which samples (n,) are of some segments; all if none are given."""
@@ -155,6 +151,17 @@ class MotionSegment:
             applied=_first(self.applied, count),
             zeros=_first(self.zeros, count),
         )
+
+
+def moved(one: MotionSegment, change: Array) -> MotionSegment:
+    """Return a stretch as if friction had been derived with other parameters of the mechanism."""
+    if one.regressors is None:
+        return one
+    held = one.held
+    if held is not None and one.held_regressors is not None:
+        held = held - one.held_regressors @ change
+    path = one.path.moved(change)
+    return replace(one, path=path, friction=one.friction - one.regressors @ change, held=held)
 
 
 def blur_of(every: int) -> float:

@@ -6,7 +6,7 @@ friction there balances the other forces, as far as a law can hold it.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -39,7 +39,6 @@ from stickslip.identify.fits.force_map.data import (
     smoothed,
     weighs,
 )
-from stickslip.identify.fits.force_map.model import ForceMap
 from stickslip.identify.fits.series.applied_force import applied_force, goes_straight
 from stickslip.identify.fits.series.inverse_dynamics import (
     HARMONICS,
@@ -47,14 +46,12 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     LEAST,
     check_even,
     known_forces,
-    mass_of,
     positions_of,
     times_of,
 )
 from stickslip.identify.fits.settings import Hold
 from stickslip.identify.fits.signals import derivative, play
 from stickslip.mechanisms import Mechanism, motor_of
-from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
 
@@ -88,14 +85,10 @@ def balanced(
     slipping: bool = False,
     wider: float = 1.0,
     resolved: bool = False,
-    winding: float = 0.0,
 ) -> tuple[MotionSegment, ...]:
     """Return stretches of friction by inverse dynamics, with the acceleration they came from.
 
     Those that are to be `resolved`, as bristles ask for, pass what the noise of positions allows.
-    With a torque per current for `winding`, a record of a current and a voltage is driven by the
-    voltage, and the current is compared with that of the winding: driven by the current, whose
-    noise the torque constant multiplies, least squares found all that has its scale too small.
 
     Examples
     --------
@@ -113,9 +106,7 @@ def balanced(
     for number, given in enumerate(measurement.records()):
         t = times_of(given)
         record = with_voltage(mechanism, given, hold)
-        both = bool(winding) and {"voltage", "current"} <= {*record.quantities()}
-        driven = replace(record, current=None) if both else record
-        set_up = as_recorded(mechanism, driven)
+        set_up = as_recorded(mechanism, record)
         length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
@@ -124,14 +115,10 @@ def balanced(
                     min(wider * passed_by_balance(x, resolved=fine), HIGHEST)
                     for fine in (resolved, True)
                 )
-                own_drive = replace(piece, current=None) if both else piece
-                stretch = partial(_stretch, set_up, own_drive, hold, samples, slipping=slipping)
+                stretch = partial(_stretch, set_up, piece, hold, samples, slipping=slipping)
                 one = stretch(passed=band, finest=finest, resolved=resolved)
                 first = max((int(one.segment.max()) + 1 for one in found), default=0)
-                for own in _cut(replace(one, record=number), length, first):
-                    found.append(own)
-                    if both:
-                        found.append(_in_winding(set_up, piece, own, band, winding))
+                found += _cut(replace(one, record=number), length, first)
     if not found:
         raise InputError(
             f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
@@ -139,89 +126,6 @@ def balanced(
             " longer, or choose the route shooting."
         )
     return tuple(found)
-
-
-@dataclass(frozen=True)
-class RederivedBalance:
-    """Derives the friction of a record with other values of parameters of the mechanism."""
-
-    paths: tuple[str, ...]
-    """Paths of these parameters."""
-    mechanism: Mechanism
-    """Has all other values."""
-    measurement: Measurement
-    """The record."""
-    derive: Callable[[Mechanism, Measurement], tuple[MotionSegment, ...]]
-    """`balanced` with its settings."""
-
-    def __call__(self, values: Mapping[str, float]) -> tuple[MotionSegment, ...]:
-        """Return the stretches at values by path."""
-        return self.derive(vary(self.mechanism, "mechanism", values), self.measurement)
-
-
-@dataclass(frozen=True)
-class BalanceProblemBuilder:
-    """Builds the problem of a record that friction is derived from."""
-
-    mechanism: Mechanism
-    """Its mass times the acceleration is taken off the force."""
-    problem: ForceMap
-    """The problem that was fitted, whose law and free parameters others share."""
-    hold: Hold
-    """Whether a force keeps its value until the next sample or goes straight to it."""
-    slipping: bool = True
-    """Whether only rows that slip are fitted."""
-    resolved: bool = False
-    """Whether the common filter passes what the noise of positions allows."""
-    winding: float = 0.0
-    """Torque per current by which the balance of a winding counts; 0 where it does not."""
-    wider: float = 1.0
-    """Factor on the band of the common filter."""
-
-    def __call__(self, record: Measurement, length: float | None) -> ForceMap:
-        """Return the problem of a record, in segments of a length [s]."""
-        derive = partial(
-            balanced,
-            hold=self.hold,
-            segment=length,
-            resolved=self.resolved,
-            winding=self.winding,
-        )
-        return self._along(derive, record)
-
-    def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
-        """Return the problem that is fitted: usually of rows that slip, as rests judge a law."""
-        derive = partial(
-            balanced,
-            hold=self.hold,
-            segment=length,
-            slipping=self.slipping,
-            resolved=self.resolved,
-            winding=self.winding,
-            wider=self.wider,
-        )
-        return self._along(derive, record)
-
-    def _along(
-        self,
-        derive: Callable[[Mechanism, Measurement], tuple[MotionSegment, ...]],
-        record: Measurement,
-    ) -> ForceMap:
-        mass, rederived = mass_of(self.mechanism), self.problem.rederived
-        if rederived is not None:
-            rederived = RederivedBalance(rederived.paths, self.mechanism, record, derive)
-        problem = self.problem.along(derive(self.mechanism, record), record)
-        return replace(problem, mass=mass, derived=(mass,), rederived=rederived)
-
-    def at(self, values: Array) -> "BalanceProblemBuilder":
-        """Return what derives friction with the mass, and others of the mechanism, of values (p,).
-
-        Residuals stay the same.
-        """
-        again = () if self.problem.rederived is None else self.problem.rederived.paths
-        paths = self.problem.free_parameters.paths
-        own = {path: float(values[paths.index(path)]) for path in (*self.problem.linear, *again)}
-        return replace(self, mechanism=vary(self.mechanism, "mechanism", own)) if own else self
 
 
 def _stretch(
@@ -273,39 +177,6 @@ def _stretch(
         passed=passed * every,
         blur=blur_of(every),
         weighed=weighs(mechanism, record),
-    )
-
-
-def _in_winding(
-    mechanism: Mechanism,
-    record: Measurement,
-    own: MotionSegment,
-    passed: float,
-    per_current: float,
-) -> MotionSegment:
-    """Return the recorded current less that of the recorded voltage, as torque (n,) [N m].
-
-    It has the filter of the balance of forces, and rests count too: at rest, R alone is told.
-    """
-    motor = motor_of(mechanism)
-    assert motor is not None
-    raw, dt = positions_of(record), check_even(np.asarray(record.time))
-    tracked = "position" in record.quantities()
-    motion = filtered_motion(raw, dt, passed, tracked=tracked)
-    v = np.gradient(motion.position, dt)
-    model = motor.current(np.asarray(record.values("voltage")), motion.position, v)
-    left = per_current * (np.asarray(record.values("current")) - model)
-    picked = slice(None, None, max(1, round(own.passed / passed)))
-    kept, known = compared(motion, passed, slipping=False)[picked], np.flatnonzero(own.segment >= 0)
-    last = np.searchsorted(known, np.arange(len(kept)), side="right") - 1
-    numbers = own.segment[known[np.maximum(last, 0)]]
-    return MotionSegment(
-        record=own.record,
-        path=own.path,
-        friction=smoothed(left, passed)[picked],
-        segment=np.where(kept, numbers, -1),
-        passed=own.passed,
-        winding=True,
     )
 
 

@@ -12,12 +12,6 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import joint_inputs
 from stickslip.identify.fits.estimation.bristle_integration import Path
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.problem import (
-    FrictionSamples,
-    RecordProblem,
-    ResidualJacobian,
-)
 from stickslip.identify.fits.force_map.data import (
     SEGMENTS,
     MotionSegment,
@@ -40,7 +34,6 @@ from stickslip.identify.fits.force_map.force_balance import (
     resting_motion,
     second_differences,
 )
-from stickslip.identify.fits.force_map.model import ForceMap, spanned
 from stickslip.identify.fits.series.inverse_dynamics import (
     HARMONICS,
     HIGHEST,
@@ -51,10 +44,12 @@ from stickslip.identify.fits.series.inverse_dynamics import (
 from stickslip.identify.fits.settings import Hold
 from stickslip.identify.fits.signals import play, resolution
 from stickslip.mechanisms import Contact, Mechanism, motors_of
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import vary
 from stickslip.show.formatting import joined
 
 Array = NDArray[np.float64]
+WEAK = 1e-3
+"""Local states that rows see this much less than the whole stretch does are left as they are."""
 Stretches = tuple[MotionSegment, ...]
 
 AHEAD = 5.0
@@ -170,6 +165,17 @@ def regression_of(
             wanted.append((i, friction))
     joint = np.concatenate([np.full(len(column), i, dtype=np.intp) for i, column in wanted])
     return np.concatenate(tables), np.concatenate([column for _, column in wanted]), joint
+
+
+def spanned(columns: Array) -> Array:
+    """Return orthonormal columns that span others (n, r); none if all are 0."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    if not columns.shape[1]:
+        return columns
+    u, s, _ = np.linalg.svd(columns, full_matrices=False)
+    found: Array = u[:, s > WEAK * s.max(initial=0.0)]
+    return found
 
 
 def check_joints(record: Measurement, names: Sequence[str]) -> None:
@@ -379,9 +385,8 @@ class JointPiece:
         assert own.applied is not None
         measured, predicted = own.applied[rows], own.applied[rows] - own.friction[rows]
         if law is not None and rows.any():
-            free = FreeParameters(())
-            alone = ForceMap(law=law, free_parameters=free, stretches=(own,), of_applied=True)
-            predicted = alone.predicted(np.zeros(0))
+            steady = own.path.told(law).steady(own.path.velocity, own.path.load)
+            predicted = predicted + own.seen(np.asarray(steady))[rows]
         at = np.searchsorted(self.time, own.path.time[rows])
         return measured, predicted, *(smoothed(one, self.passed)[at] for one in forces)
 
@@ -505,198 +510,3 @@ def _loads(mechanism: Mechanism, time: Array, q: Array, q_dot: Array) -> Array:
                 " above 0 N throughout the record."
             )
     return found
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JointBalance(RecordProblem):
-    """The balances of several joints: each a force map of its own law, all with one mechanism.
-
-    Rows stand segment by segment, and in a segment joint by joint, so that blocks of time have the
-    rows of all joints. Each joint's rows are weighted, since forces and torques have no common
-    size.
-    """
-
-    maps: Mapping[str, ForceMap]
-    """By coordinate; the unknowns of each are called as if there were no other."""
-    names: Mapping[str, tuple[str, ...]]
-    """What the unknowns of each are called among all, by coordinate."""
-    weights: Mapping[str, float]
-    """Factor on the residuals of each, by coordinate."""
-    free_parameters: FreeParameters
-    """The free parameters of all."""
-
-    @property
-    def quantity(self) -> str:
-        return "force"
-
-    @property
-    def variation(self) -> float:
-        return sum(self.weights[name] ** 2 * one.variation for name, one in self.maps.items())
-
-    @property
-    def spans(self) -> Array:
-        found: dict[int, list[float]] = {}
-        for one in (one for whole in self.maps.values() for one in whole.stretches):
-            for number in np.unique(one.segment[one.segment >= 0]).tolist():
-                own = one.path.time[one.segment == number]
-                _, low, high = found.get(number, [0.0, np.inf, -np.inf])
-                found[number] = [one.record, min(low, own[0]), max(high, own[-1])]
-        return np.array([found[number] for number in sorted(found)], dtype=float)
-
-    @property
-    def times(self) -> Array:
-        return self._rows({name: one.times for name, one in self.maps.items()})
-
-    @property
-    def measured(self) -> Array:
-        """The applied force of each row, filtered."""
-        return self._rows({name: one.measured for name, one in self.maps.items()})
-
-    @property
-    def samples(self) -> tuple[FrictionSamples, ...]:
-        return tuple(one for whole in self.maps.values() for one in whole.samples)
-
-    @property
-    def joints(self) -> NDArray[np.str_]:
-        size = {name: len(one.times) for name, one in self.maps.items()}
-        return self._rows({name: np.full(count, name) for name, count in size.items()})
-
-    @property
-    def row_weights(self) -> Array:
-        size = {name: len(one.times) for name, one in self.maps.items()}
-        return self._rows({name: np.full(n, self.weights[name]) for name, n in size.items()})
-
-    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:
-        segments = self._rows({name: _segments(one) for name, one in self.maps.items()})
-        joints = self.joints[np.isin(segments, seen.segment)]
-        return {name: _part(seen, joints == name, self.weights[name]) for name in self.maps}
-
-    def _rows(self, columns: Mapping[str, NDArray]) -> NDArray:  # type: ignore[type-arg]
-        order = _order([_segments(self.maps[name]) for name in columns])
-        return np.concatenate(list(columns.values()))[order]
-
-    def with_free_parameters(self, free_parameters: FreeParameters) -> "JointBalance":
-        known = {item.path: item for item in free_parameters.items}
-        maps = {
-            name: one.with_free_parameters(_locally(one.free_parameters, self.names[name], known))
-            for name, one in self.maps.items()
-        }
-        return replace(self, maps=maps, free_parameters=free_parameters)
-
-    def along(self, stretches: Sequence[Stretches], derived: Sequence[float]) -> "JointBalance":
-        """Return the same along other stretches."""
-        maps = {
-            name: replace(one, stretches=own, derived=tuple(derived))
-            for (name, one), own in zip(self.maps.items(), stretches, strict=True)
-        }
-        return replace(self, maps=maps)
-
-    def linearise(
-        self,
-        values: Array,
-        near: ResidualJacobian | None = None,
-        *,
-        only: Sequence[int] | None = None,
-        slopes: bool = True,
-    ) -> ResidualJacobian:
-        paths = self.free_parameters.paths
-        before = near.memory if near is not None else None
-        seen: dict[str, ResidualJacobian] = {}
-        columns = {}
-        for name, one in self.maps.items():
-            own = columns[name] = [paths.index(path) for path in self.names[name]]
-            known = before[name] if before else None
-            seen[name] = one.linearise(values[own], known, only=only, slopes=slopes)
-        order = _order([one.segment for one in seen.values()])
-        segment = np.concatenate([one.segment for one in seen.values()])[order]
-        residual = np.concatenate([self.weights[n] * one.residual for n, one in seen.items()])
-
-        def table() -> Array:
-            parts = []
-            for name, one in seen.items():
-                part = np.zeros((len(one.residual), len(paths)))
-                part[:, columns[name]] = self.weights[name] * one.slopes
-                parts.append(part)
-            return np.concatenate(parts)[order]
-
-        return ResidualJacobian(
-            values=values, residual=residual[order], slopes=table, segment=segment, memory=seen
-        )
-
-    def carried(self, seen: ResidualJacobian) -> Array:
-        return self.linearise(seen.values, seen, slopes=False).residual
-
-
-def _part(seen: ResidualJacobian, rows: NDArray[np.bool_], weight: float) -> ResidualJacobian:
-    """Return some rows of an answer, without their weight."""
-    return ResidualJacobian(
-        values=seen.values,
-        residual=seen.residual[rows] / weight,
-        slopes=lambda: seen.slopes[rows] / weight,
-        segment=seen.segment[rows],
-    )
-
-
-def _segments(one: ForceMap) -> NDArray[np.intp]:
-    return np.concatenate([part.segment[part.segment >= 0] for part in one.stretches])
-
-
-def _order(segments: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
-    """Return the order of the rows of all joints: by segment, then by joint."""
-    return np.argsort(np.concatenate(segments), kind="stable")
-
-
-def _locally(
-    own: FreeParameters, names: Sequence[str], known: Mapping[str, FreeParameter]
-) -> FreeParameters:
-    """Return the unknowns of one joint with the bounds and start values of all."""
-    items = tuple(
-        replace(item, start=known[name].start, low=known[name].low, high=known[name].high)
-        for item, name in zip(own.items, names, strict=True)
-    )
-    return replace(own, items=items)
-
-
-@dataclass(frozen=True)
-class JointBalanceBuilder:
-    """Builds the problem of a record that the friction of several joints is derived from."""
-
-    torques: JointTorques
-    """What a motion takes."""
-    mechanism: Mechanism
-    """Values of its parameters."""
-    problem: JointBalance
-    """The problem that was fitted, whose laws and free parameters others share."""
-    hold: Hold
-    """Whether a force keeps its value until the next sample or goes straight to it."""
-    samples: float = SAMPLES
-    """Samples of a record along which friction is predicted, unless the filter asks for more."""
-
-    def __call__(self, record: Measurement, length: float | None) -> JointBalance:
-        """Return the problem of a record, in segments of a length [s]."""
-        return self._built(record, length, slipping=False)
-
-    def fitted(self, record: Measurement, length: float | None = None) -> JointBalance:
-        """Return the problem that is fitted: rows that slip, since rests only judge a law."""
-        return self._built(record, length, slipping=True)
-
-    def _built(self, record: Measurement, length: float | None, *, slipping: bool) -> JointBalance:
-        (own,) = joint_stretches(
-            self.torques,
-            self.mechanism,
-            record,
-            hold=self.hold,
-            segment=length,
-            samples=(self.samples,),
-            slipping=slipping,
-        )
-        values = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
-        fitted = zip(self.torques.coordinates, own, strict=True)
-        own = tuple(one for name, one in fitted if name in self.problem.maps)
-        return self.problem.along(own, [values[path] for path in self.torques.linear])
-
-    def at(self, values: Array) -> "JointBalanceBuilder":
-        """Return what derives friction with the values (p,); residuals stay the same."""
-        found = dict(zip(self.problem.free_parameters.paths, values.tolist(), strict=True))
-        own = {path: found[path] for path in self.torques.linear}
-        return replace(self, mechanism=vary(self.mechanism, "mechanism", own)) if own else self

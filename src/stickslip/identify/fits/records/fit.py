@@ -4,7 +4,7 @@ import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol, Self, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,7 @@ from stickslip.identify.fits.estimation.problem import (
     ResidualJacobian,
 )
 from stickslip.identify.fits.force_map.holds import HoldFinding
-from stickslip.identify.fits.force_map.model import ForceMap
-from stickslip.identify.fits.force_map.problem import MECHANISM, SENSOR
+from stickslip.identify.fits.force_map.start_values import MECHANISM, SENSOR
 from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
 from stickslip.identify.fits.series.applied_force import inside
@@ -65,9 +64,6 @@ class ProblemBuilder(Protocol):
 
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
         """Return the problem of a record as it is fitted: perhaps some of its rows only."""
-
-    def at(self, values: Array) -> Self:
-        """Return what builds problems from here on, where the fit ended (p,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -295,11 +291,6 @@ class RecordFit(Fit[AnyLaw_co]):
     def restarts(self) -> OptimizeResult:
         """The search that began from all starts."""
         return self.optimum if self.first is None else self.first
-
-    @property
-    def one_way(self) -> bool:
-        """Whether a constant force that nobody gave is a part of the friction level."""
-        return isinstance(self.problem, ForceMap) and self.problem.one_way
 
     def law_estimates(self) -> LawEstimates:
         records = self.measurement.records()

@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Literal, TypeAlias
@@ -28,7 +28,6 @@ from stickslip.identify.fits.contact_inputs import (
     unvaried,
 )
 from stickslip.identify.fits.estimation.estimates import (
-    INTERVAL,
     bounds_met,
     estimates_of,
     offset_left_out,
@@ -44,9 +43,7 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import (
 )
 from stickslip.identify.fits.estimation.parameters import told
 from stickslip.identify.fits.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identify.fits.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identify.fits.force_map.holds import HoldFinding
-from stickslip.identify.fits.force_map.model import ForceMap
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
 from stickslip.identify.fits.records.problems import (
     FitSetup,
@@ -55,7 +52,6 @@ from stickslip.identify.fits.records.problems import (
     held_otherwise,
     simulated,
 )
-from stickslip.identify.fits.results import Estimate
 from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
 from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
 from stickslip.identify.fits.settings import RecordSettings
@@ -63,7 +59,7 @@ from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import vary
 from stickslip.show.formatting import joined, number, quantity
 
 # Which way records are fitted, by what was measured.
@@ -125,9 +121,6 @@ def _tracked(mechanism: Mechanism) -> bool:
 
 
 Array = NDArray[np.float64]
-
-NARROW = 0.6
-"""Band of the filter, over the usual one, in which a balance is fitted again."""
 
 
 def displacements(
@@ -261,13 +254,10 @@ def fit_record(
         held=tuple(held),
     )
     with with_doubts(measurement, mechanism):
-        ready = simulated(choice, wanted, measurement, begin or {})
+        ready: FitSetup = simulated(choice, wanted, measurement, begin or {})
     found = first = searched(ready, choice.settings, watch)
-    if ready.problem.simulates and not driven(measurement):
+    if not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
-    build = ready.build.at(found.best.values)
-    if build is not ready.build:
-        ready = replace(ready, build=build, problem=build.fitted(measurement, None))
     fit = finished("shooting", measurement, ready, found, first, hold=choice.hold)
     return replace(fit, left_out=left_out)
 
@@ -275,24 +265,6 @@ def fit_record(
 def searched(ready: FitSetup, settings: RecordSettings, watch: Watch | None) -> OptimizeResult:
     """Search from the start values of a problem, and from as many more as settings ask for."""
     return search(ready.problem, starts=settings.starts, seed=settings.seed, watch=watch)
-
-
-def _thinned(problem: RecordProblem, measurement: Measurement) -> Iterator[str]:
-    """Yield that friction is compared at some of the samples only."""
-    if not isinstance(problem, ForceMap):
-        return
-    rows = sum(len(one.path.time) for one in problem.stretches if one.timed and not one.winding)
-    present = {one.record for one in problem.stretches}  # a trial at rest has no rows
-    samples = sum(
-        record.time.size
-        for index, record in enumerate(measurement.records())
-        if record.time is not None and index in present
-    )
-    if rows and samples >= 2 * rows:  # the ends alone are fewer
-        yield (
-            f"The record was thinned from {samples:,} to {rows:,} rows: friction was compared at"
-            " these."
-        )
 
 
 def _lengthened(
@@ -345,8 +317,6 @@ def finished(
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
     )
-    unidentified = _unidentified(ready, law)
-    law |= {one.path: one.value for one in unidentified if one.path.startswith("friction.")}
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
@@ -358,7 +328,7 @@ def finished(
         law=vary(ready.start, "friction", law),
         mechanism=mechanism,
         estimates=(),
-        remarks=(*([said] if said else []), *told_inputs, *_thinned(ready.problem, measurement)),
+        remarks=(*([said] if said else []), *told_inputs),
         route=route,
         measurement=measurement,
         problem=ready.problem,
@@ -372,9 +342,11 @@ def finished(
         sentences=(),
         hold=hold,
     )
-    inference = inference.including(*_moved_by_filter(fit), *_moved_by_hold(fit))
+    inference = inference.including(*_moved_by_hold(fit))
+    records = measurement.records()
+    inputs = [recorded_inputs(one, np.asarray(one.time)) for one in records]
     told_by = told(free_parameters, ready.mechanism, measurement)
-    estimates = (*estimates_of(told_by, best, inference, at_bounds), *unidentified)
+    estimates = estimates_of(told_by, best, inference, at_bounds)
     return replace(
         fit,
         estimates=estimates,
@@ -383,32 +355,11 @@ def finished(
             *sentences_of(told_by, best, inference, at_bounds, estimates),
             *offset_left_out(ready.start, ready.mechanism, free_parameters.paths),
             *_zeros(ready, best, inference),
-            *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
+            *unvaried(ready.start, inputs),
             *_of_recorded_swing(mechanism),
             *dict.fromkeys(volts_sentence(name) for x in measurement.records() for name in x.volts),
-            *_of_one_way(fit),
         ),
     )
-
-
-def _unidentified(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]:
-    """Return what was to be looked for and nothing in the record depends on.
-
-    It keeps its start, or is what it must not fall below.
-    """
-    problem = ready.problem
-    known = {path: x for path, _, x in parameters(ready.start, "friction")} | dict(found)
-    made = []
-    for item in problem.unidentified if isinstance(problem, ForceMap) else ():
-        least = known.get(item.above, -math.inf)
-        value = least if math.isnan(item.start) else max(item.start, least)
-        made.append(
-            Estimate(
-                path=item.path, quantity=item.quantity, value=value, low=-math.inf, high=math.inf,
-                interval=INTERVAL, reason="no row that this route compares depends on it",
-            )
-        )  # fmt: skip
-    return tuple(made)
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
@@ -418,39 +369,6 @@ def _moved_by_hold(fit: RecordFit) -> list[Array]:
     if hold is None or build is None or fit.optimum.cancelled:
         return []
     return [hold.unsure * one for one in _moved(fit, build.fitted(fit.measurement, None))]
-
-
-def _moved_by_filter(fit: RecordFit) -> list[Array]:
-    """Return how far estimates (p,) of a balance move in a narrower band and with more noise.
-
-    What the filter takes off a peak, and what noise of positions and currents does to columns, are
-    errors that repeat from block to block, which blocks do not show. As much noise again moves
-    estimates about as far once more (simulation extrapolation).
-
-    Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
-    measurement error models", 1994.
-    """
-    build, records = fit.build, fit.measurement.records()
-    if not isinstance(build, BalanceProblemBuilder) or fit.optimum.cancelled:
-        return []
-    if not all("position" in one.quantities() for one in records):
-        return []
-    narrow = replace(build, wider=NARROW).fitted(fit.measurement)
-    return [*_moved(fit, narrow), *_moved(fit, build.fitted(_noisier(fit.measurement)))]
-
-
-def _noisier(measurement: Measurement) -> Measurement:
-    """Return a measurement whose positions, and currents of a motor, have as much noise again."""
-    random, records = np.random.default_rng(0), []
-    for one in measurement.records():
-        noisy = {
-            name: x + positive_noise(x) * random.standard_normal(len(x))
-            for name in ("position", "current")
-            if name in one.quantities()
-            for x in [np.asarray(one.values(name))]
-        }
-        records.append(replace(one, **noisy))  # type: ignore[arg-type]
-    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 
 
 def _moved(fit: RecordFit, problem: RecordProblem) -> list[Array]:
@@ -483,26 +401,6 @@ def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tup
         f"The zero of the position is not known and is estimated with the fit{more}:"
         f" {joined(shown)}. Levels of friction that differ by direction would look alike. If the"
         " zero is known, set position_zeros to False (--no-position-zeros).",
-    )
-
-
-def _inputs_of(problem: RecordProblem, measurement: Measurement) -> Sequence[Mapping[str, Array]]:
-    """Return contact inputs along stretches; of simulated segments, what was recorded."""
-    if isinstance(problem, ForceMap):
-        return [one.path.inputs for one in problem.stretches]
-    records = measurement.records()
-    return [recorded_inputs(one, np.asarray(one.time)) for one in records]
-
-
-def _of_one_way(fit: RecordFit) -> tuple[str, ...]:
-    """Return a sentence where a constant force is a part of the friction level."""
-    if not fit.one_way:
-        return ()
-    return (
-        "The rows that are compared slip in one direction only: a constant force (gravity, a cable,"
-        " a sensor offset) and the friction level cannot be told apart. The level includes it, and"
-        " its interval does not allow for it. Move in the other direction, too, or give the force"
-        " in fixed.",
     )
 
 

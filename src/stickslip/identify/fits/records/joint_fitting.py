@@ -18,7 +18,7 @@ from stickslip.identify.fits.estimation.parameters import (
     WIDE,
     FreeParameter,
 )
-from stickslip.identify.fits.force_map.data import MotionSegment
+from stickslip.identify.fits.force_map.data import MotionSegment, moved
 from stickslip.identify.fits.force_map.force_balance import SAMPLES
 from stickslip.identify.fits.force_map.holds import hold_of
 from stickslip.identify.fits.force_map.joint_balance import (
@@ -27,10 +27,7 @@ from stickslip.identify.fits.force_map.joint_balance import (
     joint_stretches,
     regression_of,
 )
-from stickslip.identify.fits.force_map.model import moved
-from stickslip.identify.fits.force_map.problem import FEW
 from stickslip.identify.fits.records.links import told_links
-from stickslip.identify.fits.records.problems import SOME
 from stickslip.identify.fits.series.inverse_dynamics import positions_of
 from stickslip.identify.fits.series.start_values import MOST
 from stickslip.identify.fits.settings import NEGLIGIBLE, ROUNDS, SETTLED, Hold, RecordSettings
@@ -75,23 +72,21 @@ class _Motion:
     """What it leaves with parameters within their bounds, over the spread of the force (m,)."""
     inertias: Array
     """What moves with each joint (m,)."""
-    stretches: Mapping[float, tuple[tuple[MotionSegment, ...], ...]]
-    """By samples of a record, stretches of each joint at the parameters' start."""
+    stretches: tuple[tuple[MotionSegment, ...], ...]
+    """Stretches of each joint at the parameters' start."""
 
     @property
     def resting(self) -> tuple[str, ...]:
         """Coordinates that rest in all records, or hardly move: nothing tells their friction."""
-        names, whole = self.torques.coordinates, self.stretches[SAMPLES]
-        return tuple(n for n, own in zip(names, whole, strict=True) if not _rows(own))
+        pairs = zip(self.torques.coordinates, self.stretches, strict=True)
+        return tuple(name for name, own in pairs if not _rows(own))
 
     @classmethod
-    def of(
-        cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
-    ) -> "_Motion":
-        """Derive the motions; with the finer samples that bristles are integrated along."""
+    def of(cls, asked: "_Asked", measurement: Measurement, hold: Hold) -> "_Motion":
+        """Derive the motions."""
         torques = JointTorques.of(asked.mechanism, asked.linear, by_position=asked.zeros)
         for _ in range(ROUNDS):
-            own = cls.along(torques, asked, measurement, hold, bristles=bristles)
+            own = cls.along(torques, asked, measurement, hold)
             if not torques.bent:
                 return own
             start = {item.path: item.start for item in own.linear}
@@ -99,7 +94,7 @@ class _Motion:
             asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", start))
             if change < SETTLED:
                 break
-        return cls.along(torques, asked, measurement, hold, bristles=bristles)
+        return cls.along(torques, asked, measurement, hold)
 
     @classmethod
     def along(
@@ -108,53 +103,27 @@ class _Motion:
         asked: "_Asked",
         measurement: Measurement,
         hold: Hold,
-        *,
-        bristles: bool,
     ) -> "_Motion":
         """Derive the motions with slopes at the values of the mechanism."""
-        samples = (SAMPLES, min(SAMPLES, SOME), *((FEW,) if bristles else ()))
-        derived = joint_stretches(
-            torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
+        (derived,) = joint_stretches(
+            torques, asked.mechanism, measurement, hold=hold, samples=(SAMPLES,), slipping=True
         )
-        linear, left, within = _start(asked, torques, derived[0])
-        found = {
-            count: tuple(tuple(one for one in own) for own in whole)
-            for count, whole in zip(samples, derived, strict=True)
-        }
+        linear, left, within = _start(asked, torques, derived)
         values = {path: v for path, _, v in parameters(asked.mechanism, "mechanism")}
         at = np.array([values[path] for path in torques.linear])
         first = np.array([item.start for item in linear])
         mechanism = vary(
             asked.mechanism, "mechanism", dict(zip(torques.linear, first.tolist(), strict=True))
         )
-        own = cls(
+        return cls(
             torques=torques,
             mechanism=mechanism,
             linear=linear,
             left=left,
-            share=within / _spread(derived[0]),
+            share=within / _spread(derived),
             inertias=torques.inertias(mechanism, _middle(measurement, torques.coordinates)),
-            stretches=found,
+            stretches=tuple(tuple(moved(one, first - at) for one in joint) for joint in derived),
         )
-        return replace(own, stretches=own.moved(first - at))
-
-    def moved(self, change: Array) -> Mapping[float, tuple[tuple[MotionSegment, ...], ...]]:
-        """Return the stretches as if the parameters of the mechanism had changed by (k,)."""
-        return {
-            count: tuple(tuple(moved(one, change) for one in own) for own in whole)
-            for count, whole in self.stretches.items()
-        }
-
-    def at(self, values: Array) -> "_Motion":
-        """Return the same with other start values of the parameters of the mechanism (k,)."""
-        change = values - np.array([item.start for item in self.linear])
-        linear = tuple(
-            replace(item, start=value)
-            for item, value in zip(self.linear, values.tolist(), strict=True)
-        )
-        started = dict(zip(self.torques.linear, values.tolist(), strict=True))
-        mechanism = vary(self.mechanism, "mechanism", started)
-        return replace(self, mechanism=mechanism, linear=linear, stretches=self.moved(change))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -188,7 +157,6 @@ class JointFitter:
         vary: str | Sequence[str] | None = None,
         fixed: Mapping[str, float] | None = None,
         settings: RecordSettings | None = None,
-        bristles: bool = False,
     ) -> "JointFitter":
         """Check the records and derive their motion."""
         settings = settings or RecordSettings()
@@ -202,11 +170,10 @@ class JointFitter:
         asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=zeros)
         refuse_unused(measurement)
         refuse_faults(measurement, asked.mechanism)
-        bristles = bristles or any(map(_has_bristles, asked.laws.values()))
         with with_doubts(measurement, asked.mechanism):
             hold = hold_of(asked.mechanism, measurement, settings.hold, vary=asked.linear)
             settings = settings if hold is None else hold.applied(settings)
-            motion = _Motion.of(asked, measurement, settings.holding, bristles=bristles)
+            motion = _Motion.of(asked, measurement, settings.holding)
         return cls(
             asked=asked,
             asked_hold=given,
@@ -248,7 +215,7 @@ class JointFitter:
         for finding, other in _suspected(self.measurement, names, units):
             try:
                 asked = _Asked.of(self.mechanism, laws, self.vary, self.fixed, other, zeros=zeros)
-                seen = _Motion.of(asked, other, self.settings.holding, bristles=False)
+                seen = _Motion.of(asked, other, self.settings.holding)
             except InputError:
                 continue
             found.append((float(np.max(seen.share)), finding))
@@ -461,10 +428,6 @@ def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
     squares = np.bincount(joint, residual**2, minlength=count)
     found: Array = np.sqrt(squares / np.maximum(np.bincount(joint, minlength=count), 1))
     return found
-
-
-def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
-    return law is not None and bool(law.states)
 
 
 def _start(

@@ -17,15 +17,10 @@ from stickslip.identify.fits.contact_inputs import as_loaded, loaded
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identify.fits.estimation.problem import RecordProblem
 from stickslip.identify.fits.force_map.force_balance import (
-    BalanceProblemBuilder,
     balanced,
 )
 from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
-from stickslip.identify.fits.force_map.problem import (
-    MECHANISM,
-    constant_of,
-)
-from stickslip.identify.fits.force_map.start_values import StartEstimate
+from stickslip.identify.fits.force_map.start_values import MECHANISM, StartEstimate, constant_of
 from stickslip.identify.fits.records.fit import ProblemBuilder
 from stickslip.identify.fits.records.scanning import (
     least_of,
@@ -164,17 +159,12 @@ class _ShootingBuilder:
     def fitted(self, record: Measurement, length: float | None) -> Shooting:
         return self(record, length)
 
-    def at(self, _values: Array) -> "_ShootingBuilder":
-        return self
-
 
 def held_otherwise(build: ProblemBuilder) -> ProblemBuilder | None:
     """Return what takes the other hold of a force between samples; None if it takes none."""
     if isinstance(build, _ShootingBuilder):
         settings = replace(build.settings, hold=_other(build.settings.holding))
         return replace(build, settings=settings)
-    if isinstance(build, BalanceProblemBuilder):
-        return replace(build, hold=_other(build.hold))
     return None
 
 
