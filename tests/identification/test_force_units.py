@@ -53,7 +53,8 @@ def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit
     record = Measurement(time=t, position=x, friction=np.array(friction))
     found = fit(Axis(inertia=1.0), Dahl, record)
     assert unit_of(found, "bristle_stiffness") == "N/m"
-    assert unit_of(found, "yield_exponent") == "1"
+    power = fit(Axis(inertia=1.0), "power-viscous", table())
+    assert unit_of(power, "viscous_exponent") == "1"
 
 
 @pytest.mark.parametrize(
@@ -89,5 +90,5 @@ def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence(
 
 def test_nothing_is_said_of_an_offset_that_was_looked_for():
     found = fit(Axis(inertia=1.0), Coulomb, table())
-    assert "mechanism.offset" in {one.path for one in found.estimates}
-    assert not any("constant force" in line for line in found.sentences)
+    assert "offset" in {one.path for one in found.estimates}
+    assert not any("constant force" in line for line in (*found.sentences, *found.remarks))

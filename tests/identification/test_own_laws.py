@@ -1,6 +1,5 @@
 """Laws of a user's own, whose parameter names the package has never heard of, on every route."""
 
-import dataclasses
 import math
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
@@ -222,21 +221,6 @@ def test_a_parameter_without_a_range_says_which_quantity_to_complete_and_how(tab
     found = fit(Axis(inertia=1.0), Unranged, table, vary=["grip", "fall"],
                 fixed={"knee_speed": 0.15})  # fmt: skip
     assert contains(found, "friction.grip", 4.0, WIDEN)
-
-
-def test_bounds_hold_where_a_law_declares_values(table):
-    """A pure number is not looked for outside its bounds."""
-    narrow = Quantity("s", low=0, high=0.95, scale="none", bounds=(0.0, 0.3), start=0.2)
-    kind = dataclasses.make_dataclass(
-        "Narrow",
-        [("fall", Annotated[float, narrow])],
-        bases=(Weakening,),
-        frozen=True,
-        kw_only=True,
-        namespace={"name": "narrow"},
-    )
-    found = fit(Axis(inertia=1.0), kind, table)
-    assert found.law.fall == pytest.approx(0.3, rel=1e-6)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -95,7 +95,7 @@ def test_fit_and_select_refuse_the_same_records(parts, words):
 def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
     wrong = {**parts, "position": 1e3 * parts["position"]}
     trials = tuple(Measurement(**wrong, name=name) for name in ("north", "south"))
-    with pytest.raises(InputError, match=r"fitted. north and south: Force is 0.001") as caught:
+    with pytest.raises(InputError, match=r"used. north and south: Force is 0.001") as caught:
         fit(AXIS, CoulombViscous, Measurement(trials=trials))
     assert str(caught.value).count("Force is") == 1
     many = tuple(Measurement(**wrong, name=f"run{i}") for i in range(9))
@@ -108,15 +108,18 @@ def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
     time = np.arange(60) / 100
     record = Measurement(time=time, position=0.1 * (np.cosh(4 * time) - 1))
     with pytest.raises(InputError, match=r"no drive was given.*Give the force"):
-        fit(Axis(inertia=1.0), Viscous, record)
+        fit(Axis(inertia=1.0), Viscous, record, route="shooting")
 
 
 def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
+    both = ["friction.*", "mechanism.inertia"]
     with pytest.raises(InputError, match="% of the force") as caught:
-        fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"])
+        fit(AXIS, CoulombViscous, cut, vary=both, route="shooting")
     assert "Warnings of the data check: " in str(caught.value)
     assert "the sensor is at the end of its range" in str(caught.value)
+    warned = fit(AXIS, CoulombViscous, cut, vary=both).verdict.checks
+    assert any("the sensor is at the end of its range" in str(one) for one in warned.findings)
 
 
 def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
@@ -216,7 +219,7 @@ def test_a_horizon_that_is_no_length_of_time_is_refused(simulated, horizon):
 
 def test_a_second_record_must_have_what_the_first_has(parts, found, simulated):
     bare = Measurement(**{**parts, "force": None})
-    with pytest.raises(InputError, match=r"the second record has no force"):
+    with pytest.raises(InputError, match=r"the other measurement has no force"):
         found.predict(bare)
     with pytest.raises(InputError, match=r"the second record has no force"):
         select(AXIS, [Coulomb], found.measurement, validate=bare)
@@ -263,7 +266,9 @@ def test_trials_have_each_their_own_load():
         trials.append(Measurement(time=TIME, position=x, force=force, load=load))
     found = fit(axis, CoulombViscous, Measurement(trials=tuple(trials)))
     # without noise; reversals are known to some samples
-    assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=5e-3)
+    level = found.estimate("kinetic_coefficient")
+    assert level.low <= 2.0 <= level.high
+    assert level.value == pytest.approx(2.0, rel=0.03)
     assert found.mechanism.load == 4.0
 
 
@@ -325,14 +330,9 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
     record = Measurement(time=time, position=position, force=1e5 * position)
     axis = Axis(inertia=5.0)
     assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
-    with pytest.raises(InputError, match="which therefore says nothing") as caught:
-        fit(
-            axis,
-            CoulombViscous,
-            record,
-            vary=["friction.*", "mechanism.inertia"],
-        )
-    assert "Check its sign" not in str(caught.value)
+    found = fit(axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"])
+    assert any("which cannot be: something else acts" in one for one in found.remarks)
+    assert found.mechanism.inertia == 5.0
 
 
 def test_one_encoder_of_two_masses_is_refused_with_what_to_give():

@@ -17,6 +17,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.friction import law as law_type
+from stickslip.identify.fits import route_of
 from stickslip.identify.fits.estimation.levenberg_marquardt import search
 from stickslip.identify.fits.records import fitting
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse
@@ -158,6 +160,13 @@ def test_a_decay_that_only_its_segments_predict_says_over_what_it_fails(monkeypa
     monkeypatch.setattr(fitting, "search", only_short)
     with pytest.raises(ConvergenceError, match=r"are too short to predict 2\.45 s: the record"):
         fit(rig, Viscous, record, route="shooting", settings=QUICK)
+
+
+def test_what_follows_from_the_motion_alone_is_left_to_segments():
+    axis, record = tracked()
+    pushed = dataclasses.replace(record, force=np.asarray(record.reference), reference=None)
+    for text, route in (("level + weight[motor]", "shooting"), ("level + viscous", "balance")):
+        assert route_of(axis, pushed, law_type(text)) == route
 
 
 def test_a_free_decay_gives_its_law_back_by_its_balance():

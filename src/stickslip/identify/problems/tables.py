@@ -411,8 +411,8 @@ class TableProblem(Problem):
             coefficients = self._under_other_loads(structure, coefficients, z)
         if is_own(structure):
             found = own_composition(structure, coefficients)
-            places = [k for k, (name, _) in enumerate(structure) if name == "offset"]
-            beside = {"offset": coefficients[:, k] for k in places}
+            names = [name for name, _ in structure]
+            beside = {"offset": coefficients[:, names.index("offset")]} if "offset" in names else {}
             return replace(found, rig=beside, load=load, inputs=dict(self.model.frame.means))
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}

@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from typing import Literal, TypeAlias
@@ -57,7 +57,7 @@ from stickslip.identify.fits.series.applied_force import driven, drives_itself, 
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import Parameters
-from stickslip.mechanisms import Mechanism, slip_of, stops_of
+from stickslip.mechanisms import Mechanism, input_names, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import vary
 from stickslip.show.formatting import joined, number, quantity
@@ -102,13 +102,18 @@ def route_of(
     if drives_itself(mechanism, measurement) or "reference" in commands:
         return "shooting"
     free = not driven(measurement)
-    told = law is None or _is_told(law, free=free)
+    told = law is None or _is_told(law, {*input_names(mechanism)} - {"transmitted"}, free=free)
     return "balance" if told and _tracked(mechanism) else "shooting"
 
 
-def _is_told(law: FrictionLaw | type[FrictionLaw], *, free: bool) -> bool:
-    """Return whether a balance tells the states of a law; a free motion tells sums of parts."""
+def _is_told(law: FrictionLaw | type[FrictionLaw], by_motion: Set[str], *, free: bool) -> bool:
+    """Return whether a balance tells the states of a law; a free motion tells sums of parts.
+
+    What follows from the motion by the mechanism alone, such as a place, is none of its inputs.
+    """
     kind = law if isinstance(law, type) else type(law)
+    if by_motion & {*kind.inputs}:
+        return False
     if kind.composition is None:
         return not (free or kind.states)
     parts = [one for one in kind.composition.parts() if one.role == "memory"]
