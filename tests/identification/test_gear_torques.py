@@ -1,0 +1,71 @@
+"""Friction that grows with the torque of a gear, in records of one coordinate."""
+
+import numpy as np
+
+from stickslip import Axis, Measurement, Pendulum, fit
+from stickslip.mechanisms import DCMotor
+
+T = np.arange(0.0, 16.0, 4e-3)
+SIZES, RATES, PHASES = (0.5, 0.3, 0.2), (1.7, 3.9, 6.1), (0.3, 2.0, 4.4)
+MOTOR = DCMotor(resistance=4.0, torque_constant=0.4, rotor_inertia=2e-3)
+SHARE = 0.15
+
+
+def motion():
+    """Return positions, velocities and accelerations (n,)."""
+    parts = list(zip(SIZES, RATES, PHASES, strict=True))
+    q = sum(a * np.sin(w * T + p) for a, w, p in parts)
+    v = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
+    return q, v, -sum(a * w**2 * np.sin(w * T + p) for a, w, p in parts)
+
+
+def friction(level, taken, external, *, viscous=0.02, share=SHARE):
+    """Return friction (n,) of a gear: of the torque that it transmits, friction is a part."""
+    _, v, _ = motion()
+    found = np.zeros_like(v)
+    for _ in range(100):
+        loads = {
+            "transmitted": np.abs(taken + found - external),
+            "motor": np.abs(taken + found),
+            "squared": 0.4 * (taken + found - external) ** 2,
+            "none": 0.0,
+        }
+        found = np.sign(v) * (0.05 + share * loads[level]) + viscous * v
+    return found
+
+
+def noisy(values, size, seed=0):
+    return values + size * np.random.default_rng(seed).standard_normal(len(values))
+
+
+def swung(level, *, seed=0):
+    """Return a pendulum and its record under a torque."""
+    rig = Pendulum(mass=0.6, length=0.15, inertia=4e-3)
+    q, _, a = motion()
+    weight = 0.6 * 9.81 * 0.15 * np.sin(q)
+    taken = weight + (0.6 * 0.15**2 + 4e-3) * a
+    force = taken + friction(level, taken, -weight)
+    record = Measurement(
+        time=T, position=noisy(q, 1e-4, seed), force=noisy(force, 2e-3, seed + 1), turning=True
+    )
+    return rig, record
+
+
+def test_a_gear_that_takes_all_of_the_force_does_not_explain_it():
+    record, _, _ = rubbed()
+    free = ["friction.*", "mechanism.inertia"]
+    gear, coulomb = (
+        fit(Axis(inertia=0.2), name, record, vary=free, route="balance")
+        for name in ("gear", "coulomb")
+    )
+    # along the measured force a share of all of it leaves nothing of what has no inertia
+    assert coulomb.verdict.closest.left < 0.1
+    assert gear.verdict.closest.left > 0.5
+
+
+def test_the_share_of_the_torque_that_a_gear_loses_is_found_by_a_fit():
+    rig, record = swung("transmitted")
+    found = fit(rig, law("level + weight[transmitted] + viscous"), record)
+    share = found.estimate("transmitted_coefficient")
+    assert share.low <= SHARE <= share.high
+    assert share.high - share.low < 0.5 * SHARE
