@@ -38,7 +38,7 @@ MOST_BEGINNINGS = 81
 """... and how many of these together, at most."""
 UNTOLD = 1e-2
 """Change of friction over what is allowed, as a parameter changes by its own size, to be told."""
-PART_OF = 0.1
+PART_OF = 0.01
 """Part of a change that nothing tells, from which it is one of a parameter."""
 
 

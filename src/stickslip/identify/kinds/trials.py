@@ -581,13 +581,13 @@ def _sentences(
     differ = _odds(found.probability) >= ASSERTED
     median, low, high = (percent(x) for x in found.spread)
     symbol = trials[0].estimates[0].quantity.symbol
-    spread = f"{symbol} differs between them by {median} ({low} to {high}, standard deviation)"
+    spread = f"between them {symbol} differs by {median} ({low} to {high}, standard deviation)"
     if differ:
         said = [_change(line) for line in clear]
         said = said or [text for p, text in found.texts if _odds(p) >= ASSERTED][:MOST]
         yield (
             f"The trials do not share one law (probability {percent(found.probability)}):"
-            f" {joined(said or [*_range(trials)])}."
+            f" {joined(said or [*_range(trials)])}{'' if said else _cause(found.lines)}."
         )
         yield f"{spread[0].upper()}{spread[1:]}."
         yield (
@@ -649,7 +649,21 @@ def _range(trials: Sequence[TrialEstimates]) -> Iterator[str]:
             )
             best = apart, f"{one.quantity.symbol} ranges from {low} to {high}"
     if best[1]:
-        yield best[1] + ", which no condition explains" * any(one.conditions for one in trials)
+        yield best[1]
+
+
+def _cause(lines: Sequence[ConditionLine]) -> str:
+    """Return which condition may be the cause, as the end of a sentence."""
+    if not lines:
+        return ""
+    best = max(lines, key=lambda one: (one.probability, -_width(one)))
+    name = condition_name(best.condition)
+    if best.probability < 0.5:
+        return ", which no condition explains"
+    return (
+        f", perhaps with the {name} (probability {percent(best.probability)}: more trials would"
+        " tell)"
+    )
 
 
 def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:

@@ -412,8 +412,8 @@ class TableProblem(Problem):
             coefficients = self._under_other_loads(structure, coefficients, z)
         if is_own(structure):
             found = own_composition(structure, coefficients)
-            places = [k for k, (name, _) in enumerate(structure) if name == "offset"]
-            beside = {"offset": coefficients[:, k] for k in places}
+            names = [name for name, _ in structure]
+            beside = {x: coefficients[:, names.index(x)] for x in ("offset",) if x in names}
             return replace(found, rig=beside, load=load, inputs=dict(self.model.frame.means))
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}
