@@ -81,7 +81,8 @@ def test_a_level_that_rises_is_found_and_said_with_its_ends():
 def test_what_three_trials_hardly_tell_of_a_condition_is_said_so():
     found = compared(made(1, rise=0.01))
     assert not found.shared
-    assert found.sentences[0].endswith("which temperature may explain.")
+    assert found.sentences[0].endswith("more trials would tell).")
+    assert ", perhaps with the temperature (probability " in found.sentences[0]
 
 
 @pytest.mark.slow

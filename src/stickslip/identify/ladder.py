@@ -10,7 +10,7 @@
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +26,7 @@ from stickslip.identify.candidates import (
     in_sentence,
     score_text,
 )
-from stickslip.identify.fits import VARIES, measured_loads
+from stickslip.identify.fits import VARIES, measured_loads, unvaried
 from stickslip.identify.judgement import Finding, Judgement
 from stickslip.identify.laws import TITLES
 from stickslip.identify.projection import MARGIN, Rung, names_of
@@ -34,6 +34,7 @@ from stickslip.identify.propose import Proposal
 from stickslip.identify.verdict import (
     BandVerdict,
     LawCandidate,
+    LawFit,
     at_usual_inputs,
     estimates_of,
     law_fit,
@@ -235,6 +236,25 @@ def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
     return ["law", "parameters", "stays within", "worst", leaves, "probability", ""], rows
 
 
+def untold_of_law(judgement: Judgement, fit: LawFit) -> Iterator[str]:
+    """Yield what nothing tells of a law that is no sum of parts."""
+    own = judgement.composition.own
+    if own is None:
+        return
+    inputs = [
+        {name: np.atleast_1d(x) for name, x in one.contact_inputs().items()}
+        for one in fit.measurement.records()
+    ]
+    yield from unvaried(own.law, inputs)
+    symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.bounded]
+    if symbols:
+        are = "is" if len(symbols) == 1 else "are"
+        yield (
+            f"{joined(symbols)} {are} not told: what was measured would be the same with other"
+            " values."
+        )
+
+
 def candidate_of(
     judgement: Judgement,
     rung: Rung,
@@ -321,6 +341,7 @@ def ladder_verdict(
     ]
     doubts = [finding_sentence(one) for one in judgement.findings if one.asserted]
     doubts += judgement.problem.untold()
+    doubts += untold_of_law(judgement, first.fit)
     if far := judgement.outliers:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if foreseen is not None:

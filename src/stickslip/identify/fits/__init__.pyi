@@ -10,6 +10,7 @@ from stickslip.identify.fits.contact_inputs import load_of as load_of
 from stickslip.identify.fits.contact_inputs import measured_loads as measured_loads
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
 from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
+from stickslip.identify.fits.contact_inputs import unvaried as unvaried
 from stickslip.identify.fits.contact_inputs import usual_values as usual_values
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met

@@ -584,14 +584,13 @@ def _sentences(
     differ = _odds(found.probability) >= ASSERTED
     median, low, high = (percent(x) for x in found.spread)
     symbol = trials[0].estimates[0].quantity.symbol
-    spread = f"{symbol} differs between them by {median} ({low} to {high}, standard deviation)"
+    spread = f"between them {symbol} differs by {median} ({low} to {high}, standard deviation)"
     if differ:
         said = [_change(line) for line in clear]
         said = said or [text for p, text in found.texts if _odds(p) >= ASSERTED][:MOST]
-        likely = [*dict.fromkeys(one.condition for one in found.lines if one.probability > 0.5)]
         yield (
             f"The trials do not share one law (probability {percent(found.probability)}):"
-            f" {joined(said or [*_range(trials, likely)])}."
+            f" {joined(said or [*_range(trials)])}{'' if said else _cause(found.lines)}."
         )
         yield f"{spread[0].upper()}{spread[1:]}."
         yield (
@@ -639,11 +638,8 @@ def _slope(line: ConditionLine) -> str:
     )
 
 
-def _range(trials: Sequence[TrialEstimates], likely: Sequence[str]) -> Iterator[str]:
-    """Yield the range of the parameter that differs most between trials, over its errors.
-
-    Some conditions are `likely` to act, which is not enough to say so.
-    """
+def _range(trials: Sequence[TrialEstimates]) -> Iterator[str]:
+    """Yield the range of the parameter that differs most between trials, over its errors."""
     best = (0.0, "")
     for k, one in enumerate(trials[0].estimates):
         least, most = (f(trials, key=lambda t: float(t.values[k])) for f in (min, max))
@@ -656,9 +652,21 @@ def _range(trials: Sequence[TrialEstimates], likely: Sequence[str]) -> Iterator[
             )
             best = apart, f"{one.quantity.symbol} ranges from {low} to {high}"
     if best[1]:
-        names = " or ".join(condition_name(one) for one in likely)
-        why = f", which {names} may explain" if likely else ", which no condition explains"
-        yield best[1] + why * any(one.conditions for one in trials)
+        yield best[1]
+
+
+def _cause(lines: Sequence[ConditionLine]) -> str:
+    """Return which condition may be the cause, as the end of a sentence."""
+    if not lines:
+        return ""
+    best = max(lines, key=lambda one: (one.probability, -_width(one)))
+    name = condition_name(best.condition)
+    if best.probability < 0.5:
+        return ", which no condition explains"
+    return (
+        f", perhaps with the {name} (probability {percent(best.probability)}: more trials would"
+        " tell)"
+    )
 
 
 def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:

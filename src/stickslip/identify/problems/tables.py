@@ -412,7 +412,7 @@ class TableProblem(Problem):
         if is_own(structure):
             found = own_composition(structure, coefficients)
             names = [name for name, _ in structure]
-            beside = {"offset": coefficients[:, names.index("offset")]} if "offset" in names else {}
+            beside = {x: coefficients[:, names.index(x)] for x in ("offset",) if x in names}
             return replace(found, rig=beside, load=load, inputs=dict(self.model.frame.means))
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}
