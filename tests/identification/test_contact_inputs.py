@@ -94,6 +94,9 @@ def test_a_constant_input_is_said_and_its_parameter_gets_no_interval():
         time=T, position=X, friction=friction(30.0), load=2.0, inputs={"temperature": 30.0}
     )
     found = fit(TABLE, WARM, record)
+    assert "The temperature is constant in this record: its effect cannot be told." in (
+        found.sentences
+    )
     for name in ("viscous_temperature_decay", "viscous_coefficient"):
         assert not found.estimate(name).bounded
     assert found.estimate("kinetic_coefficient").bounded

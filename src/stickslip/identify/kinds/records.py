@@ -34,6 +34,7 @@ from stickslip.identify.fits import (
     inside,
     load_of,
     names_of,
+    refuse_overrides,
     route_of,
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
@@ -192,6 +193,7 @@ class RecordKind(BandKind):
         return self._select(request, chosen, request.laws)
 
     def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
+        refuse_overrides(request.measurement, chosen.unknown)
         return select_record(
             chosen.mechanism,
             request.measurement,

@@ -1,7 +1,7 @@
 """The problems that records become, by route, and where their searches begin."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Generic, TypeAlias
@@ -219,7 +219,7 @@ def simulated(
     own = _mechanism_unknowns(mechanism, wanted.unknown, inertia, rough.force)
     free = replace(free, items=(*free.items, *own))
     check_varied(len(free))
-    _refuse_overrides(under_load, free)
+    refuse_overrides(under_load, free.paths)
     build = _ShootingBuilder(mechanism, start, free, choice.settings, quantity)
     problem = build(measurement, None)
     tried = [free.start]
@@ -249,11 +249,11 @@ def _mechanism_unknowns(
         yield mechanism_unknown(path, quantity, begin, level)
 
 
-def _refuse_overrides(measurement: Measurement, free_parameters: FreeParameters) -> None:
+def refuse_overrides(measurement: Measurement, paths: Collection[str]) -> None:
     """Refuse trials with values of their own for what is one unknown of all of them."""
     for number, record in enumerate(measurement.records(), 1):
         for path in record.overrides:
-            if path in free_parameters.paths:
+            if path in paths:
                 raise InputError(
                     f"trial {record.name or number} overrides {path}, which is fitted as one value"
                     " for all trials: leave the override out, or do not vary it."
