@@ -36,6 +36,8 @@ BEGINNINGS = 3
 """Values of each speed, or other shape, from which a law is first fitted ..."""
 MOST_BEGINNINGS = 81
 """... and how many of these together, at most."""
+OF_RANGE = 1e-3
+"""Share of its range that is the least size of a parameter, which may begin at 0."""
 UNTOLD = 1e-2
 """Change of friction over what is allowed, as a parameter changes by its own size, to be told."""
 SMALL = 1e-3
@@ -164,7 +166,10 @@ class OwnLaw:
                 found = found - np.sum(found / allowed) / np.sum(allowed**-2.0) / allowed
             return np.where(np.isfinite(found), found, 1e6)
 
-        sizes = [max(abs(x), abs(one.start), TINY) for x, one in zip(own, ranges, strict=True)]
+        sizes = [
+            max(abs(x), abs(one.start), OF_RANGE * max(abs(one.low), abs(one.high)), TINY)
+            for x, one in zip(own, ranges, strict=True)
+        ]
         scale = np.array(sizes)
         best, least = own, math.inf
         for begin in sorted(begins, key=lambda x: float(np.sum(left(np.array(x)) ** 2)))[:6]:
