@@ -18,7 +18,7 @@ TRUTH = {
     "shoulder": CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.02),
     "elbow": CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=0.01),
 }
-QUICK = RecordSettings(hold="first", starts=1)
+QUICK = RecordSettings(hold="first")
 
 
 def motion(seed, span=10.0, jitter=0.0):

@@ -76,7 +76,7 @@ def test_select_with_one_law_gives_the_numbers_of_fit_to_the_last_digit(name, ma
         (one.path, one.value, one.low, one.high) for one in chosen.estimates
     ]
     assert found.law == chosen.law
-    v = np.linspace(-0.8, 0.8, 9)
+    v = np.linspace(-0.8, 0.8, 8)
     one, other = found.verdict.band(v), verdict.band(v)
     np.testing.assert_array_equal(one.low, other.low)
     np.testing.assert_array_equal(one.high, other.high)
