@@ -392,10 +392,3 @@ def test_a_torque_that_a_gear_transmits_changes_with_a_mass_that_is_fitted(gears
         assert abs(estimate.value - true) < estimate.high - estimate.low < 0.1 * true
     other = fit(bare, kinds, record, vary=asked)
     assert other.values == pytest.approx(found.values, rel=1e-5)  # of two ends of searches
-
-
-def test_a_torque_that_changes_with_an_unknown_zero_is_no_known_input(gears):
-    bare, laws, record = gears
-    kinds = dict.fromkeys(laws, JOINT_GEAR)
-    with pytest.raises(InputError, match="'transmitted', and TwoLinkArm tells it by"):
-        fit(bare, kinds, record, settings=RecordSettings(position_zeros=True))

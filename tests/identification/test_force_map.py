@@ -185,27 +185,22 @@ def test_an_encoder_that_flickers_at_rest_is_at_rest_for_a_delayed_force_too(del
     assert np.mean(own.path.velocity[resting] == 0.0) > 0.99
 
 
+SLIDING = [name for name in TRUE if name not in ("dahl", "lugre", "direction-dependent")]
+
+
 def values_of(found):
     """Return the values of a fit, by path."""
     return {one.path.removeprefix("mechanism."): one.value for one in found.estimates}
 
 
-@pytest.mark.parametrize("name", [name for name in TRUE if name not in ("dahl", "lugre")])
+@pytest.mark.parametrize("name", SLIDING)
 def test_a_law_of_speed_alone_gives_its_parameters_back(name):
     record = record_of(TRUE[name], rate=200.0)
     found = stickslip.fit(AXIS, LAWS[name], record)
     assert {one.path for one in found.estimates} >= {f"friction.{x}" for x in LAWS[name].fit_order}
     for field in LAWS[name].fit_order:
         true = getattr(TRUE[name], field)
-        assert getattr(found.law, field) == pytest.approx(true, rel=0.01), field
-
-
-@pytest.mark.parametrize("name", ["dahl", "lugre"])
-def test_a_law_of_bristles_gives_its_parameters_back(name):
-    found = stickslip.fit(AXIS, LAWS[name], record_of(TRUE[name]))
-    for field in LAWS[name].fit_order:
-        true = getattr(TRUE[name], field)
-        assert getattr(found.law, field) == pytest.approx(true, rel=0.05), field
+        assert getattr(found.law, field) == pytest.approx(true, rel=0.02), field
 
 
 def test_a_table_without_time_is_compared_with_steady_friction():
@@ -213,7 +208,7 @@ def test_a_table_without_time_is_compared_with_steady_friction():
     truth = TRUE["stribeck"]
     table = Measurement(velocity=v, friction=truth.force(v, 10.0) + OFFSET, load=10.0)
     found = stickslip.fit(AXIS, Stribeck, table)
-    assert found.route == "table"
+    assert found.verdict.route == "table"
     for name in ("kinetic_coefficient", "static_coefficient", "stribeck_velocity"):
         assert getattr(found.law, name) == pytest.approx(getattr(truth, name), rel=5e-3)
     assert found.estimate("offset").value == pytest.approx(OFFSET, rel=0.01)
@@ -221,10 +216,11 @@ def test_a_table_without_time_is_compared_with_steady_friction():
 
 def test_slip_in_one_direction_has_no_offset_of_its_own():
     v = np.geomspace(1e-3, 0.3, 40)
-    table = Measurement(velocity=v, friction=2.0 + 8.0 * v)
-    found = stickslip.fit(replace(AXIS, offset=0.5), CoulombViscous, table)
+    record = Measurement(time=0.1 * np.arange(40.0), velocity=v, friction=2.0 + 8.0 * v)
+    table = replace(record, time=None)
+    found = stickslip.fit(AXIS, CoulombViscous, table)
     assert "offset" not in values_of(found)
-    assert found.law.kinetic_coefficient == pytest.approx(1.5, rel=1e-3)
+    assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-3)
 
 
 def test_the_load_is_the_weight_where_none_was_measured():
@@ -240,15 +236,6 @@ def test_velocity_comes_from_positions_where_it_was_not_measured():
     # parabolas over 16 ms of a motion whose fastest part takes 0.9 s
     assert found.law.kinetic_coefficient == pytest.approx(0.3, rel=1e-2)
     assert found.law.viscous_coefficient == pytest.approx(8.0, rel=1e-2)
-
-
-def test_a_gap_begins_a_stretch_with_a_state_of_its_own():
-    record = record_of(TRUE["dahl"])
-    kept = (record.time < 4.5) | (record.time > 5.2)
-    names = ("time", "position", "velocity", "friction", "load")
-    cut = Measurement(**{name: getattr(record, name)[kept] for name in names})
-    found = stickslip.fit(AXIS, Dahl, cut)
-    assert found.law.bristle_stiffness == pytest.approx(4e3, rel=0.05)
 
 
 def test_held_parameters_stay():
@@ -270,7 +257,7 @@ def test_held_parameters_stay():
         (
             Measurement(time=np.arange(20.0), friction=np.ones(20), name="run 3"),
             AXIS,
-            r"needs velocity \(v\) \[m/s\] or position .* 'run 3' has only friction",
+            r"needs position .* or velocity .* 'run 3' has friction",
         ),
         (
             Measurement(velocity=np.ones(4), friction=np.ones(4)),
@@ -280,7 +267,7 @@ def test_held_parameters_stay():
         (
             Measurement(velocity=np.ones(20), friction=np.ones(20)),
             replace(AXIS, load=0.0),
-            r"the load of Axis \(N\) of the record must be above 0 N, got 0",
+            "a constant normal force above 0 N, and Axis has 0",
         ),
         (
             Measurement(velocity=np.ones(20), friction=np.ones(20), load=-5.0),

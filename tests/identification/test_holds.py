@@ -36,11 +36,15 @@ def along(measurement, hold=None, route="balance"):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", [0, 3])
-@pytest.mark.parametrize("hold", ["zero", "first"])
-def test_intervals_hold_the_mass_whichever_hold_nobody_gave(hold, seed):
-    inertia = along(record(hold, seed=seed)).estimate("inertia")
-    assert inertia.low < 2.0 < inertia.high
+def test_intervals_hold_the_mass_whichever_hold_nobody_gave():
+    held = 0
+    for hold in ("zero", "first"):
+        for seed in (0, 3):
+            inertia = along(record(hold, seed=seed)).estimate("inertia")
+            held += inertia.low < 2.0 < inertia.high
+            assert inertia.value == pytest.approx(2.0, rel=5e-3)
+    # four intervals of 95 % miss no more than once with a probability of 98.6 %
+    assert held >= 3
 
 
 @pytest.mark.slow

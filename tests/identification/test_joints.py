@@ -55,7 +55,9 @@ def test_intervals_hold_the_laws_of_both_joints_and_the_base_parameters():
     assert held >= 34
 
 
-def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(found, tmp_path):
+def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(
+    found, measured, tmp_path
+):
     found.save(tmp_path / "law.toml")
     rig = load_rig(tmp_path / "law.toml")
     known = rig.estimates
@@ -70,7 +72,7 @@ def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(foun
     assert abs(seen) < 0.06
     assert known.intervals[names[1]] == (found.estimates[j].low, found.estimates[j].high)
     for contact, coordinate in zip(JOINTS, ARM.coordinates, strict=True):
-        joint = found.measurement.joints[coordinate]
+        joint = measured.joints[coordinate]
         fastest = np.abs(np.gradient(joint.position, joint.time)).max()
         # a mean over a two hundredth of the record
         assert known.largest_speed[contact] == pytest.approx(fastest, rel=0.1)
@@ -99,7 +101,6 @@ def test_torques_of_another_record_are_predicted_to_their_noise(found):
         one
     ) in seen.values():  # noise of 0.01 N m, of which the filter leaves a tenth, and reversals
         assert one.error < 0.01
-        assert one.unit == "N m"
         assert one.inside > 0.9
 
 
@@ -128,13 +129,11 @@ def test_a_law_that_is_not_linear_in_its_parameters_is_found():
     assert left[0] < 0.5 * left[1]
 
 
-def test_a_joint_without_friction_has_no_law_or_a_level_at_its_bound():
+def test_a_joint_without_friction_has_no_law():
     smooth = record(3, {**TRUTH, "elbow": None})
     none = {"shoulder": CoulombViscous, "elbow": None}
     own = fit(ARM, none, smooth, settings=QUICK)
     assert not any("elbow.kinetic" in e.path for e in own.estimates)
-    level = fit(ARM, BOTH, smooth, settings=QUICK).estimate("friction.elbow.kinetic_coefficient")
-    assert level.value < 0.002
 
 
 def test_a_law_with_a_level_in_each_direction_has_no_offset_beside_it(measured):

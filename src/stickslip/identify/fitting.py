@@ -56,7 +56,10 @@ def fitted_law(
     own = OwnLaw(law=starting(law, known, load), varied=names)
     verdict = select([own])
     found = _as(verdict, kind, {})
-    assert found is not None
+    if found is None:
+        raise InputError(
+            f"{kind.title} friction has no values here: {verdict.words.verdict.rstrip('.')}."
+        )
     return _said(found, verdict)
 
 

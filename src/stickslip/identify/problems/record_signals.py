@@ -222,12 +222,15 @@ def _record(
     }
     transmitted = transmitted_of(inputs)
     inputs = with_transmitted(inputs)
+    found_too = offset and "mechanism.offset" in unknown
+    constant = 0.0 if found_too else float(getattr(mechanism, "offset", 0.0))
     if "friction" in known:
         return Record(
             time=time, position=x, velocity=velocity, load=load, inputs=inputs, friction=True,
             rig=mechanism,
             unknown=_without_forces(mechanism, x, doubts),
-            force=np.asarray(record.values("friction"), dtype=float), located=located,
+            force=np.asarray(record.values("friction"), dtype=float) - constant,
+            constant=constant, located=located,
             transmitted=transmitted,
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
@@ -236,8 +239,6 @@ def _record(
     if began is not None:
         x = x + began
         forces = forces_along(mechanism, record, x, v, unknown, doubts, linear=linear)
-    found_too = offset and "mechanism.offset" in unknown
-    constant = 0.0 if found_too else float(getattr(mechanism, "offset", 0.0))
     inertia: float | None = forces.inertia
     found = dict(forces.unknown)
     for path, one in forces.unknown.items():  # an inertia and nothing else
