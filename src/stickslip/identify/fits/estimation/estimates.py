@@ -189,7 +189,7 @@ def offset_left_out(
     Half the sum of the levels acts against the motion and half their difference always one way, so
     a constant force beside them is the same number twice.
     """
-    constants = ("mechanism.offset", "measurement.offset.friction")
+    constants = ("mechanism.offset", "measurement.offset.friction", "offset")
     fitted = any(path in paths for path in constants)
     if fitted or isinstance(law, Laws) or not law.directional:
         return ()
