@@ -55,9 +55,7 @@ def test_intervals_hold_the_laws_of_both_joints_and_the_base_parameters():
     assert held >= 34
 
 
-def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(
-    found, measured, tmp_path
-):
+def test_the_saved_laws_of_joints_keep_their_intervals(found, measured, tmp_path):
     found.save(tmp_path / "law.toml")
     rig = load_rig(tmp_path / "law.toml")
     known = rig.estimates

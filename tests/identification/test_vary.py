@@ -126,9 +126,9 @@ def test_an_offset_is_fitted_unless_it_is_fixed(driven, route):
     pulled = replace(driven, force=driven.force + 0.5)
     found = fit(AXIS, CoulombViscous, pulled, route=route)
     assert found.mechanism.offset == pytest.approx(0.5, abs=0.01)
-    assert "mechanism.offset" in {one.path for one in found.estimates}
+    assert any(one.path.endswith("offset") for one in found.estimates)
     held = fit(AXIS, CoulombViscous, pulled, fixed={"offset": 0.5}, route=route)
-    assert "mechanism.offset" not in {one.path for one in held.estimates}
+    assert not any(one.path.endswith("offset") for one in held.estimates)
     assert held.mechanism.offset == 0.5
 
 
