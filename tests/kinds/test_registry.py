@@ -156,7 +156,7 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
             select,
             TABLE,
             {"settings": RecordSettings(starts=2)},
-            "settings applies to the force of a spring",
+            "settings applies to the force of",
         ),
         (select, TABLE, {"vary": ["inertia"]}, r"vary applies to `fit`.*, got inertia"),
         (select, TABLE, {"fixed": {"offset": 0.0}}, r"fixed applies to `fit`.*, got offset"),

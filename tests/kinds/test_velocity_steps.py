@@ -90,7 +90,7 @@ def vars_of(verdict):
 
 def test_other_routes_say_what_they_need(machine, steps):
     with pytest.raises(
-        InputError, match="route 'table' applies to tables of friction.*: leave it out"
+        InputError, match=r"route 'table' applies to tables of friction.*: leave it out"
     ):
         fit(machine, "coulomb", steps, route="table")
     with pytest.raises(InputError, match="time and spring_force"):
