@@ -50,6 +50,7 @@ from stickslip.identify.problems.travels import fitted_travels as fitted_travels
 from stickslip.identify.problems.travels import judged_travels as judged_travels
 from stickslip.identify.problems.travels import knob_of as knob_of
 from stickslip.identify.problems.travels import propagated as propagated
+from stickslip.identify.selection import NotToldError as NotToldError
 from stickslip.identify.selection import select_record as select_record
 from stickslip.identify.selection import select_table as select_table
 from stickslip.identify.thresholds import THRESHOLDS as THRESHOLDS

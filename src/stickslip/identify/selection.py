@@ -290,6 +290,10 @@ def select_record(
     )
 
 
+class NotToldError(InputError):
+    """What is looked for of a mechanism is not told by forces along the motion alone."""
+
+
 def _refuse_outside(problem: RecordProblem) -> None:
     """Refuse parameters that end outside their range: with them nothing has a scale."""
     unknown = problem.records[0].unknown
@@ -298,7 +302,7 @@ def _refuse_outside(problem: RecordProblem) -> None:
         if one is None or not one.bent or one.limits[0] <= middle - one.given <= one.limits[1]:
             continue
         name = path.removeprefix("mechanism.")
-        raise InputError(
+        raise NotToldError(
             f"vary: beside the others {name} ends at {middle:.3g}, outside its range: these records"
             " do not tell them together. Give the value of one."
         )

@@ -14,6 +14,7 @@ from stickslip.identify import (
     BandVerdict,
     Fit,
     LawFit,
+    NotToldError,
     fitted_law,
     importance,
     ladder_rows,
@@ -129,17 +130,14 @@ class RecordKind(BandKind):
     settings = frozenset(field.name for field in fields(RecordSettings))
     known = OF_BALANCE
 
-    def resolved(self, request: Request) -> Request:
-        """Return the request with the way to fit the records."""
-        return request if request.law is None else replace(request, route=self._route(request))
-
     def _route(self, request: Request) -> str:
         """Return how records are fitted."""
         law: Any = None if request.law is None else self.owner(request.law)
         return route_of(request.mechanism, request.measurement, law, asked=request.route)
 
     def why_unused(self, name: str, request: Request) -> str:
-        if name in OF_BALANCE and not _holds(request):
+        route = None if request.law is None else self._route(request)
+        if name in OF_BALANCE and not _holds(request, balanced=route == BALANCE):
             return (
                 "applies to records of a force that drives the motion, and this has none: leave it"
                 " out."
@@ -155,12 +153,12 @@ class RecordKind(BandKind):
             if name in (self.settings | {"horizon"}) - self.known:
                 return _unused("fit", "select", self)
             return ""
-        if request.route == BALANCE and name in (self.settings | {"horizon"}) - self.known:
+        if route == BALANCE and name in (self.settings | {"horizon"}) - self.known:
             return (
                 "applies to simulated segments (route shooting); here the route is balance, which"
                 " compares forces along the measured motion: leave it out."
             )
-        if name == "tolerance" and request.route == SHOOTING:
+        if name == "tolerance" and route == SHOOTING:
             return "applies to the route balance; here the route is shooting: leave it out."
         return ""
 
@@ -171,7 +169,11 @@ class RecordKind(BandKind):
 
     def fit(self, request: Request) -> Fit[Any]:
         if self._route(request) != SHOOTING:
-            return self._fit(request)
+            try:
+                return self._fit(request)
+            except NotToldError:  # which runs under what was recorded may tell
+                if request.route is not None or "friction" in request.measurement.quantities():
+                    raise
         return fit_records(begin=self._begun(request), **request.arguments("law", "settings"))
 
     def _begun(self, request: Request) -> dict[str, float]:
@@ -243,13 +245,13 @@ def _unused(verb: str, other: str, kind: Kind[Any, Any]) -> str:
     return f"applies to `{verb}` of {kind.measured}; it has no effect on `{other}`: leave it out."
 
 
-def _holds(request: Request) -> bool:
+def _holds(request: Request, *, balanced: bool) -> bool:
     """Return whether anything is recorded that may hold between samples.
 
     Only a fit by segments follows the goals of a loop, which a balance takes as they are.
     """
     records = request.measurement.records()
-    if request.law is None or request.route == BALANCE:
+    if request.law is None or balanced:
         return any(not goes_straight(record, "zero") for record in records)
     return any(command_of(record) for record in records)
 
