@@ -212,21 +212,18 @@ def cart() -> None:
 BOXES = (
     # centre, text, whether it is a question
     (130, 32, "record and mechanism", False),
-    (130, 107, "Was friction itself\nmeasured?", True),
-    (430, 107, "Force map:\nthe law along the motion", False),
-    (130, 192, "Does a force or a voltage\ndrive it, and was it recorded?", True),
-    (430, 180, "Simulated segments of 1 s; a free\ndecay then of 3 s and as a whole", False),
-    (130, 290, "One coordinate without stops,\nlonger than a segment?", True),
-    (430, 290, "Inverse dynamics: the balance\nof recorded forces", False),
-    (733, 180, "One search, from a grid over\ndecades or the force balance", False),
-    (733, 290, "Estimates, intervals by blocks,\nthe residual", False),
-)  # fmt: skip
+    (130, 115, "One coordinate without stops,\nand a law that a balance tells?", True),
+    (430, 115, "Posterior of the force balance,\nor of the table, with that law", False),
+    (130, 220, "Goals of a loop, own drives,\nother states, several bodies", False),
+    (430, 220, "Simulated segments of 1 s; a free\ndecay then of 3 s and as a whole", False),
+    (733, 115, "Estimates, band, what is not\ntold: as in a selection", False),
+    (733, 220, "Estimates, intervals by blocks,\nthe residual", False),
+)
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
-    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, "no"), (3, 5, "yes"), (5, 6, "yes"),
-    (5, 4, "no"), (2, 7, ""), (4, 7, ""), (6, 7, ""), (7, 8, ""),
+    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 4, "not told"), (2, 5, ""), (4, 6, ""),
 )  # fmt: skip
 
 
@@ -270,9 +267,9 @@ def choices() -> None:
         "choices.svg",
         BOXES,
         ARROWS,
-        340,
-        "Flow chart: measured friction goes to the force map, recorded force and motion to inverse"
-        " dynamics, everything else to simulated segments; then the law is searched",
+        265,
+        "Flow chart: tables and records of one coordinate go to the posterior of the force balance,"
+        " everything else to simulated segments",
     )
 
 

@@ -38,8 +38,7 @@ ROUTE_BASES = {"Fit", "Verdict", "Problem"}
 """Classes of which each route has its own subclasses."""
 ROUTE_TYPES = {"Measurement", "RouteChoice", "Score", "Balanced", "_Rubbed", "_Shot"}
 """Further classes by which code tells routes apart."""
-ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "shooting", "force-map", "features"} | {
-    "inverse-dynamics",
+ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "shooting", "balance", "features"} | {
     "series",
     "friction-map",
     "scalars",
