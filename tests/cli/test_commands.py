@@ -52,9 +52,9 @@ def test_models_shows_a_mechanism_with_its_parameters(run):
     assert code == 0
     assert "inner_mass    m       kg     above 0 kg" in out
     assert "drive: What moves the inner mass" in out
-    told = json.loads(run("models", "clutch-train", "--json")[1])
-    assert told["contacts"] == "clutch-1, clutch-2, ..., brake"
-    assert [*told["fields"]] == ["rotors", "clutches", "brake"]
+    told = json.loads(run("models", "serial-arm", "--json")[1])
+    assert told["contacts"] == "joint-1, joint-2, ..."
+    assert [*told["fields"]] == ["links"]
     assert "Did you mean 'capsule'" in run("models", "capsul")[2]
 
 

@@ -9,14 +9,15 @@ import subprocess
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import DiscBrake, Lining
 from tests.exports.compiled import library, number, numbers
 from tests.exports.fmus import need_tools
 
-from stickslip import Axis, DiscBrake, export, simulate
+from stickslip import Axis, export, simulate
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.exports import export_fmu
 from stickslip.friction import bound, law
-from stickslip.mechanisms import Lining, given_inputs
+from stickslip.mechanisms import given_inputs
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.control import compensation
 
