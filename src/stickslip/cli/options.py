@@ -396,7 +396,7 @@ class ExportOptions(LawOfFileOptions, WriteOptions):
     """Rig file (TOML) with a law, such as the law.toml of `stickslip select` or of `stickslip fit
     -o law.toml`."""
     to: Annotated[str, typer.Option(metavar="TARGET")]
-    """c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf, csv (lookup table)
+    """c (C99), matlab (MATLAB, Simulink, Octave), mjcf (MuJoCo), urdf, csv (lookup table)
     or json; fmu (the whole rig with its law)."""
     contact: str | None = None
     """Contact whose law is exported, if laws differ."""
