@@ -362,10 +362,6 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     zero_velocity_band: Annotated[float, typer.Option(metavar="SPEED")] = 0.0
     """With --fixed-step: hold the body where a step ends within this speed [m/s], as Karnopp (1985)
     does."""
-    program: Annotated[str | None, typer.Option("--as", metavar="PROGRAM")] = None
-    """Simulate as another program does, and compare that with the exact run: mujoco,
-    mujoco-dcmotor, drake, simscape or karnopp, with settings such as
-    mujoco:timestep=0.001,impedance=0.99."""
     ensemble: Ensemble = None
     """Also simulate N samples of the uncertain parameters: of the law, drawn from the estimates in
     its file, and of the mechanism."""
@@ -385,7 +381,7 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     @property
     def exact(self) -> bool:
         """Whether events are located, so that the run can be certified."""
-        return self.fixed_step is None and self.program is None
+        return self.fixed_step is None
 
 
 @dataclass(frozen=True, kw_only=True)

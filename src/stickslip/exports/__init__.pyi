@@ -12,38 +12,22 @@ from stickslip.exports.fmu.export import export_fmu as export_fmu
 from stickslip.exports.program import Export as Export
 from stickslip.exports.program import Target as Target
 from stickslip.exports.program import identifier as identifier
-from stickslip.exports.twins import Drake as Drake
-from stickslip.exports.twins import Karnopp as Karnopp
-from stickslip.exports.twins import MuJoCo as MuJoCo
-from stickslip.exports.twins import MuJoCoMotor as MuJoCoMotor
-from stickslip.exports.twins import PROGRAMS as PROGRAMS
-from stickslip.exports.twins import Program as Program
 from stickslip.exports.twins import Simscape as Simscape
-from stickslip.exports.twins import Twin as Twin
-from stickslip.exports.twins import twin as twin
 from stickslip.exports.verb import TARGETS as TARGETS
 from stickslip.exports.verb import export as export
 
 __all__ = [
     "Applied",
     "AppliedJoint",
-    "Drake",
     "Export",
     "JointMotion",
     "JointReplay",
-    "Karnopp",
-    "MuJoCo",
-    "MuJoCoMotor",
-    "PROGRAMS",
-    "Program",
     "Replayed",
     "Simscape",
     "TARGETS",
     "Target",
-    "Twin",
     "adapters",
     "apply",
     "export",
     "export_fmu",
-    "twin",
 ]
