@@ -88,7 +88,6 @@ def with_a_peer() -> None:
 
 IN_PYTHON = {
     "benchmark": with_a_peer,
-    "control": adapter("control_systems"),
     "gym": adapter("environments"),
     "xarray": to_xarray,
 }

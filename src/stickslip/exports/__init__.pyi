@@ -12,7 +12,6 @@ from stickslip.exports.fmu.export import export_fmu as export_fmu
 from stickslip.exports.program import Export as Export
 from stickslip.exports.program import Target as Target
 from stickslip.exports.program import identifier as identifier
-from stickslip.exports.twins import Simscape as Simscape
 from stickslip.exports.verb import TARGETS as TARGETS
 from stickslip.exports.verb import export as export
 
@@ -23,7 +22,6 @@ __all__ = [
     "JointMotion",
     "JointReplay",
     "Replayed",
-    "Simscape",
     "TARGETS",
     "Target",
     "adapters",
