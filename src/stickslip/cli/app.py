@@ -218,9 +218,8 @@ def models(options: option_groups.ModelsOptions) -> None:
 def characterize(options: option_groups.CharacterizeOptions) -> None:
     """Test friction laws on a virtual bench.
 
-    Steady curve, presliding and memory, break-away, lag, stick-slip map, drift, creep, hunting,
-    passivity and cost of one law, or of several side by side. A law without values has typical
-    ones.
+    Steady curve, presliding and memory, break-away, drift and passivity of one law, or of several
+    side by side. A law without values has typical ones.
     """
     from stickslip.cli.studies import run_characterize
 

@@ -550,11 +550,9 @@ class CharacterizeOptions(WriteOptions):
     """Names or compositions of laws, such as lugre or 'dahl(level) + power', or files with a fitted
     law such as law.toml."""
     tests: Annotated[str | None, typer.Option(metavar="NAMES")] = None
-    """Tests, joined by commas: steady, presliding, break-away, lag, map, drift, creep, limit-cycle,
-    passivity, cost; default: all."""
+    """Tests, joined by commas: steady, presliding, break-away, drift, passivity; default: all."""
     rig: Path | None = None
-    """Rig file of an axis or a block, whose mass and stiffness are taken; default: 1 kg on 100
-    N/m."""
+    """Rig file of an axis or a block, whose mass is taken; default: 1 kg."""
     load: str | None = None
     """Normal force with its unit, e.g. 20N; default: that of the rig, or 1 N."""
     inputs: Annotated[Sequence[str], typer.Option("--input", metavar="NAME=VALUE,...")] = ()
