@@ -16,7 +16,6 @@ from tests.support import BLOCK_RIG
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.data.catalogue import datasets as records
 from stickslip.errors import InputError
-from stickslip.study.benchmark import runs as benchmark_runs
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -82,12 +81,7 @@ def adapter(name: str) -> Callable[[], None]:
     return imported
 
 
-def with_a_peer() -> None:
-    benchmark_runs.run(["rock"], "benchmark", peers=["lmfit"])
-
-
 IN_PYTHON = {
-    "benchmark": with_a_peer,
     "gym": adapter("environments"),
     "xarray": to_xarray,
 }
@@ -107,15 +101,11 @@ def without(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
 
     def hide(extra: str) -> None:
         hidden = {name.lower(): name for name in packages(extra)}
-        version = benchmark_runs._version
         for name in [*sys.modules]:
             if name.partition(".")[0].lower() in hidden:
                 monkeypatch.setitem(sys.modules, name, None)
         for name in hidden.values():
             monkeypatch.setitem(sys.modules, "SALib" if name == "salib" else name, None)
-        monkeypatch.setattr(
-            benchmark_runs, "_version", lambda name: "" if name in hidden else version(name)
-        )
 
     return hide
 

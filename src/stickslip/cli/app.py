@@ -238,18 +238,6 @@ def paper(options: option_groups.PaperOptions) -> None:
     run_paper(options)
 
 
-@command(app, "benchmark")
-def benchmark(options: option_groups.BenchmarkOptions) -> None:
-    """Run the friction benchmark: public records, our laws, other libraries.
-
-    Each task fits one part of a record and predicts another. Records are downloaded where they are
-    missing. An interrupted benchmark is resumed by the same command.
-    """
-    from stickslip.cli.reproduce import run_benchmark
-
-    run_benchmark(options)
-
-
 @command(app, "warmup")
 def warmup(options: option_groups.WarmupOptions) -> None:
     """Compile equations ahead of time.

@@ -575,21 +575,6 @@ class PaperOptions(ReportOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class BenchmarkOptions(WorkerOptions, JsonOption):
-    """Options of `stickslip benchmark`."""
-
-    names: Annotated[Sequence[str], typer.Argument(metavar="[TASK]...")] = ()
-    """Tasks; all if not given."""
-    output: Annotated[Path, typer.Option("-o")] = Path("stickslip-benchmark")
-    """Folder of page, tables and results so far."""
-    peers: Annotated[str | None, typer.Option(metavar="NAME,...")] = None
-    """Other libraries to run beside: scipy, lmfit, pysindy, mujoco. Default: those that are
-    installed."""
-    listed: Annotated[bool, typer.Option("--list")] = False
-    """Only list the tasks."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class WarmupOptions(LawsOption, ImportOption, JsonOption):
     """Options of `stickslip warmup`."""
 

@@ -1,18 +1,13 @@
-"""``stickslip paper`` and ``stickslip benchmark``: published results, computed again."""
+"""``stickslip paper``: published results, computed again."""
 
-import csv
-import io
 from collections.abc import Sequence
 from functools import partial
-from typing import Final
-
-import typer
 
 from stickslip.cli import console
-from stickslip.cli.options import BenchmarkOptions, PaperOptions
-from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
+from stickslip.cli.options import PaperOptions
+from stickslip.cli.progress import Watching
 from stickslip.data import load_rig
-from stickslip.errors import InputError, UnknownNameError, concerning
+from stickslip.errors import concerning
 from stickslip.identify.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
@@ -21,10 +16,8 @@ from stickslip.paper.sections.claims import step_cells
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
 from stickslip.quantities import full_path, parameters, vary
-from stickslip.show.documents import document, json_text, write_files, write_folder
+from stickslip.show.documents import document, json_text, write_folder
 from stickslip.show.formatting import fixed, number, significant
-from stickslip.show.report import render
-from stickslip.study.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 
 # ``stickslip paper``.
 
@@ -231,97 +224,3 @@ def _need(need: Requirement) -> list[str]:
         value,
         f"{significant(need.low, 3)} to {significant(need.high, 3)}",
     ]
-
-
-# ``stickslip benchmark``.
-
-BENCHMARK_PAGE: Final = "index.html"
-SUMMARY: Final = "summary.csv"
-CANCELLED: Final = 130
-
-
-def run_benchmark(options: BenchmarkOptions) -> None:
-    """Run the tasks that are missing, write page and tables, show the overview."""
-    names, folder, peers, known = options.names, options.output, options.peers, tasks()
-    for name in names:
-        if name not in known:
-            raise UnknownNameError("task of the benchmark", name, known)
-    chosen = [known[name] for name in names] or list(known.values())
-    if options.listed:
-        _list(chosen, as_json=options.as_json)
-        return
-    chosen = _with_data(chosen)
-    wanted = None if peers is None else [text.strip() for text in peers.split(",") if text.strip()]
-    with (
-        Interrupts() as interrupts,
-        Drawing("Running", "fits") as bar,
-        workers(options.count or 1, options.executor) as pool,
-    ):
-        interrupts.promise = "Stopping after the fits in work; press Ctrl-C again to cancel."
-
-        def progress(done: int, total: int) -> bool:
-            bar(done, total)
-            return not interrupts.stopped
-
-        found = run(
-            [task.name for task in chosen], folder, peers=wanted, executor=pool, progress=progress
-        )
-    if not found.rows:
-        console.note("No fit is there yet: the same command begins again.")
-        raise typer.Exit(CANCELLED)
-    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
-    lines = io.StringIO()
-    csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
-    page = render(benchmark_page(found, reproduce=[console.command_line()]))
-    write_files({folder / BENCHMARK_PAGE: page, folder / SUMMARY: lines.getvalue()})
-    if options.as_json:
-        content = {"folder": str(folder), "made": found.made, "complete": found.complete}
-        console.print_json(document("benchmark-run", content))
-    else:
-        console.show_table("", heads, cells, whole=["task"])
-        console.stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}")
-    if not found.complete:
-        console.note("Not all fits are there: the same command goes on.")
-        raise typer.Exit(CANCELLED)
-
-
-def _with_data(chosen: Sequence[Task]) -> list[Task]:
-    """Return the tasks whose records are there, or could be got; say licences, and what is not."""
-    found = []
-    for task in chosen:
-        record = task.dataset
-
-        def told(text: str, licence: str = record.licence) -> None:
-            console.note(f"{text} (licence: {licence})")
-
-        try:
-            for file in task.files:
-                record.path(file, report=told)
-        except InputError as error:
-            console.note(f"{task.name}: left out: {error}")
-        else:
-            found.append(task)
-    if not found:
-        raise InputError("there is no record for any of the tasks: stickslip data list")
-    return found
-
-
-def _list(chosen: Sequence[Task], *, as_json: bool) -> None:
-    if as_json:
-        rows = [
-            {
-                "name": task.name,
-                "title": task.title,
-                "record": task.record,
-                "licence": task.dataset.licence,
-                "fitted": task.fitted,
-                "judged": task.judged,
-                "metric": task.metric.text,
-                "unit": task.metric.unit,
-            }
-            for task in chosen
-        ]
-        console.print_json(document("benchmark-tasks", {"tasks": rows}))
-        return
-    cells = [[task.name, task.title, task.fitted, task.judged, task.metric.text] for task in chosen]
-    console.show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])

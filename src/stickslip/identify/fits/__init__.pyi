@@ -74,7 +74,6 @@ from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as 
 from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
-from stickslip.identify.fits.shooting.segments import segments_of as segments_of
 from stickslip.identify.fits.shooting.segments import with_drive as with_drive
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel
