@@ -380,7 +380,6 @@ def test_schema_is_json(run):
     assert "properties" in json.loads(out)
 
 
-CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 BAD = [
     (["select", "nowhere.toml"], "nowhere.toml"),
     (["select", "demo", "--laws", "coulom"], "Did you mean 'coulomb'"),
@@ -416,7 +415,6 @@ BAD = [
         ["simulate", "demo", "--law", "printed-7", "--fixed-step", "0.01", "--set", "friction.z=1"],
         "names no parameter of printed-7, which has kinetic_coefficient",
     ),
-    (["paper", str(CART)], "needs a spring-block with its travel"),
     (
         ["paper", "--set", "mas=3"],
         "unknown parameter 'mas'. Known: cart.ball_mass (m), cart.cart_mass (M)",

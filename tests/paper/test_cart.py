@@ -33,7 +33,7 @@ def page(study):
 
 
 def page_of(study, figures=sketched):
-    found = SimpleNamespace(own=False, cart=study, values=PaperValues.of(load_rig()))
+    found = SimpleNamespace(cart=study, values=PaperValues.of(load_rig()))
     with figures():
         sections = (cart_section(found), choice_section(found))
     return render(Page(title="Cart", subject="", kicker="", sections=sections, footer=""))

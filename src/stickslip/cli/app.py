@@ -228,10 +228,9 @@ def characterize(options: option_groups.CharacterizeOptions) -> None:
 
 @command(app, "paper")
 def paper(options: option_groups.PaperOptions) -> None:
-    """Recompute the results of the source paper, or apply its criteria to your own rig.
+    """Recompute the results of the source paper.
 
-    Every table and figure is shown beside the printed values. With a rig file: the same models,
-    excitations, criteria and rules for rest for your own block on a spring.
+    Every table and figure is shown beside the printed values.
     """
     from stickslip.cli.reproduce import run_paper
 

@@ -65,7 +65,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "stickslip apply law.toml scene.xml -o new.xml --no-run",
         "stickslip apply law.toml robot.usda --to physx -o new.usda",
     ),
-    "paper": ("stickslip paper -o paper-report", "stickslip paper block.toml"),
+    "paper": ("stickslip paper -o paper-report",),
     "warmup": ("stickslip warmup --rig rig.toml",),
     "doctor": ("stickslip doctor",),
     "schema": ("stickslip schema > rig-schema.json",),

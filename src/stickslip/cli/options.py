@@ -567,8 +567,6 @@ class CharacterizeOptions(WriteOptions):
 class PaperOptions(ReportOptions):
     """Options of `stickslip paper`."""
 
-    rig: Rig = DEMO
-    """The rig file; None for the bundled rig."""
     changes: Annotated[Sequence[str], typer.Option("--set", metavar="NAME=VALUE")] = ()
     """A mass, a length or the swing of the cart, which the paper does not print, e.g.
     cart_mass=0.4, ball_mass="60 g", length=0.25, amplitude="40 deg", fast=100, slow=25."""

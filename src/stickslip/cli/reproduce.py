@@ -11,13 +11,13 @@ from stickslip.errors import concerning
 from stickslip.identify.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
-from stickslip.paper.rigs import CART, CYCLES, check_form
+from stickslip.paper.rigs import CART, CYCLES
 from stickslip.paper.sections.claims import step_cells
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.show.documents import document, json_text, write_folder
-from stickslip.show.formatting import fixed, number, significant
+from stickslip.show.formatting import fixed, significant
 
 # ``stickslip paper``.
 
@@ -29,14 +29,9 @@ def run_paper(options: PaperOptions) -> None:
     folder = console.folder_of(options.output, "stickslip-paper", as_json=options.as_json)
     if folder is not None:
         console.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
-    rig = load_rig(options.rig)
-    if folder is not None:
-        console.refuse_inputs(folder / PAGE, rig.files)
-    check_form(rig)
     cart = _cart(options.changes)
-    doing = "Recomputing the paper:" if options.rig is None else "Recomputing:"
-    with Watching(list(rig.laws or load_rig().laws), doing) as watch:
-        found = audit(rig, cart=cart, progress=watch)
+    with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
+        found = audit(cart=cart, progress=watch)
     content = document("paper", found.to_dict())
     if options.as_json:
         console.print_json(content)
@@ -69,7 +64,6 @@ def _cart(changes: Sequence[str]) -> PendulumCart:
 
 def _show(found: PaperAudit) -> None:
     """Print Table II beside ours, and what the unpublished parameters would have to be."""
-    digits = 3 if found.own else 2
     steps = [f"A, 10 ms, {what.replace('$', '')}" for what in RULES.values()]
     heads = ["model", "A push, m", *steps, "B spring, m", "C fixed, m"]
     rows = [
@@ -81,47 +75,22 @@ def _show(found: PaperAudit) -> None:
         ]
         for row in found.table
     ]
-    if not found.own:
-        heads.insert(1, "published, m")
-        for row, cells in zip(found.table, rows, strict=True):
-            travel = row.published.travel
-            cells.insert(1, "" if travel is None else fixed(travel, 2))
-    title = "The models of the paper" if found.own else "Table II"
-    console.show_table(f"{title}; measured {fixed(found.measured, digits)} m", heads, rows)
+    heads.insert(1, "published, m")
+    for row, cells in zip(found.table, rows, strict=True):
+        travel = row.published.travel
+        cells.insert(1, "" if travel is None else fixed(travel, 2))
+    console.show_table(f"Table II; measured {fixed(found.measured, 2)} m", heads, rows)
     console.stdout().print()
-    if len(found.trials) > 1:
-        _show_trials(found)
     _show_ranks(found)
-    if found.own:
-        console.stdout().print()
-        console.stdout().print(console.plain(found.verdict.words.verdict))
-        console.stdout().print(console.plain(found.verdict.words.lede))
-    else:
-        _show_needs(found)
+    _show_needs(found)
     console.stdout().print()
-    _show_cart(found.cart, own=found.own)
-
-
-def _show_trials(found: PaperAudit) -> None:
-    """Print every trial with the travel of each model."""
-    heads = ["compression, m", "measured, m", *(row.law.title for row in found.table)]
-    rows = [
-        [
-            number(trial.compression),
-            fixed(trial.measured, 3),
-            *(fixed(trial.travels[row.law.name], 3) for row in found.table),
-        ]
-        for trial in found.trials
-    ]
-    console.show_table("Travels of all trials, m", heads, rows)
-    console.stdout().print()
+    _show_cart(found.cart)
 
 
 def _show_ranks(found: PaperAudit) -> None:
     """Print the ranks by the criteria of the paper."""
-    reading = found.values.own_reading
-    keys = ("A", reading) if found.own else ("published", "A", "B")
-    names = {"published": "published", "A": "A push", "B": "B spring", "C": "C fixed"}
+    keys = ("published", "A", "B")
+    names = {"published": "published", "A": "A push", "B": "B spring"}
     ranks = [(key, found.ranking(key)) for key in keys]
     rows = [
         [
@@ -188,7 +157,7 @@ def _show_needs(found: PaperAudit) -> None:
     )
 
 
-def _show_cart(study: CartStudy, *, own: bool) -> None:
+def _show_cart(study: CartStudy) -> None:
     """Print what the cart does with the printed equations, and with the chosen laws."""
     heads = ["fig.", "run", "travel, m", "last, mm", "back-slip, mm", "lowest, mm/s"]
     rows = [
@@ -200,7 +169,7 @@ def _show_cart(study: CartStudy, *, own: bool) -> None:
             significant(1e3 * run.mean_return, 2),
             significant(1e3 * run.least_velocity, 2),
         ]
-        for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
+        for figure, runs in (("2", study.runs), ("11", study.choices))
         for run in runs
     ]
     origin = "as given" if study.given else "our assumptions"
