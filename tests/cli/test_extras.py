@@ -85,8 +85,6 @@ IN_PYTHON = {
     "gym": adapter("environments"),
     "xarray": to_xarray,
 }
-NOTED = {"mujoco": (*APPLY, "new.urdf", "arm.urdf")}
-"""Commands that leave something out without an extra, and say so."""
 
 
 def packages(extra: str) -> list[str]:
@@ -131,7 +129,7 @@ def called(tmp_path, monkeypatch, capsys):
 
 
 def test_every_extra_for_users_is_met_here() -> None:
-    assert {*COMMANDS, *IN_PYTHON, *NOTED} == EXTRAS.keys() - FOR_CONTRIBUTORS
+    assert {*COMMANDS, *IN_PYTHON} == EXTRAS.keys() - FOR_CONTRIBUTORS
 
 
 @pytest.mark.parametrize(
@@ -155,14 +153,6 @@ def test_a_function_names_the_extra_that_it_needs(without, extra):
     without(extra)
     with pytest.raises(InputError, match=re.escape(f"pip install 'stickslip[{extra}]'")):
         IN_PYTHON[extra]()
-
-
-@pytest.mark.parametrize("extra", NOTED)
-def test_what_is_left_out_without_an_extra_is_said(called, without, extra):
-    without(extra)
-    code, out, err = called(*NOTED[extra])
-    assert code == 0, err
-    assert f"pip install 'stickslip[{extra}]'" in " ".join(out.split()) + err
 
 
 PAGES = ROOT / "docs/howto/files"

@@ -141,7 +141,7 @@ def apply(options: option_groups.ApplyOptions) -> None:
     """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints which parts of the laws the format cannot express, and the resulting error of the
-    friction force, of the motion in MuJoCo and, with --record, on a measured record.
+    friction force.
     """
     from stickslip.cli.export import run_apply
 

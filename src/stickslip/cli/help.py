@@ -62,7 +62,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     ),
     "apply": (
         "stickslip apply law.toml robot.urdf -o new.urdf --joint elbow",
-        "stickslip apply law.toml scene.xml -o new.xml --no-run",
+        "stickslip apply law.toml scene.xml -o new.xml --holds",
         "stickslip apply law.toml robot.usda --to physx -o new.usda",
     ),
     "paper": ("stickslip paper -o paper-report",),

@@ -451,12 +451,6 @@ class ApplyOptions(LawOfFileOptions, WriteOptions):
     holds: bool = False
     """Give joints the level of break-away, so that they hold what the law holds. Default: the level
     that comes closest to the law while sliding."""
-    run: Annotated[bool, typer.Option("--run/--no-run")] = True
-    """Run the joints in MuJoCo, if it is installed, and compare that with the laws."""
-    record: Annotated[Path | None, typer.Option(metavar="FILE")] = None
-    """Record of the joints, positions and forces in time, on which the law, its simplification and
-    the file in MuJoCo are compared: a data file or log, or the rig file (TOML) that says how it is
-    read."""
 
 
 @dataclass(frozen=True, kw_only=True)

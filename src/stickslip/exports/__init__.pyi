@@ -1,8 +1,5 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.exports import adapters as adapters
-from stickslip.exports.applying.replay import JointReplay as JointReplay
-from stickslip.exports.applying.replay import Replayed as Replayed
-from stickslip.exports.applying.running import JointMotion as JointMotion
 from stickslip.exports.applying.verb import Applied as Applied
 from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
 from stickslip.exports.applying.verb import apply as apply
@@ -19,9 +16,6 @@ __all__ = [
     "Applied",
     "AppliedJoint",
     "Export",
-    "JointMotion",
-    "JointReplay",
-    "Replayed",
     "TARGETS",
     "Target",
     "adapters",
