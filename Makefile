@@ -84,10 +84,10 @@ slow: $(DEV) ## tests that take long, which `make test` leaves out, and all exam
 # A part of the tests, which meets every dependency.
 SMOKE := tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/test_commands.py \
   tests/cli/test_doctor.py tests/cli/test_extras.py tests/cli/test_records.py tests/cli/test_terminal.py \
-  tests/experiments/test_logs.py tests/experiments/test_units.py tests/exports/test_replay.py \
+  tests/experiments/test_logs.py tests/experiments/test_units.py \
   tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
   tests/plots/test_axes.py tests/report/test_page.py tests/sweep/test_bands.py
-EXTRAS := control dask gym logs mdf mujoco parquet ros sensitivity tdms xarray xlsx
+EXTRAS := dask gym logs mdf parquet ros sensitivity tdms xarray xlsx
 comma := ,
 space := $(subst ,, )
 FRESH := -m pip --disable-pip-version-check install --quiet --no-compile --only-binary :all:

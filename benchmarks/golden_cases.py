@@ -441,8 +441,8 @@ from stickslip import export, load_rig
 
 rig = load_rig("slide.toml")
 for law, targets in {
-    "stribeck": ("c", "matlab", "modelica", "urdf", "csv", "json"),
-    "lugre": ("c", "modelica"),
+    "stribeck": ("c", "matlab", "urdf", "csv", "json"),
+    "lugre": ("c",),
     "direction-dependent": ("c", "mjcf"),
 }.items():
     for to in targets:

@@ -3,8 +3,8 @@
 Times are those of `decay`, `belt`, `lugre` and `sampled` at equal error, the peer's over the
 kernel's, on the machine at hand. Errors are those of the friction benchmark on parts that no fit
 has seen, the peer's over that of the law that stickslip names, or of the least error where it names
-none: `stickslip benchmark -o FOLDER` writes the table that ``--friction`` takes, by default that of
-this version. A ratio above 1 is in favour of stickslip.
+none: `python -m benchmarks.friction -o FOLDER` writes the table that ``--friction`` takes, by
+default that of this version. A ratio above 1 is in favour of stickslip.
 
 ``--table FOLDER`` prints such files beside each other, in the order of their names.
 """
@@ -97,7 +97,7 @@ def main() -> None:
     if asked.output is None:
         parser.error("give --output or --table")
     if not asked.friction.is_file():
-        parser.error(f"{asked.friction} is missing: `stickslip benchmark` writes it")
+        parser.error(f"{asked.friction} is missing: `python -m benchmarks.friction` writes it")
     rows = [*times([one for one in asked.cases.split(",") if one], asked.repeats)]
     rows += errors(asked.friction)
     asked.output.parent.mkdir(parents=True, exist_ok=True)

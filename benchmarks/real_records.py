@@ -29,8 +29,11 @@ from unittest import mock
 import numpy as np
 
 from benchmarks.band_verdict import offset_beside
+from benchmarks.friction import records as tasks
 from stickslip import Axis, Measurement, Pendulum, select
-from stickslip.data import catalogue, guess_data, parquet_data, read_data, rows_of
+from stickslip.data import catalogue, guess_data, read_data
+from stickslip.data.differentiation import rows_of
+from stickslip.data.readers.binary import parquet_data
 from stickslip.errors import StickslipError
 from stickslip.identify import BandVerdict
 from stickslip.identify.bands import Array, Foreseen
@@ -41,7 +44,6 @@ from stickslip.identify.problems.record_curves import OtherRows
 from stickslip.identify.problems.record_rows import MIDDLE
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.table_model import Rows
-from stickslip.study.benchmark import records as tasks
 
 FIRST = 0.6
 """Part of a record that the rest is predicted from."""

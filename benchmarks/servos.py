@@ -29,15 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rigs import Random, between
-from benchmarks.synthetic_truth import judged, run, share
-from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
-from stickslip.errors import StickslipError
-from stickslip.friction import LAWS, law
-from stickslip.identify.fits.records.fitting import fit_record
-from stickslip.mechanisms import DCMotor, PositionLoop
-from stickslip.mechanisms.drives import Sampled
-from stickslip.study.benchmark.records import (
+from benchmarks.friction.records import (
     DROOP,
     DUTIES,
     SUPPLY,
@@ -49,6 +41,14 @@ from stickslip.study.benchmark.records import (
     logs,
     swing,
 )
+from benchmarks.rigs import Random, between
+from benchmarks.synthetic_truth import judged, run, share
+from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
+from stickslip.errors import StickslipError
+from stickslip.friction import LAWS, law
+from stickslip.identify.fits.records.fitting import fit_record
+from stickslip.mechanisms import DCMotor, PositionLoop
+from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import PID, closed_loop
 
 VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")

@@ -41,6 +41,10 @@ numpydoc_show_class_members = False
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 3
 
+# where pages find `benchmarks`
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")))
+)
 os.environ["STICKSLIP_FILES"] = str(Path(__file__).parent / "howto/files")  # that pages download
 nb_execution_in_temp = True  # examples that write files leave none behind
 nb_execution_cache_path = executed.kept()

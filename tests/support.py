@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from hypothesis import settings
 from hypothesis import strategies as st
 
@@ -24,8 +25,6 @@ from stickslip import (
     Axis,
     BlockChain,
     Capsule,
-    ClutchTrain,
-    DiscBrake,
     Measurement,
     Pendulum,
     PendulumCart,
@@ -43,13 +42,11 @@ from stickslip.engine.solver.starts import gather
 from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import (
     InnerMass,
-    Lining,
     Link,
     Mechanism,
     Prescribed,
     Robot,
     RobotJoint,
-    Rotor,
     SerialArm,
     Torque,
     given_inputs,

@@ -43,7 +43,7 @@ from stickslip.mechanisms.drives import Sampled, Sine
 from stickslip.show.display import Tabular
 from stickslip.study.characterization import presliding_loop
 from stickslip.study.control import closed_loop, limit_cycle
-from stickslip.study.sweep import average_velocity, band_of, basins, bifurcation
+from stickslip.study.sweep import average_velocity, band_of, basins
 
 PLAIN = EventDriven(tier="python")
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -145,10 +145,6 @@ SLOW = {
     ),
     "map": lambda: average_velocity(
         DRIVEN, Coulomb(kinetic_coefficient=0.5), {"frequency": [1.0, 1.2]}, cycles=2, settle=2
-    ),
-    "bifurcation": lambda: bifurcation(
-        DRIVEN, Coulomb(kinetic_coefficient=0.5), "frequency", [1.0, 1.2], state="x", keep=6,
-        settle=20,
     ),
     "basins": lambda: basins(
         DRIVEN, Coulomb(kinetic_coefficient=0.5), {"x": [-1.0, 1.0], "v": [-1.0, 1.0]}, settle=20

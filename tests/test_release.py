@@ -111,14 +111,13 @@ def test_the_files_that_are_published_are_those_that_were_tested() -> None:
 
 def test_ratios_of_a_night_are_of_errors_found_in_that_night() -> None:
     text = text_of(".github/workflows/nightly.yml")
-    (made,) = re.findall(r"stickslip benchmark .*--output (\S+)", text)
+    (made,) = re.findall(r"benchmarks\.friction .*--output (\S+)", text)
     assert f"benchmarks.ratios --friction {made}/results.csv --output" in text
 
 
 def test_all_extras_are_tested_at_their_bounds_and_described() -> None:
     (line,) = re.findall(r"^EXTRAS := (.*)$", MAKEFILE, re.MULTILINE)
-    # peers of the benchmark have bounds of their own on each other
-    assert sorted([*line.split(), "benchmark"]) == EXTRAS
+    assert sorted(line.split()) == EXTRAS
     page = text_of("docs/howto/install.md")
     assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == EXTRAS
     assert f"with {len(EXTRAS)} extras" in text_of("README.md")

@@ -24,7 +24,7 @@ from stickslip.engine import Max, Status
 from stickslip.engine.simulation import ensemble
 from stickslip.errors import InputError, ParameterError, SimulationError, UnknownNameError
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sine
-from stickslip.study.sweep import average_velocity, bifurcation
+from stickslip.study.sweep import average_velocity
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -224,5 +224,3 @@ def test_a_parameter_that_was_not_given_is_varied_by_word_or_symbol(name):
     runs = ensemble(block, law, {name: values}, t_end=0.2, outputs={"fastest": Max("v")})
     assert runs["fastest"][0] > runs["fastest"][1]
     assert len(average_velocity(block, law, {name: values}, settle=1, cycles=2).velocity) == 2
-    found = bifurcation(block, law, name, values, state="x", settle=1, keep=2)
-    assert found.period.shape == (2, 1)

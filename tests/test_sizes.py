@@ -29,7 +29,7 @@ from stickslip.errors import InputError, ParameterError, check_size
 from stickslip.exports.adapters import MotorEnvironment, MotorVectorEnvironment
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.optimisation.search import Memory
-from stickslip.study.sweep import average_velocity, band_of, bifurcation
+from stickslip.study.sweep import average_velocity, band_of
 
 MANY = 10**9
 TIME = np.arange(200) / 100
@@ -245,7 +245,6 @@ WIDE = np.broadcast_to(0.25, MANY)
         lambda: average_velocity(
             SINE, LAW, {"inertia": np.arange(1.0, 1e5), "stiffness": np.arange(1.0, 1e5)}
         ),
-        lambda: bifurcation(SINE, LAW, "inertia", np.arange(1.0, 1e4), state="x", keep=10**5),
         lambda: MotorVectorEnvironment(num_envs=MANY),
     ],
 )

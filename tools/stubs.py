@@ -46,7 +46,6 @@ PACKAGES = (
     "stickslip.show.plots",
     "stickslip.show.report",
     "stickslip.study",
-    "stickslip.study.benchmark",
     "stickslip.study.characterization",
     "stickslip.study.control",
     "stickslip.study.optimisation",

@@ -8,16 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from benchmarks.several.brakes import ClutchTrain, Lining, Rotor
 from stickslip.friction import Coulomb, Laws
-from stickslip.mechanisms import (
-    ClutchTrain,
-    Contact,
-    Lining,
-    MatrixMechanism,
-    Mechanism,
-    Rotor,
-    TwoLinkArm,
-)
+from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism, TwoLinkArm
 from stickslip.mechanisms.drives import Sampled, Sine
 
 Run: TypeAlias = Callable[[], np.ndarray]

@@ -76,8 +76,6 @@ from stickslip.identify.kinds import write_report as write_report
 from stickslip.mechanisms import Axis as Axis
 from stickslip.mechanisms import BlockChain as BlockChain
 from stickslip.mechanisms import Capsule as Capsule
-from stickslip.mechanisms import ClutchTrain as ClutchTrain
-from stickslip.mechanisms import DiscBrake as DiscBrake
 from stickslip.mechanisms import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms import Mechanism as Mechanism
 from stickslip.mechanisms import Pendulum as Pendulum
@@ -111,7 +109,6 @@ __all__ = [
     "BoucWen",
     "BrownMcPhee",
     "Capsule",
-    "ClutchTrain",
     "Cogging",
     "Coulomb",
     "CoulombViscous",
@@ -122,7 +119,6 @@ __all__ = [
     "DirectionalDahl",
     "DirectionalLuGre",
     "DirectionalStribeck",
-    "DiscBrake",
     "ElastoPlastic",
     "EventDriven",
     "FixedStep",

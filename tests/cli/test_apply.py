@@ -34,7 +34,7 @@ def called(tmp_path, monkeypatch, capsys):
 
 
 def test_the_file_is_written_with_what_it_costs(called, tmp_path):
-    code, out, _ = called("law.toml", "arm.urdf", "-o", "new/arm.urdf", "--no-run", *SPEED)
+    code, out, _ = called("law.toml", "arm.urdf", "-o", "new/arm.urdf", *SPEED)
     assert code == 0
     assert "new/arm.urdf: arm.urdf with friction in turret, shoulder, elbow" in out
     assert "N m rms, " in out
@@ -47,7 +47,6 @@ def test_the_file_is_written_with_what_it_costs(called, tmp_path):
 
 
 def test_the_document_has_all_numbers(called):
-    pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
     options = ("--joint", "shoulder", "--joint", "elbow", "--json")
     code, out, _ = called("law.toml", "arm.urdf", "-o", "new.urdf", *options, *SPEED)
     assert code == 0
@@ -57,8 +56,6 @@ def test_the_document_has_all_numbers(called):
     shoulder, elbow = found["joints"]
     assert (shoulder["joint"], elbow["after"]["friction"]) == ("shoulder", "0.2")
     assert shoulder["largest"] > shoulder["rms"] > 0.0
-    kinds = [(entry["kind"], entry["settings"]) for entry in elbow["motions"]]
-    assert kinds == [(k, s) for s in ("", "stiff") for k in ("hold", "decay", "sweep")]
 
 
 @pytest.mark.parametrize(
@@ -101,14 +98,14 @@ def test_what_cannot_be_done_is_said_in_one_sentence_and_writes_nothing(
 
 
 def test_the_file_itself_is_replaced_with_force(called, tmp_path):
-    code, _, _ = called("law.toml", "arm.urdf", "-o", "arm.urdf", "--force", "--no-run", *SPEED)
+    code, _, _ = called("law.toml", "arm.urdf", "-o", "arm.urdf", "--force", *SPEED)
     assert code == 0
     assert 'friction="0.3"' in (tmp_path / "arm.urdf").read_text()
 
 
 def test_a_verdict_stands_for_the_law_beside_it(called, tmp_path):
     (tmp_path / "verdict.json").write_text("{}")
-    code, out, _ = called("verdict.json", "arm.urdf", "-o", "new.urdf", "--no-run", *SPEED)
+    code, out, _ = called("verdict.json", "arm.urdf", "-o", "new.urdf", *SPEED)
     assert code == 0
     assert "shoulder: stribeck" in out
 
@@ -122,6 +119,6 @@ def test_laws_without_a_mechanism_go_into_a_joint(called, tmp_path):
     code, _, err = called(*asked)
     assert code == 2
     assert "alone.toml has coulomb, coulomb-viscous: choose one law with --law" in err
-    code, out, _ = called(*asked, "--law", "coulomb-viscous", "--no-run")
+    code, out, _ = called(*asked, "--law", "coulomb-viscous")
     assert code == 0
     assert 'damping="0.1" friction="0.3"' in out

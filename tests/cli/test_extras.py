@@ -16,7 +16,6 @@ from tests.support import BLOCK_RIG
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.data.catalogue import datasets as records
 from stickslip.errors import InputError
-from stickslip.study.benchmark import runs as benchmark_runs
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -82,18 +81,10 @@ def adapter(name: str) -> Callable[[], None]:
     return imported
 
 
-def with_a_peer() -> None:
-    benchmark_runs.run(["rock"], "benchmark", peers=["lmfit"])
-
-
 IN_PYTHON = {
-    "benchmark": with_a_peer,
-    "control": adapter("control_systems"),
     "gym": adapter("environments"),
     "xarray": to_xarray,
 }
-NOTED = {"mujoco": (*APPLY, "new.urdf", "arm.urdf")}
-"""Commands that leave something out without an extra, and say so."""
 
 
 def packages(extra: str) -> list[str]:
@@ -108,15 +99,11 @@ def without(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
 
     def hide(extra: str) -> None:
         hidden = {name.lower(): name for name in packages(extra)}
-        version = benchmark_runs._version
         for name in [*sys.modules]:
             if name.partition(".")[0].lower() in hidden:
                 monkeypatch.setitem(sys.modules, name, None)
         for name in hidden.values():
             monkeypatch.setitem(sys.modules, "SALib" if name == "salib" else name, None)
-        monkeypatch.setattr(
-            benchmark_runs, "_version", lambda name: "" if name in hidden else version(name)
-        )
 
     return hide
 
@@ -142,7 +129,7 @@ def called(tmp_path, monkeypatch, capsys):
 
 
 def test_every_extra_for_users_is_met_here() -> None:
-    assert {*COMMANDS, *IN_PYTHON, *NOTED} == EXTRAS.keys() - FOR_CONTRIBUTORS
+    assert {*COMMANDS, *IN_PYTHON} == EXTRAS.keys() - FOR_CONTRIBUTORS
 
 
 @pytest.mark.parametrize(
@@ -166,14 +153,6 @@ def test_a_function_names_the_extra_that_it_needs(without, extra):
     without(extra)
     with pytest.raises(InputError, match=re.escape(f"pip install 'stickslip[{extra}]'")):
         IN_PYTHON[extra]()
-
-
-@pytest.mark.parametrize("extra", NOTED)
-def test_what_is_left_out_without_an_extra_is_said(called, without, extra):
-    without(extra)
-    code, out, err = called(*NOTED[extra])
-    assert code == 0, err
-    assert f"pip install 'stickslip[{extra}]'" in " ".join(out.split()) + err
 
 
 PAGES = ROOT / "docs/howto/files"

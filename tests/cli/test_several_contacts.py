@@ -40,7 +40,7 @@ bristle_stiffness = 1e4
 SHARED = FEET.partition("[friction.rear]")[0].replace("[friction.front]", "[friction]")
 PAD = """
 [mechanism]
-type = "disc-brake"
+type = "benchmarks.several.brakes:DiscBrake"
 inertia = "0.5 kg m^2"
 pads = [{ radius = "10 cm", load = "100 N" }]
 [friction.coulomb]
@@ -116,7 +116,9 @@ def test_the_page_has_the_figures_and_tables_of_the_contacts(called):
 
 
 def test_one_pad_at_a_radius_is_simulated_too(called):
-    code, out, _ = called(PAD, "simulate", "rig.toml", "--report-to", "page", "-o", "run.csv")
+    code, out, _ = called(
+        PAD, "simulate", "rig.toml", "--allow-import", "--report-to", "page", "-o", "run.csv"
+    )
     assert code == 0
     assert "Came to rest" in out
     assert "could not be made" not in Path("page/index.html").read_text(encoding="utf-8")

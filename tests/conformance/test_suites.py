@@ -1,11 +1,14 @@
 """The suites that other packages run on their laws and mechanisms hold for ours."""
 
 import pytest
+from tests.conformance.engine_checks import same_in_both_tiers, sensitivities_hold
 from tests.support import EXAMPLES, SEVERAL, SHOWN, example_of, quick
 
-from stickslip import Coulomb
+from stickslip import Axis, Coulomb
 from stickslip.friction import LAWS
-from stickslip.study.testing import check_friction, check_mechanism
+from stickslip.mechanisms import given_inputs
+from stickslip.study.testing import check_friction, check_mechanism, friction
+from stickslip.study.testing.mechanisms import slip_rates
 
 CHECKED = ("block-chain", "disc-brake", "two-feet")
 """Friction between bodies, on a turning body, and under an uneven load."""
@@ -13,13 +16,13 @@ CHECKED = ("block-chain", "disc-brake", "two-feet")
 
 @pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
 def test_every_law_passes_the_suite_for_laws(kind):
-    report = check_friction(example_of(kind), compiled=False)
+    report = check_friction(example_of(kind))
     assert report.ok, report
 
 
 @pytest.mark.parametrize("name", quick(SHOWN, *EXAMPLES))
 def test_every_mechanism_passes_the_suite_for_mechanisms(name):
-    report = check_mechanism(SHOWN[name], t_end=0.8, compiled=False)
+    report = check_mechanism(SHOWN[name], t_end=0.8)
     assert report.ok, report
 
 
@@ -27,13 +30,29 @@ def test_every_mechanism_passes_the_suite_for_mechanisms(name):
 @pytest.mark.parametrize("name", quick(SEVERAL, *CHECKED))
 def test_mechanisms_with_several_contacts_pass_the_suite_too(name, draws):
     law = Coulomb(kinetic_coefficient=0.3, static_coefficient=0.4)
-    report = check_mechanism(SEVERAL[name], law, compiled=False, draws=draws)
+    report = check_mechanism(SEVERAL[name], law, draws=draws)
     assert report.ok, report
     assert "contacts name coordinates" in report.checks
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+def test_sensitivities_to_every_parameter_of_a_law_are_those_of_differences(kind):
+    law = example_of(kind)
+    axis = Axis(inertia=1.0, stiffness=11.0, load=10.0)
+    axis = given_inputs(axis, {name: friction.ORDINARY[name] for name in law.inputs})
+    assert [*sensitivities_hold(axis, law, law, {"v": 1.0}, 2.0)] == []
+
+
+@pytest.mark.parametrize("name", quick({**SHOWN, **SEVERAL}, *EXAMPLES, *CHECKED))
+def test_sensitivities_to_every_parameter_of_a_mechanism_are_those_of_differences(name):
+    mechanism, law = {**SHOWN, **SEVERAL}[name], Coulomb(kinetic_coefficient=0.2)
+    for start in ({}, dict.fromkeys(slip_rates(mechanism), 0.5)):
+        assert [*sensitivities_hold(mechanism, law, mechanism, start, 0.8)] == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHOWN)
 def test_every_mechanism_is_the_same_in_both_tiers(name):
-    report = check_mechanism(SHOWN[name], t_end=0.8)
-    assert report.ok, report
+    mechanism, law = SHOWN[name], Coulomb(kinetic_coefficient=0.2)
+    start = dict.fromkeys(slip_rates(mechanism), 0.5)
+    assert [*same_in_both_tiers(mechanism, law, start, 0.8)] == []

@@ -64,6 +64,6 @@ def test_the_arm_by_matrices_moves_as_the_arm_by_energies(shown):
 def test_the_arm_passes_its_checks_and_the_mistyped_one_does_not(shown):
     names, _ = shown
     check = names["check_mechanism"]
-    assert check(names["arm"], names["joint"], compiled=False).ok
-    wrong = check(names["Mistyped"](**names["numbers"]), names["joint"], compiled=False)
+    assert check(names["arm"], names["joint"]).ok
+    wrong = check(names["Mistyped"](**names["numbers"]), names["joint"])
     assert {finding.check for finding in wrong.findings} == {"runs satisfy the energy balance"}

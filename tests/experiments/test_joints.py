@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import Measurement, TwoLinkArm, check, load_measurement, load_rig
-from stickslip.data import refuse_same, rows_of
+from stickslip.data import refuse_same
+from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 
 TIME = np.arange(50) / 100

@@ -15,7 +15,6 @@ import pytest
 from stickslip import (
     Axis,
     Capsule,
-    ClutchTrain,
     Coulomb,
     Measurement,
     PendulumCart,
@@ -32,7 +31,7 @@ from stickslip.data import rig_schema
 from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import LAWS
-from stickslip.mechanisms import MECHANISMS, Lining, Link, Prescribed, Rotor, Torque
+from stickslip.mechanisms import MECHANISMS, Link, Prescribed, Torque
 from stickslip.mechanisms.drives import (
     PiecewiseAffine,
     PiecewiseLinear,
@@ -335,10 +334,6 @@ DRIVEN = [
         length=0.3,
         pendulum=Torque(drive=Square(high=0.5, low=-0.2, period=0.5) + Ramp(rate=0.1), limit=2.0),
     ),
-    ClutchTrain(
-        rotors=(Rotor(inertia=1.0, torque=Ramp(rate=1.0)), Rotor(inertia=2.0)),
-        clutches=(Lining(radius=0.1, press=Pulse(level=2.0, duration=1.0)),),
-    ),
 ]
 
 
@@ -504,7 +499,7 @@ BAD_TEXT = {
     "unknown type": ("[mechanism]\ntype = 'spring-blok'", "'spring-blok'. Did you mean 'spring-b"),
     "type of another kind": (
         "[mechanism]\ntype = [1]",
-        "Known: axis, block-chain, capsule, clutch-train",
+        "Known: axis, block-chain, capsule, pendulum",
     ),
     "mechanism as a value": ("mechanism = 5", "mechanism must be a table, got 5"),
     "negative": (

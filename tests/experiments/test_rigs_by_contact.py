@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.contact_cases import coulomb
 
-from stickslip import BlockChain, ClutchTrain, DiscBrake, EventDriven, LuGre, TwoFeet, load_rig
+from stickslip import BlockChain, EventDriven, LuGre, TwoFeet, load_rig
 from stickslip.data import LawEstimates, Rig, rig_schema, rig_toml
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Laws
-from stickslip.mechanisms import Lining, Rotor
 from stickslip.mechanisms.drives import Pulse, Sine
 from stickslip.study.sweep import band_of
 
@@ -45,7 +45,7 @@ initial = { x = "90 cm" }
 FRONT = "[friction.front]\nkinetic_coefficient = 0.6\n"
 CLUTCHES = """
 [mechanism]
-type = "clutch-train"
+type = "benchmarks.several.brakes:ClutchTrain"
 rotors = [
     { inertia = "1 kg m^2", torque = { type = "sine", amplitude = "10 N m", frequency = "5 Hz" } },
     { inertia = 1.0 },
@@ -69,7 +69,7 @@ def read(tmp_path, monkeypatch):
 
     def reader(text, overrides=None):
         Path("rig.toml").write_text(text, encoding="utf-8")
-        return load_rig("rig.toml", overrides=overrides)
+        return load_rig("rig.toml", overrides=overrides, allow_import=True)
 
     return reader
 
@@ -442,7 +442,7 @@ def test_all_coordinates_of_several_contacts_have_a_band():
 
 HOT = """
 [mechanism]
-type = "disc-brake"
+type = "benchmarks.several.brakes:DiscBrake"
 inertia = 0.5
 pads = [{ radius = 0.1, load = 60 }, { radius = 0.12, load = 40 }]
 
@@ -469,7 +469,7 @@ def test_each_of_several_contacts_may_have_a_table_of_inputs_of_its_own(read, tm
     assert run["phi"][-1] == pytest.approx(expected, rel=1e-12)
     path = tmp_path / "again.toml"
     path.write_text(rig_toml(rig.mechanism, hot), encoding="utf-8")
-    assert load_rig(path).mechanism == rig.mechanism
+    assert load_rig(path, allow_import=True).mechanism == rig.mechanism
     cooled = read(HOT, overrides={"contact.pad-2.temperature": "20 degC"})
     assert cooled.mechanism.contact_pad_2_temperature == 20.0
     one = read(HOT, overrides={"contact.pad-1.temperature": 90.0})

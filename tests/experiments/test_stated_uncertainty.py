@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, check, load_measurement, load_rig
-from stickslip.data import guess_data, guessed_rig, read_data, refuse_unused, rows_of
+from stickslip.data import guess_data, guessed_rig, read_data, refuse_unused
+from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 
 V = np.array([0.01, 0.02, 0.05, 0.1, 0.2, 0.4, -0.05, -0.1])

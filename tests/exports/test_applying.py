@@ -4,17 +4,14 @@ import re
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from stickslip import (
     Axis,
-    BamM3,
     Coulomb,
     CoulombViscous,
-    LuGre,
     QuadraticDrag,
     Rig,
     Stribeck,
@@ -25,13 +22,10 @@ from stickslip import (
 from stickslip.data import KnownLaws
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import apply
-from stickslip.exports.applying.models import Mjcf
-from stickslip.exports.applying.running import SHARE
+from stickslip.exports.applying.models import SHARE, Mjcf
 from stickslip.exports.joints import PolynomialFriction, simplified
 from stickslip.exports.program import Subject
-from stickslip.friction import law as composed
 from stickslip.mechanisms import read_urdf
-from stickslip.show.formatting import quantity
 
 LAW = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=0.1)
 STRIBECK = Stribeck(
@@ -84,7 +78,7 @@ def arm(tmp_path):
 
 
 def written(law, path, joints, **settings):
-    settings = {"largest_speed": 2.0, "run": False, **settings}
+    settings = {"largest_speed": 2.0, **settings}
     return apply(law, path, joints=joints, **settings)
 
 
@@ -419,72 +413,6 @@ def test_a_whole_arm_under_gravity_moves_in_mujoco_as_ours_does(tmp_path):
     assert apart[1] == pytest.approx(0.5 * apart[0], rel=0.3)
 
 
-@pytest.mark.parametrize("kind", ["urdf", "mjcf"])
-def test_decays_and_sweeps_agree_with_ours_within_the_stated_error(arm, kind):
-    mujoco_or_skip()
-    path = DESK_ARM if kind == "urdf" else arm
-    found = written(STRIBECK, path, ["shoulder", "elbow"], run=True)
-    assert not any("was not run" in line for line in found.remarks)
-    for row in found.joints:
-        motions = [
-            motion
-            for motion in row.motions
-            if motion.settings == ("stiff" if kind == "urdf" else "")
-        ]
-        assert [motion.kind for motion in motions] == ["hold", "decay", "sweep"]
-        hold, *rest = motions
-        assert hold.travel == 0.0
-        assert hold.error < 1e-3
-        for finding in rest:
-            print(f"{kind} {row.joint} {finding.sentence}")
-            # of the steps of 1 ms, half a step at the largest speed of 2 rad/s; a sweep is faster
-            assert abs(finding.error - finding.simplification) < 2e-3 + 0.02 * finding.travel
-    if kind == "urdf":
-        defaults = [motion for row in found.joints for motion in row.motions if not motion.settings]
-        assert len(defaults) == 6
-        # creep with MuJoCo's defaults, which is why the others are shown
-        assert min(default.error for default in defaults if default.kind == "hold") > 1e-3
-
-
-def test_the_stated_creep_is_that_of_the_file_as_it_is_loaded(arm):
-    mujoco = mujoco_or_skip()
-    (row,) = written(LAW, arm, "shoulder", run=True).joints
-    model = mujoco.MjModel.from_xml_string(written(LAW, arm, "shoulder").content.decode())
-    model.opt.gravity[:] = 0.0
-    data = mujoco.MjData(model)
-    data.qfrc_applied[0] = SHARE * 0.3
-    while data.time < 10.0:
-        mujoco.mj_step(model, data)
-    # there the elbow is not locked, and gives way a little
-    assert abs(data.qpos[0]) == pytest.approx(row.motions[0].error, rel=0.5)
-    assert row.motions[0].error < 1e-4
-
-
-def test_bristles_give_way_where_the_joint_does_not():
-    mujoco_or_skip()
-    law = LuGre.from_forces(
-        load=1.0, kinetic_force=0.3, static_force=0.4, stribeck_velocity=0.1,
-        bristle_stiffness=40.0, bristle_damping=0.4, viscous_coefficient=0.1,
-    )  # fmt: skip
-    (row,) = written(law, DESK_ARM, "turret", run=True).joints
-    hold = row.motions[3]
-    assert (hold.kind, hold.settings) == ("hold", "stiff")
-    # bristles under 60 % of break-away stretch by force over stiffness at least
-    assert hold.travel > SHARE * 0.4 / 40.0
-    assert hold.error < 1e-3
-    assert any(line.startswith("Bristles:") for line in row.lost)
-
-
-def test_a_model_that_mujoco_cannot_load_is_written_and_says_so(arm):
-    mujoco_or_skip()
-    arm.write_text(ARM.replace("</mujoco>", '<asset><mesh file="no.stl"/></asset></mujoco>'))
-    found = written(LAW, arm, "elbow", run=True)
-    assert found.joints[0].motions == ()
-    (said,) = found.remarks
-    assert said.startswith("The file was not run in MuJoCo: ")
-    ElementTree.fromstring(found.content)
-
-
 GEOM = '<geom size=".1"/>'
 LARGE = {
     "replicate": ("body", f'<replicate count="1e8" offset="1 0 0">{GEOM}</replicate>', "elements"),
@@ -505,61 +433,6 @@ LARGE = {
     "device": ("asset", '<mesh name="m" file="/dev/zero"/>', "inf bytes"),
     "model": ("asset", '<model name="m" file="arm.xml"/>', "models within the model"),
 }
-
-
-@pytest.mark.parametrize("kind", LARGE)
-def test_a_model_that_takes_all_memory_or_time_is_not_run(arm, kind):
-    mujoco_or_skip()
-    where, text, said = LARGE[kind]
-    if where in ("size", "option"):
-        text = f"<{where} {text}/>"
-        changed = re.sub("<option[^>]*>", "", ARM) if where == "option" else ARM
-    else:
-        inner = f"<body>{text}</body>" if where == "body" else text
-        where = "worldbody" if where == "body" else where
-        text, changed = f"<{where}>{inner}</{where}>", ARM
-    arm.write_text(changed.replace("</mujoco>", f"{text}</mujoco>"))
-    found = written(LAW, arm, "elbow", run=True)
-    (remark,) = found.remarks
-    assert remark.startswith("The file was not run in MuJoCo: ")
-    assert said in remark
-    assert "exceed the limit" in remark
-
-
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="its size is not known")
-@pytest.mark.parametrize("kind", ["field", "user", "memory", "sensor"])
-def test_what_no_rule_refuses_fails_by_its_memory_and_leaves_the_limit(arm, kind, monkeypatch):
-    mujoco_or_skip()
-    import resource
-
-    where, text, _ = LARGE[kind]
-    text = f"<{where} {text}/>" if where == "size" else f"<{where}>{text}</{where}>"
-    arm.write_text(ARM.replace("</mujoco>", f"{text}</mujoco>"))
-    monkeypatch.setattr("stickslip.exports.applying.running.check_workload", lambda _: None)
-    before = resource.getrlimit(resource.RLIMIT_AS)
-    (remark,) = written(LAW, arm, "elbow", run=True).remarks
-    assert remark.startswith("The file was not run in MuJoCo: ")
-    assert resource.getrlimit(resource.RLIMIT_AS) == before
-
-
-def test_a_motion_that_takes_too_long_is_given_up(arm, monkeypatch):
-    mujoco_or_skip()
-    monkeypatch.setattr("stickslip.exports.applying.running.MOST_PROCESSOR_TIME", 0.0)
-    found = written(LAW, arm, "elbow", run=True)
-    assert found.joints[0].motions == ()
-    assert "of processor time" in found.remarks[0]
-
-
-def test_textures_take_no_memory_because_no_motion_depends_on_them(arm):
-    mujoco_or_skip()
-    huge = '<texture name="t" type="2d" builtin="flat" width="99999" height="99999"/>'
-    text = ARM.replace(
-        "</mujoco>", f'<asset>{huge}<material name="m" texture="t"/></asset></mujoco>'
-    )
-    arm.write_text(text.replace('<geom size="0.03"', '<geom material="m" size="0.03"'))
-    found = written(LAW, arm, "elbow", run=True)
-    assert found.joints[0].motions
-    assert huge.encode() in found.content
 
 
 def test_a_model_that_includes_itself_is_read_once(arm):
@@ -627,9 +500,8 @@ def test_classes_of_nested_includes_are_those_that_mujoco_finds(arm, places):
     with_nested_classes(arm, places)
     model = mujoco.MjModel.from_xml_path(str(arm))
     assert model.joint("rail").type[0] == mujoco.mjtJoint.mjJNT_SLIDE
-    (row,) = written(LAW, arm, "rail", load=1.0, run=True).joints
+    (row,) = written(LAW, arm, "rail", load=1.0).joints
     assert not row.rotary
-    assert row.motions
 
 
 def test_classes_that_mujoco_does_not_find_are_missing(arm):
@@ -668,29 +540,6 @@ def test_joints_have_no_normal_force_to_depend_on(arm):
     assert "Dependence on the normal force, which was not known." in row.lost
 
 
-def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
-    mujoco_or_skip()
-    warm = composed("level + viscous * exponential[temperature]")(
-        kinetic_coefficient=0.2, viscous_coefficient=0.3, viscous_temperature_decay=0.03
-    )
-    at = {"temperature": "300 K"}
-    (row,) = written(warm, DESK_ARM, "elbow", at=at, run=True).joints
-    assert len(row.motions) == 6
-    # at one temperature the law is a level and a damping
-    assert max(motion.simplification for motion in row.motions) < 1e-9
-
-
-@pytest.mark.parametrize(("share", "held"), [(0.25, 0.2 / 0.75), (0.99, 20.0), (1.5, 0.2 + 1.5)])
-def test_a_gear_is_held_below_the_break_away_that_it_has_under_the_push_itself(share, held):
-    mujoco_or_skip()
-    gear = BamM3(kinetic_coefficient=0.2, transmitted_coefficient=share, viscous_coefficient=0.05)
-    (row,) = written(gear, DESK_ARM, "elbow", at={"transmitted": 1.0}, run=True).joints
-    hold = row.motions[0]
-    # of a gear that locks itself, any push: that at the stated torque
-    assert hold.said.startswith(f"Hold for 10 s under {quantity(SHARE * held, 'N m')}, 60 %")
-    assert hold.travel == 0.0
-
-
 def test_each_law_takes_the_inputs_that_it_depends_on_and_those_of_its_contact(tmp_path):
     (tmp_path / "law.toml").write_text(
         f"""
@@ -713,7 +562,7 @@ viscous_coefficient = 0.05
     rig = load_rig(tmp_path / "law.toml")
 
     def levels(at):
-        found = apply(rig, DESK_ARM, at=at, largest_speed=2.0, run=False)
+        found = apply(rig, DESK_ARM, at=at, largest_speed=2.0)
         return [float(row.after["friction"]) for row in found.joints]
 
     assert levels({"transmitted": "2 N m"}) == pytest.approx([0.5, 0.7])
@@ -727,17 +576,3 @@ viscous_coefficient = 0.05
         levels({"elbo": {"transmitted": 1.0}})
     with pytest.raises(UnknownNameError, match="contact input of coulomb-viscous"):
         levels({"elbow": {"transmitted": 1.0}, "shoulder": {"transmitted": 1.0}})
-
-
-def test_the_creep_of_stiff_joints_is_that_of_the_formula():
-    mujoco = mujoco_or_skip()
-    names = ["turret", "shoulder", "elbow"]
-    found = written(LAW, DESK_ARM, names, run=True)
-    model = model_of(mujoco, found.content, stiff=True)
-    (time_constant, _), (least, most, _) = STIFF
-    rate = (1.0 - least) / least * most * time_constant / 2.0
-    for dof, row in enumerate(found.joints):
-        hold = row.motions[3]
-        expected = rate * SHARE * 0.3 * model.dof_invweight0[dof]
-        # the joint's damping takes some of the force, in proportion to the creep
-        assert hold.error / hold.t_end == pytest.approx(expected, rel=1e-4)

@@ -80,7 +80,7 @@ def scene(tmp_path):
 
 
 def written(law, path, joints, **settings):
-    settings = {"largest_speed": 2.0, "run": False, **settings}
+    settings = {"largest_speed": 2.0, **settings}
     return apply(law, path, joints=joints, **settings)
 
 
@@ -476,9 +476,3 @@ def test_what_a_format_does_not_have_is_refused(scene, servo, controllers):
     gear = LAWS["bam-m3"](**LAWS["bam-m3"].typical.values)
     with pytest.raises(InputError, match="bam-m3 depends on transmitted: give it"):
         written(gear, controllers, "lift")
-
-
-def test_the_program_that_was_not_run_is_named(servo, scene):
-    assert "was not run in Rhoban/bam" in apply(LAW, servo).remarks[-1]
-    found = written(LAW, scene(), "elbow", to="newton", run=True)
-    assert "was not run in Newton" in found.remarks[-1]

@@ -76,7 +76,7 @@ def test_the_record_stops_the_axis_and_the_law_file_knows_that_it_turns(used):
         assert getattr(used.law, name) == pytest.approx(getattr(TRUE, name), rel=0.01)
 
 
-@pytest.mark.parametrize("target", ["c", "matlab", "modelica", "mjcf", "urdf", "csv", "json"])
+@pytest.mark.parametrize("target", ["c", "matlab", "mjcf", "urdf", "csv", "json"])
 def test_no_file_of_a_rotary_axis_has_a_unit_of_a_linear_one(used, target):
     text = "\n".join(export(used.rig, target).files.values())
     for wrong in ("[N]", "[m/s]", "[kg]", "[m]", "N s/m", 'type="slide"', "prismatic", 'unit="m'):

@@ -48,7 +48,7 @@ def test_every_target_is_registered_under_its_name():
     for name, target in TARGETS.items():
         assert isinstance(target, Target)
         assert target.name == name
-    assert list(TARGETS) == ["c", "matlab", "modelica", "mjcf", "urdf", "csv", "json"]
+    assert list(TARGETS) == ["c", "matlab", "mjcf", "urdf", "csv", "json"]
 
 
 @pytest.mark.parametrize("target", TARGETS)

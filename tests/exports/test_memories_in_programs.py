@@ -12,7 +12,6 @@ from tests.friction.test_memories import GMS, MAXWELL, PUSH, RESET, axis
 from tests.friction.test_tissue import OWN
 
 from stickslip import export, simulate
-from stickslip.errors import InputError
 
 LAWS = {"gms": GMS, "maxwell": MAXWELL, "reset": RESET, "relaxing": OWN}
 
@@ -62,9 +61,7 @@ def test_elements_far_stiffer_than_the_period_resolves_cost_no_accuracy(tmp_path
     np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
-def test_models_in_modelica_have_no_latches():
-    with pytest.raises(InputError, match="latched switches, which models in Modelica do not"):
-        export(GMS, "modelica", name="gms")
+def test_latches_step_in_c():
     assert "maxwell_step" in export(MAXWELL, "c", name="maxwell").files["maxwell.h"]
 
 

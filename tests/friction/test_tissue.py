@@ -214,7 +214,7 @@ def test_a_ripple_that_turns_friction_round_is_not_passive():
 
 
 def test_the_suite_for_laws_knows_that_tissue_relaxes_at_rest():
-    report = check_friction(OWN, compiled=False)
+    report = check_friction(OWN)
     assert "change at rest" not in str(report)
 
 

@@ -92,7 +92,7 @@ def test_a_run_through_reversals_keeps_the_energy_balance(law):
 
 @each
 def test_it_passes_the_suite_for_laws(law):
-    report = check_friction(thinned(law, 0.5), load=1.0, compiled=False)
+    report = check_friction(thinned(law, 0.5), load=1.0)
     assert report.ok, report
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import DiscBrake, Lining
 
 from stickslip import Axis, Measurement, Pendulum, RecordSettings, fit, select, simulate
 from stickslip.errors import InputError
@@ -15,7 +16,7 @@ from stickslip.identify.fits.contact_inputs import (
     typical_inputs,
     with_inputs,
 )
-from stickslip.mechanisms import DiscBrake, Lining, given_inputs, given_names
+from stickslip.mechanisms import given_inputs, given_names
 from stickslip.mechanisms.drives import Sampled, Sine, Sum
 
 WARM = law("level + viscous * exponential[temperature]")

@@ -163,7 +163,7 @@ def tx40():
 
 @pytest.mark.slow
 def test_a_measured_arm_of_unknown_links_has_the_published_friction(tx40):
-    from stickslip.study.benchmark.records import by_motors, tx40_robot
+    from benchmarks.friction.records import by_motors, tx40_robot
 
     robot = tx40_robot()
     found = fit(robot, CoulombViscous, by_motors(tx40), vary=["friction.*", "links"])

@@ -6,23 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 
-from stickslip import (
-    Axis,
-    BlockChain,
-    Capsule,
-    ClutchTrain,
-    DiscBrake,
-    Pendulum,
-    PendulumCart,
-    SpringBlock,
-    TwoFeet,
-)
+from stickslip import Axis, BlockChain, Capsule, Pendulum, PendulumCart, SpringBlock, TwoFeet
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import (
-    Lining,
     Link,
-    Rotor,
     SerialArm,
     Torque,
     TowedBlock,

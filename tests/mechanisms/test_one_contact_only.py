@@ -5,7 +5,6 @@ import pytest
 from tests.contact_cases import coulomb
 
 from stickslip import (
-    BlockChain,
     EventDriven,
     Measurement,
     SpringBlock,
@@ -22,7 +21,7 @@ from stickslip.identify.candidates import criteria_of
 from stickslip.mechanisms import PendulumCart
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.control import PartialLinearisation, closed_loop
-from stickslip.study.sweep import average_velocity, band_of, basins, bifurcation
+from stickslip.study.sweep import average_velocity, band_of, basins
 
 PLAIN = EventDriven(tier="python")
 BODY = TwoFeet(
@@ -73,32 +72,6 @@ def test_laws_by_contact_are_refused_where_the_contact_has_no_name(name):
     block = SpringBlock(mass=1.0, drive=Sine(amplitude=3.0, frequency=2.0))
     with pytest.raises(InputError, match="one contact, which has no name: give its law alone"):
         UNNAMED[name](block, LAWS)
-
-
-def test_bifurcation_varies_the_law_of_one_contact():
-    chain = BlockChain(blocks=2, mass=1.0, coupling=1.2, stiffness=1.0, speed=0.1)
-    laws = {"block-1": coulomb(0.7, 1.0), "block-2": coulomb(0.7, 1.2)}
-    found = bifurcation(
-        chain, laws, "friction.block-2.static_coefficient", [1.2, 1.3],
-        state="x1", sample="stop", t_end=30.0, keep=2, follow=False, solver=PLAIN,
-    )  # fmt: skip
-    changed = laws | {"block-2": coulomb(0.7, 1.3)}
-    run = simulate(chain, changed, t_end=30.0, solver=PLAIN)
-    stops = [event.t for event in run.events if event.reason == "stop"][-2:]
-    np.testing.assert_array_equal(found.samples[1, 0], run.at(stops)["x1"])
-
-
-def test_a_motion_on_a_belt_is_followed_from_where_the_belt_has_come_to():
-    chain = BlockChain(blocks=1, mass=1.0, coupling=1.0, stiffness=1.0, speed=0.1)
-    law = coulomb(0.7, 1.0)
-    found = bifurcation(
-        chain, law, "kinetic_coefficient", [0.7, 0.7],
-        state="x1", sample="stop", t_end=20.0, keep=2, solver=PLAIN,
-    )  # fmt: skip
-    whole = simulate(chain, law, t_end=40.0, solver=PLAIN)
-    last = [event.t for event in whole.events if event.reason == "stop"][-1]
-    # places count along with the belt, which has moved 2 m when the second run begins
-    assert found.samples[1, 0, -1] == pytest.approx(whole.at(last)["x1"][0] + 2.0, abs=1e-12)
 
 
 def test_a_foot_that_carries_load_needs_a_law_even_if_nothing_rubs_there():

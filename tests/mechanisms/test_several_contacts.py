@@ -8,13 +8,12 @@ import math
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.contact_cases import belt, clutches, coulomb, decay
 from tests.support import SEVERAL
 
 from stickslip import (
     BlockChain,
-    ClutchTrain,
-    DiscBrake,
     EventDriven,
     PendulumCart,
     TowedBlock,
@@ -25,7 +24,7 @@ from stickslip import (
 )
 from stickslip.engine import Status
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.mechanisms import Contact, Lining, Link, Prescribed, Rotor, SerialArm, Torque
+from stickslip.mechanisms import Contact, Link, Prescribed, SerialArm, Torque
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
 
 PLAIN = EventDriven(tier="python")

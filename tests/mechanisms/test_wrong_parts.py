@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, Rotor
 
-from stickslip import Axis, Capsule, ClutchTrain, SpringBlock
+from stickslip import Axis, Capsule, SpringBlock
 from stickslip.errors import ParameterError
-from stickslip.mechanisms import Prescribed, Rotor, Torque
+from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Sampled, Sine, Sum, ThreePhase
 
 SINE = Sine(amplitude=1.0, frequency=2.0)

@@ -41,7 +41,7 @@ from stickslip.mechanisms.drives import Sine
 from stickslip.show import plots
 from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.study.characterization import presliding_loop
-from stickslip.study.sweep import band_of, basins, bifurcation, validate
+from stickslip.study.sweep import band_of, basins, validate
 from stickslip.study.sweep.mean_velocity import VelocityMap
 
 plt.switch_backend("Agg")
@@ -100,9 +100,6 @@ def results():
             BLOCK, ["coulomb", "viscous"], Measurement(travel=0.20, uncertainty=0.005)
         ),
         "map": velocity_map(),
-        "bifurcation": bifurcation(
-            driven, rough, "frequency", [1.0, 1.2], state="x", keep=6, settle=50
-        ),
         "basins": basins(driven, rough, {"x": [-1.0, 0.0, 1.0], "v": [-1.0, 1.0]}, settle=30),
         "loop": presliding_loop(DAHL, 0.001, load=10.0),
     }
@@ -110,7 +107,7 @@ def results():
 
 KINDS = (
     "run", "ensemble", "band", "validation", "record fit", "travel fit", "record verdict",
-    "table verdict", "travel verdict", "map", "bifurcation", "basins", "loop",
+    "table verdict", "travel verdict", "map", "basins", "loop",
 )  # fmt: skip
 
 
@@ -218,7 +215,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_fit: "fit must be a Fit, got",
         plots.plot_verdict: "verdict must be a Verdict, got",
         plots.plot_ensemble: "runs must be an Ensemble",
-        plots.plot_sweep: "result must be a VelocityMap, Bifurcation, Basins, Sensitiv",
+        plots.plot_sweep: "result must be a VelocityMap, Basins, SensitivityIndices",
         plots.plot_characteristic: "result must be a Characteristic",
         plots.plot_characterization: "result must be a Characterization",
         plots.plot_law: "law must be a FrictionLaw",
@@ -445,7 +442,6 @@ def test_grids_and_ensembles_are_datasets_with_units(results):
     assert runs["way"].dims == ("run", "way_index")
     assert runs["friction.kinetic_coefficient"].dims == ("run",)
     assert runs["status"].values.tolist() == ["AT_REST"] * 3
-    assert results["bifurcation"].to_xarray()["x"].shape == (2, 1, 6)
     found = results["basins"]
     assert found.to_xarray()["attractor"].shape == found.index.shape
     frame = found.to_dataframe()
@@ -455,7 +451,7 @@ def test_grids_and_ensembles_are_datasets_with_units(results):
     assert row["attractor"] == found.index[-1, -1]
 
 
-@pytest.mark.parametrize("kind", ["run", "ensemble", "map", "bifurcation", "basins"])
+@pytest.mark.parametrize("kind", ["run", "ensemble", "map", "basins"])
 def test_a_dataset_without_xarray_says_what_to_install(kind, results, monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(InputError, match=r"pip install 'stickslip\[xarray\]', or use to_dataframe"):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from matplotlib.figure import Figure
 from tests.contact_cases import coulomb
 
-from stickslip import ClutchTrain, DiscBrake, EventDriven, PendulumCart, simulate
-from stickslip.mechanisms import Lining, Rotor
+from stickslip import EventDriven, PendulumCart, simulate
 from stickslip.mechanisms.drives import Pulse
 from stickslip.show.plots import contact_sizes, draw_contacts, draw_states
 

@@ -11,15 +11,9 @@ from stickslip.engine import Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import Sine
-from stickslip.show.plots import (
-    draw_basins,
-    draw_bifurcation,
-    draw_orbits,
-    draw_velocity_map,
-    standalone_svg,
-)
+from stickslip.show.plots import draw_basins, draw_orbits, draw_velocity_map, standalone_svg
 from stickslip.show.plots.theme import SLIP_BACK, house_style
-from stickslip.study.sweep import Attractor, Basins, Bifurcation, VelocityMap, orbit_diagram
+from stickslip.study.sweep import Attractor, Basins, VelocityMap, orbit_diagram
 
 
 def velocity_map(axes, velocity):
@@ -86,19 +80,6 @@ def test_three_parameters_are_no_map():
     found = velocity_map({"a": [1], "b": [1], "c": [1]}, [[[1.0]]])
     with pytest.raises(InputError, match="fix all but two"):
         draw_velocity_map(found)
-
-
-def test_a_bifurcation_diagram_has_every_sample():
-    samples = np.arange(12.0).reshape(3, 2, 2)
-    found = Bifurcation(
-        path="mechanism.stiffness", path_unit="N/m", values=np.array([1.0, 2.0, 3.0]), state="x",
-        unit="m", sample="period", samples=samples, period=np.ones((3, 2), np.int64),
-        status=np.full((3, 2), Status.END_TIME, dtype=object),
-    )  # fmt: skip
-    (axes,) = drawn(draw_bifurcation(found))
-    points = np.concatenate([line.get_ydata() for line in axes.lines])
-    assert sorted(points) == list(range(12))
-    assert found.to_dataframe()["x"].tolist() == list(range(12))
 
 
 def test_basins_name_their_motions_and_leave_out_failed_starts():

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.properties.fuzzing.campaign import time_limit
 from tests.properties.fuzzing.rigs import Chain, PendulumCart, ShakenBlock
 from tests.properties.fuzzing.several import Dense
@@ -16,12 +17,10 @@ from tests.properties.fuzzing.several import Dense
 from stickslip import (
     Axis,
     BlockChain,
-    ClutchTrain,
     Coulomb,
     Dahl,
     DirectionalStribeck,
     DirectionDependent,
-    DiscBrake,
     EventDriven,
     LuGre,
     PowerViscous,
@@ -36,7 +35,6 @@ from stickslip import (
 from stickslip.engine import Status
 from stickslip.friction import SetValuedLaw, law
 from stickslip.maths import where
-from stickslip.mechanisms import Lining, Rotor
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
 from stickslip.quantities import Quantity
 

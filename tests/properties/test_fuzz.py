@@ -6,15 +6,15 @@
 from dataclasses import replace
 
 import pytest
+from benchmarks.several.brakes import DiscBrake, Lining
 from tests.properties.fuzzing.campaign import Campaign
 from tests.properties.fuzzing.cases import Case, run_case
 from tests.properties.fuzzing.checks import Evidence, holds_no_more_than_break_away, keeps_its_books
 from tests.properties.fuzzing.reports import reproducer
 from tests.properties.fuzzing.workers import outcomes
 
-from stickslip import Coulomb, Dahl, DiscBrake, EventDriven, Pendulum, Viscous
+from stickslip import Coulomb, Dahl, EventDriven, Pendulum, Viscous
 from stickslip.friction import Laws
-from stickslip.mechanisms import Lining
 
 SEED = 5
 FEW = Campaign(seed=SEED, solver=EventDriven(max_steps=400, tier="python"))

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.contact_cases import (
     Arm,
     Disc,
@@ -23,17 +24,7 @@ from tests.contact_cases import (
 )
 from tests.support import UNAIDED, example_of
 
-from stickslip import (
-    ClutchTrain,
-    DiscBrake,
-    EventDriven,
-    LuGre,
-    PowerViscous,
-    Stribeck,
-    ensemble,
-    mechanisms,
-    simulate,
-)
+from stickslip import EventDriven, LuGre, PowerViscous, Stribeck, ensemble, mechanisms, simulate
 from stickslip.engine import EventCount, EventTimes, Status
 from stickslip.engine.formulation import formulate
 from stickslip.engine.kernels import driver
@@ -45,7 +36,7 @@ from stickslip.engine.solver.event_driven import status_of
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Laws, assigned
 from stickslip.maths import where
-from stickslip.mechanisms import Contact, Lining, Rotor
+from stickslip.mechanisms import Contact
 from stickslip.mechanisms.drives import Drive, Pulse, Ramp, Sampled
 
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}

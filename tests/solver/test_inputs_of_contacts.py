@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import DiscBrake, Lining
 from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 from tests.contact_cases import Plain
@@ -15,7 +16,6 @@ from tests.loop_cases import TRIANGLE
 from stickslip import (
     BlockChain,
     Coulomb,
-    DiscBrake,
     EventDriven,
     FixedStep,
     SpringBlock,
@@ -28,7 +28,7 @@ from stickslip import (
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import law
 from stickslip.maths import cos, sin
-from stickslip.mechanisms import Contact, Lining, gear_inputs, given_inputs
+from stickslip.mechanisms import Contact, gear_inputs, given_inputs
 from stickslip.mechanisms.drives import Ramp, Sampled, Sine
 from stickslip.quantities import Quantity
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import pytest
+from benchmarks.several.brakes import DiscBrake, Lining
 
-from stickslip import Axis, DiscBrake, EventDriven, MaxwellSlip, TowedBlock, simulate
+from stickslip import Axis, EventDriven, MaxwellSlip, TowedBlock, simulate
 from stickslip.engine import Status
 from stickslip.friction import HaessigFriedland, SetValuedLaw
 from stickslip.maths import where
-from stickslip.mechanisms import Lining
 from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity
 

@@ -25,7 +25,7 @@ from stickslip import (
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
-from stickslip.study.sweep import bifurcation, continue_orbit, orbit_diagram, periodic_orbit
+from stickslip.study.sweep import continue_orbit, orbit_diagram, periodic_orbit
 from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.continuation import DIAGRAM_STEP, HALVED, Curve, _halves_meet
 from stickslip.study.sweep.orbits import return_map
@@ -685,7 +685,6 @@ def test_a_branch_over_folds_has_a_mean_velocity_at_each_point_whatever_advances
             lambda: orbit_diagram(CAPSULE, ROUGH, ["frequency"], (1.0, 2.0)),
             "orbit_diagram: path mu",
         ),
-        (lambda: bifurcation(CAPSULE, ROUGH, ("gap", "x"), [1.0], state="x"), "name one parameter"),
     ],
 )
 def test_what_cannot_be_used_is_refused_by_its_name(call, message):

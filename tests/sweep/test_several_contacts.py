@@ -8,7 +8,7 @@ from stickslip import EventDriven, TwoFeet
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms.drives import Sine
 from stickslip.show import plots
-from stickslip.study.sweep import average_velocity, basins, bifurcation
+from stickslip.study.sweep import average_velocity, basins
 
 PLAIN = EventDriven(tier="python")
 PAIR = Pair(left_drive=PUSH, right_drive=PUSH)
@@ -26,34 +26,6 @@ def test_the_map_of_one_of_two_axes_is_that_of_the_axis_alone():
     np.testing.assert_allclose(both.velocity, alone.velocity, rtol=0, atol=1e-12)
     assert (both.unit, both.coordinate, alone.coordinate) == ("m/s", "a", "")
     assert plots.plot(both).get_ylabel().startswith("mean velocity of a, ")
-
-
-@pytest.mark.parametrize(("name", "state"), [("left", "a"), ("right", "b")])
-def test_samples_at_the_stops_of_one_of_two_axes_are_those_of_the_axis_alone(name, state):
-    drives = {
-        "left": Sine(amplitude=1.6, frequency=1.0),
-        "right": Sine(amplitude=0.9, frequency=1.0),
-    }
-    pair = Pair(left_drive=drives["left"], right_drive=drives["right"])
-    settings = {"sample": "stop", "keep": 2, "t_end": 2.0, "solver": PLAIN}
-    path, levels = "kinetic_coefficient", {"left": [1.4, 1.5], "right": [0.7, 0.8]}[name]
-    both = bifurcation(
-        pair, LAWS, f"friction.{name}.{path}", levels, state=state, contact=name, **settings
-    )
-    alone = bifurcation(axis(drives[name]), LAWS[name], path, levels, state="x", **settings)
-    assert np.isfinite(alone.samples).all()
-    np.testing.assert_allclose(both.samples, alone.samples, rtol=0, atol=1e-12)
-
-
-def test_samples_at_events_that_do_not_exist_are_refused():
-    settings = {"state": "a", "t_end": 1.0, "solver": PLAIN}
-    path, levels = "friction.left.kinetic_coefficient", [0.5]
-    with pytest.raises(UnknownNameError, match=r"reason of events 'stopp'.*'stop'"):
-        bifurcation(PAIR, LAWS, path, levels, sample="stopp", **settings)
-    with pytest.raises(UnknownNameError, match=r"contact of events 'lefft'.*'left'"):
-        bifurcation(PAIR, LAWS, path, levels, sample="stop", contact="lefft", **settings)
-    with pytest.raises(InputError, match=r"contact='left' applies to sampling at events"):
-        bifurcation(PAIR, LAWS, path, levels, state="a", contact="left", solver=PLAIN)
 
 
 def test_basins_of_one_of_two_axes_are_those_of_the_axis_alone():

@@ -1,8 +1,7 @@
-"""Campaigns: mean velocity, bifurcations, basins, against closed forms and symmetries."""
+"""Campaigns: mean velocity, basins, against closed forms and symmetries."""
 
 import dataclasses
 import math
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from stickslip import (
     EventDriven,
     Pendulum,
     PendulumCart,
-    TowedBlock,
     Viscous,
     ensemble,
     simulate,
@@ -24,14 +22,7 @@ from stickslip.errors import InputError
 from stickslip.identify.candidates import criteria_of
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Pulse, Sine, SineSwing, ThreePhase, TimedThreePhase
-from stickslip.study.sweep import (
-    VelocityMap,
-    average_velocity,
-    basins,
-    bifurcation,
-    cycle_of,
-    velocity_band,
-)
+from stickslip.study.sweep import VelocityMap, average_velocity, basins, cycle_of, velocity_band
 from stickslip.study.sweep.attractors import cycles_in, period_of
 from stickslip.study.sweep.parameter_grid import early_ends
 
@@ -178,32 +169,6 @@ def limited():
     return capsule(drive=drive, stiffness=0.0, damping=0.0)
 
 
-@pytest.mark.parametrize(
-    ("sample", "settings", "lacks"),
-    [("period", {"settle": 1}, "No samples there."), ("stop", {"t_end": 4.0}, "No samples after")],
-)
-def test_a_bifurcation_says_why_it_lacks_samples(sample, settings, lacks):
-    found = bifurcation(
-        limited(), Coulomb(kinetic_coefficient=0.2), "mechanism.drive.profile.frequency",
-        [0.5, 0.6], state="v",
-        sample=sample, keep=2, solver=PLAIN, **settings,
-    )  # fmt: skip
-    (sentence,) = found.early_ends()
-    assert sentence.startswith("At 2 of 2 runs (frequency 0.5 to 0.6 Hz) the run stopped: The mech")
-    assert lacks in sentence
-    assert set(found.to_dataframe()["reason"]) == {Status.LIMIT.value}
-
-
-def test_events_that_are_rarer_than_samples_are_the_reason_for_missing_ones():
-    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
-    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
-    found = bifurcation(
-        block, law, "stiffness", [2.0], state="x", sample="stop", keep=9, t_end=30.0, solver=PLAIN
-    )
-    assert found.early_ends() == ('At 1 of 1 runs the event "stop" came fewer than 9 times.',)
-    assert found.early_ends()[0] in str(found)
-
-
 def test_starts_that_lead_to_no_attractor_have_a_reason():
     found = basins(
         limited(), Coulomb(kinetic_coefficient=0.2), {"x": [0.0, 0.001], "v": [0.0, 0.1]},
@@ -309,95 +274,11 @@ def test_what_has_no_cycle_is_refused_with_the_cure(drive, words):
     assert "give the period [s] explicitly" in str(caught.value)
 
 
-def test_samples_of_a_linear_oscillator_are_its_closed_form():
-    frequency = np.array([0.8, 1.0, 1.4])
-    oscillator = Axis(inertia=1.0, stiffness=40.0, drive=Sine(amplitude=4.0, frequency=1.0))
-    found = bifurcation(
-        oscillator, Viscous(viscous_coefficient=2.0), "frequency", frequency, state="x", keep=4,
-        settle=60, solver=PLAIN,
-    )  # fmt: skip
-    omega = 2 * np.pi * frequency
-    expected = np.imag(4.0 / (40.0 - omega**2 + 2.0j * omega))
-    # what is left of the start is exp(-60 cycles * 1 s^-1) at most
-    np.testing.assert_allclose(found.samples[:, 0, -1], expected, rtol=1e-8)
-    assert found.period.tolist() == [[1], [1], [1]]
-    assert found.unit == "m"
-
-
-def test_following_goes_on_where_the_last_run_ended():
-    oscillator = Axis(inertia=1.0, stiffness=40.0, drive=Sine(amplitude=4.0, frequency=1.0))
-    settings = {"state": "x", "settle": 0, "solver": PLAIN}
-    law = Coulomb(kinetic_coefficient=0.5)
-    parts = bifurcation(oscillator, law, "frequency", [1.0, 1.0], keep=4, **settings)
-    whole = bifurcation(oscillator, law, "frequency", [1.0], keep=8, **settings)
-    # two runs instead of one: the same steps but for rounding in the time
-    np.testing.assert_allclose(parts.samples.ravel(), whole.samples.ravel(), atol=1e-9)
-    fixed = bifurcation(oscillator, law, "frequency", [1.0, 1.0], keep=4, follow=False, **settings)
-    np.testing.assert_array_equal(fixed.samples[0], fixed.samples[1])
-
-
-@pytest.mark.parametrize("follow", [True, False])
-def test_a_bifurcation_does_not_depend_on_its_executor(follow):
-    oscillator = Axis(inertia=1.0, stiffness=40.0, drive=Sine(amplitude=4.0, frequency=1.0))
-    law, settings = Coulomb(kinetic_coefficient=0.5), {"state": "x", "keep": 4, "settle": 2}
-    values, told = np.linspace(0.9, 1.1, 7), []
-    settings |= {"follow": follow, "solver": PLAIN}
-    here = bifurcation(oscillator, law, "frequency", values, **settings)
-    with ThreadPoolExecutor(3) as pool:
-        there = bifurcation(
-            oscillator, law, "frequency", values, executor=pool,
-            progress=lambda *counts: told.append(counts), **settings,
-        )  # fmt: skip
-    np.testing.assert_array_equal(there.samples, here.samples)
-    assert told == [(done, 7) for done in range(1, 8)]
-
-
 def swinging_cart(amplitude):
     swing = ThreePhase(amplitude=amplitude, fast=120.0, slow=30.0)
     return PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
     )
-
-
-@pytest.mark.parametrize("follow", [False, True])
-def test_a_varied_swing_begins_where_its_own_profile_does(follow):
-    law, amplitudes = Coulomb(kinetic_coefficient=0.2), [0.6, 0.785]
-    path = "mechanism.pendulum.profile.amplitude"
-    settings = {"keep": 2, "settle": 4, "follow": follow, "solver": PLAIN}
-    places = bifurcation(swinging_cart(0.7), law, path, amplitudes, state="theta", **settings)
-    found = bifurcation(swinging_cart(0.7), law, path, amplitudes, state="v", **settings)
-    for row, amplitude in enumerate(amplitudes):
-        cart = swinging_cart(amplitude)
-        cycle = cycle_of(cart)
-        run = simulate(cart, law, t_end=6 * cycle).at([5 * cycle, 6 * cycle])
-        # the switching times are sums of the same numbers in another order
-        np.testing.assert_allclose(places.samples[row, 0], -amplitude, rtol=1e-9)
-        # four cycles are enough for a followed motion to forget where it came from
-        np.testing.assert_allclose(found.samples[row, 0], run["v"], rtol=1e-6)
-
-
-def test_events_of_a_followed_swing_are_those_of_a_run_of_its_own():
-    law, settings = Coulomb(kinetic_coefficient=0.2), {"sample": "stop", "keep": 2, "t_end": 2.0}
-    found = bifurcation(
-        swinging_cart(0.7), law, "amplitude", [0.6, 0.785], state="theta", solver=PLAIN, **settings
-    )
-    for row, amplitude in enumerate([0.6, 0.785]):
-        cart = swinging_cart(amplitude)
-        cycle = cycle_of(cart)
-        run = simulate(cart, law, t_end=math.ceil(2.0 / cycle) * cycle)
-        stops = [event.t for event in run.events if event.reason == "stop"][-2:]
-        # after so many cycles the start is forgotten, and stops repeat themselves
-        np.testing.assert_allclose(found.samples[row, 0], run.at(stops)["theta"], rtol=1e-6)
-
-
-def test_a_prescribed_place_that_starts_give_is_kept_when_following():
-    law, path = Coulomb(kinetic_coefficient=0.2), "mechanism.pendulum.profile.amplitude"
-    found = bifurcation(
-        swinging_cart(0.7), law, path, [0.6, 0.65], state="theta", keep=2, settle=0,
-        starts=[{"theta": 0.1}], solver=PLAIN,
-    )  # fmt: skip
-    # whole cycles of a profile end where they began; rounding only
-    np.testing.assert_allclose(found.samples[:, 0], 0.1, rtol=1e-9)
 
 
 def test_mean_velocity_over_amplitudes_is_that_of_runs_of_their_own():
@@ -412,41 +293,6 @@ def test_mean_velocity_over_amplitudes_is_that_of_runs_of_their_own():
         x = simulate(cart, law, t_end=6 * cycle).at([4 * cycle, 6 * cycle])["x"]
         # the runs share an end, a little later for the shorter cycle, when they have settled
         assert velocity == pytest.approx((x[1] - x[0]) / (2 * cycle), rel=1e-6)
-
-
-def test_events_of_a_followed_towed_block_are_those_of_one_long_run():
-    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
-    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
-    found = bifurcation(
-        block, law, "stiffness", [2.0, 2.0], state="x", sample="break-away", keep=3, t_end=21.0,
-        solver=PLAIN,
-    )  # fmt: skip
-    run = simulate(block, law, t_end=42.0)
-    times = [event.t for event in run.events if event.reason == "break-away"]
-    late = [t for t in times if t > 21.0]
-    known = found.samples[1, 0][np.isfinite(found.samples[1, 0])]
-    np.testing.assert_allclose(known, run.at(late)["x"] - 0.1 * 21.0, atol=1e-8)
-
-
-def test_a_towed_block_stops_at_the_load_that_its_closed_form_says():
-    k, v = 2.0, 0.1
-    block = TowedBlock(mass=1.0, stiffness=k, speed=v, load=1.0)
-    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
-    found = bifurcation(
-        block, law, "static_coefficient", [1.2, 1.5], state="friction", sample="stop", keep=2,
-        t_end=30.0, follow=False, solver=PLAIN,
-    )  # fmt: skip
-    # sliding swings about the kinetic level, so the spring is as far below it as it was above
-    np.testing.assert_allclose(found.samples[:, 0, -1], [0.8, 0.5], atol=1e-9)
-
-
-def test_samples_need_a_length_of_runs_at_events_only():
-    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)
-    law = Coulomb(kinetic_coefficient=0.2)
-    with pytest.raises(InputError, match=r"needs t_end \[s\]"):
-        bifurcation(block, law, "stiffness", [2.0], state="x", sample="stop")
-    with pytest.raises(InputError, match="t_end applies to sampling at events"):
-        bifurcation(block, law, "stiffness", [2.0], state="x", t_end=1.0, period=1.0)
 
 
 def test_a_chaotic_looking_series_has_no_period():
@@ -495,7 +341,7 @@ def test_wrong_counts_are_refused():
     with pytest.raises(InputError, match="cycles must be even"):
         average_velocity(axis, law, {"frequency": [1.0]}, cycles=3)
     with pytest.raises(InputError, match="keep must be a whole number"):
-        bifurcation(axis, law, "frequency", [1.0], state="x", keep=1)
+        basins(axis, law, {"x": [0.0], "v": [0.0]}, keep=1)
     with pytest.raises(InputError, match="two states"):
         basins(axis, law, {"x": [0.0]})
     with pytest.raises(InputError, match="array"):
@@ -526,7 +372,6 @@ def test_what_is_no_law_is_refused_by_each_campaign():
     axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
     for campaign in (
         lambda: average_velocity(axis, None, {"frequency": [1.0]}),
-        lambda: bifurcation(axis, None, "frequency", [1.0], state="x"),
         lambda: basins(axis, None, {"x": [0.0], "v": [0.0]}),
     ):
         with pytest.raises(InputError, match="law must be a friction law"):

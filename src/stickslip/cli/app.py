@@ -141,7 +141,7 @@ def apply(options: option_groups.ApplyOptions) -> None:
     """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints which parts of the laws the format cannot express, and the resulting error of the
-    friction force, of the motion in MuJoCo and, with --record, on a measured record.
+    friction force.
     """
     from stickslip.cli.export import run_apply
 
@@ -218,9 +218,8 @@ def models(options: option_groups.ModelsOptions) -> None:
 def characterize(options: option_groups.CharacterizeOptions) -> None:
     """Test friction laws on a virtual bench.
 
-    Steady curve, presliding and memory, break-away, lag, stick-slip map, drift, creep, hunting,
-    passivity and cost of one law, or of several side by side. A law without values has typical
-    ones.
+    Steady curve, presliding and memory, break-away, drift and passivity of one law, or of several
+    side by side. A law without values has typical ones.
     """
     from stickslip.cli.studies import run_characterize
 
@@ -229,26 +228,13 @@ def characterize(options: option_groups.CharacterizeOptions) -> None:
 
 @command(app, "paper")
 def paper(options: option_groups.PaperOptions) -> None:
-    """Recompute the results of the source paper, or apply its criteria to your own rig.
+    """Recompute the results of the source paper.
 
-    Every table and figure is shown beside the printed values. With a rig file: the same models,
-    excitations, criteria and rules for rest for your own block on a spring.
+    Every table and figure is shown beside the printed values.
     """
     from stickslip.cli.reproduce import run_paper
 
     run_paper(options)
-
-
-@command(app, "benchmark")
-def benchmark(options: option_groups.BenchmarkOptions) -> None:
-    """Run the friction benchmark: public records, our laws, other libraries.
-
-    Each task fits one part of a record and predicts another. Records are downloaded where they are
-    missing. An interrupted benchmark is resumed by the same command.
-    """
-    from stickslip.cli.reproduce import run_benchmark
-
-    run_benchmark(options)
 
 
 @command(app, "warmup")

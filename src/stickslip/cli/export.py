@@ -10,12 +10,11 @@ from stickslip import exports
 from stickslip.cli import console as terminal
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
-from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data
+from stickslip.data import LOAD, Rig, load_rig
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import Given, named, turned
+from stickslip.quantities import Given, named
 from stickslip.show.documents import document, regular_bytes
-from stickslip.show.formatting import NO_VALUE, quantity
 
 # ``stickslip export``.
 
@@ -214,8 +213,6 @@ def run_apply(options: ApplyOptions) -> None:
             to=options.to,
             polynomial=options.polynomial,
             holds=options.holds,
-            run=options.run,
-            record=_record(options.record, source, allow_import=options.allow_import),
         )
     found.save(output, force=options.force)
     if options.as_json:
@@ -233,21 +230,6 @@ def _by_contact(given: Mapping[str, Given]) -> dict[str, Given | dict[str, Given
             found.setdefault(contact, {})[name] = value
         else:
             found[key] = value
-    return found
-
-
-def _record(
-    path: Path | None, source: Rig | FrictionLaw, *, allow_import: bool
-) -> Measurement | None:
-    """Return the record of a data file, or of a rig file."""
-    if path is None:
-        return None
-    if path.suffix.lower() != ".toml":
-        mechanism = source.mechanism if isinstance(source, Rig) else None
-        return read_data([path], Reading(), mechanism=mechanism)
-    found = load_rig(path, allow_import=allow_import).measurement
-    if found is None:
-        raise InputError(f"--record {path}: this rig file has no [data] with a file.")
     return found
 
 
@@ -287,46 +269,5 @@ def _show(found: exports.Applied, output: Path) -> None:
         console.print(f"{joint.joint}: {joint.law}")
         for line in joint.sentences:
             console.print(f"  {line}")
-    rows = [row for made in found.joints for row in _rows(made)]
-    if rows:
-        heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
-        terminal.show_table("", heads, rows)
-    replays = [row for made in found.joints for row in _replay_rows(made)]
-    if replays:
-        heads = (
-            "joint", "on the record", "error of the force", "from the law", "error of the position",
-            "from the law",
-        )  # fmt: skip
-        terminal.show_table("", heads, replays)
     for remark in found.remarks:
         console.print(remark)
-
-
-def _rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
-    length = turned("m", joint.rotary)
-    return [
-        (
-            joint.joint,
-            motion.said,
-            motion.settings or "of the file",
-            *(quantity(x, length) for x in (motion.travel, motion.error, motion.simplification)),
-        )
-        for motion in joint.motions
-    ]
-
-
-def _replay_rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
-    if joint.replay is None:
-        return []
-    force, length = turned("N", joint.rotary), turned("m", joint.rotary)
-    return [
-        (
-            joint.joint,
-            model.model,
-            quantity(model.force, force),
-            NO_VALUE if model.model == "law" else quantity(model.cost, force),
-            quantity(model.position, length),
-            NO_VALUE if model.model == "law" else quantity(model.drift, length),
-        )
-        for model in joint.replay.models
-    ]

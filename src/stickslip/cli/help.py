@@ -26,7 +26,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Fit and plan": ("fit", "plan"),
     "Simulate": ("simulate", "animate", "sweep", "orbits", "profile"),
     "Hand over": ("export", "apply"),
-    "Look up": ("models", "characterize", "cite", "schema", "data", "paper", "benchmark"),
+    "Look up": ("models", "characterize", "cite", "schema", "data", "paper"),
     "Set up": ("doctor", "warmup"),
 }
 """Commands by the heading under which they are listed."""
@@ -53,7 +53,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
     "models": ("stickslip models", "stickslip models lugre"),
     "characterize": (
-        "stickslip characterize lugre --tests drift,map",
+        "stickslip characterize lugre --tests drift,steady",
         "stickslip characterize lugre dahl 'tanh(level) + viscous' --report laws.html",
     ),
     "export": (
@@ -62,11 +62,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     ),
     "apply": (
         "stickslip apply law.toml robot.urdf -o new.urdf --joint elbow",
-        "stickslip apply law.toml scene.xml -o new.xml --no-run",
+        "stickslip apply law.toml scene.xml -o new.xml --holds",
         "stickslip apply law.toml robot.usda --to physx -o new.usda",
     ),
-    "paper": ("stickslip paper -o paper-report", "stickslip paper block.toml"),
-    "benchmark": ("stickslip benchmark emps rock -o benchmark", "stickslip benchmark --list"),
+    "paper": ("stickslip paper -o paper-report",),
     "warmup": ("stickslip warmup --rig rig.toml",),
     "doctor": ("stickslip doctor",),
     "schema": ("stickslip schema > rig-schema.json",),

@@ -361,10 +361,6 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     zero_velocity_band: Annotated[float, typer.Option(metavar="SPEED")] = 0.0
     """With --fixed-step: hold the body where a step ends within this speed [m/s], as Karnopp (1985)
     does."""
-    program: Annotated[str | None, typer.Option("--as", metavar="PROGRAM")] = None
-    """Simulate as another program does, and compare that with the exact run: mujoco,
-    mujoco-dcmotor, drake, simscape or karnopp, with settings such as
-    mujoco:timestep=0.001,impedance=0.99."""
     ensemble: Ensemble = None
     """Also simulate N samples of the uncertain parameters: of the law, drawn from the estimates in
     its file, and of the mechanism."""
@@ -384,7 +380,7 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     @property
     def exact(self) -> bool:
         """Whether events are located, so that the run can be certified."""
-        return self.fixed_step is None and self.program is None
+        return self.fixed_step is None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -395,7 +391,7 @@ class ExportOptions(LawOfFileOptions, WriteOptions):
     """Rig file (TOML) with a law, such as the law.toml of `stickslip select` or of `stickslip fit
     -o law.toml`."""
     to: Annotated[str, typer.Option(metavar="TARGET")]
-    """c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf, csv (lookup table)
+    """c (C99), matlab (MATLAB, Simulink, Octave), mjcf (MuJoCo), urdf, csv (lookup table)
     or json; fmu (the whole rig with its law)."""
     contact: str | None = None
     """Contact whose law is exported, if laws differ."""
@@ -454,12 +450,6 @@ class ApplyOptions(LawOfFileOptions, WriteOptions):
     holds: bool = False
     """Give joints the level of break-away, so that they hold what the law holds. Default: the level
     that comes closest to the law while sliding."""
-    run: Annotated[bool, typer.Option("--run/--no-run")] = True
-    """Run the joints in MuJoCo, if it is installed, and compare that with the laws."""
-    record: Annotated[Path | None, typer.Option(metavar="FILE")] = None
-    """Record of the joints, positions and forces in time, on which the law, its simplification and
-    the file in MuJoCo are compared: a data file or log, or the rig file (TOML) that says how it is
-    read."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -553,11 +543,9 @@ class CharacterizeOptions(WriteOptions):
     """Names or compositions of laws, such as lugre or 'dahl(level) + power', or files with a fitted
     law such as law.toml."""
     tests: Annotated[str | None, typer.Option(metavar="NAMES")] = None
-    """Tests, joined by commas: steady, presliding, break-away, lag, map, drift, creep, limit-cycle,
-    passivity, cost; default: all."""
+    """Tests, joined by commas: steady, presliding, break-away, drift, passivity; default: all."""
     rig: Path | None = None
-    """Rig file of an axis or a block, whose mass and stiffness are taken; default: 1 kg on 100
-    N/m."""
+    """Rig file of an axis or a block, whose mass is taken; default: 1 kg."""
     load: str | None = None
     """Normal force with its unit, e.g. 20N; default: that of the rig, or 1 N."""
     inputs: Annotated[Sequence[str], typer.Option("--input", metavar="NAME=VALUE,...")] = ()
@@ -572,26 +560,9 @@ class CharacterizeOptions(WriteOptions):
 class PaperOptions(ReportOptions):
     """Options of `stickslip paper`."""
 
-    rig: Rig = DEMO
-    """The rig file; None for the bundled rig."""
     changes: Annotated[Sequence[str], typer.Option("--set", metavar="NAME=VALUE")] = ()
     """A mass, a length or the swing of the cart, which the paper does not print, e.g.
     cart_mass=0.4, ball_mass="60 g", length=0.25, amplitude="40 deg", fast=100, slow=25."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BenchmarkOptions(WorkerOptions, JsonOption):
-    """Options of `stickslip benchmark`."""
-
-    names: Annotated[Sequence[str], typer.Argument(metavar="[TASK]...")] = ()
-    """Tasks; all if not given."""
-    output: Annotated[Path, typer.Option("-o")] = Path("stickslip-benchmark")
-    """Folder of page, tables and results so far."""
-    peers: Annotated[str | None, typer.Option(metavar="NAME,...")] = None
-    """Other libraries to run beside: scipy, lmfit, pysindy, mujoco. Default: those that are
-    installed."""
-    listed: Annotated[bool, typer.Option("--list")] = False
-    """Only list the tasks."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,30 +1,23 @@
-"""``stickslip paper`` and ``stickslip benchmark``: published results, computed again."""
+"""``stickslip paper``: published results, computed again."""
 
-import csv
-import io
 from collections.abc import Sequence
 from functools import partial
-from typing import Final
-
-import typer
 
 from stickslip.cli import console
-from stickslip.cli.options import BenchmarkOptions, PaperOptions
-from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
+from stickslip.cli.options import PaperOptions
+from stickslip.cli.progress import Watching
 from stickslip.data import load_rig
-from stickslip.errors import InputError, UnknownNameError, concerning
+from stickslip.errors import concerning
 from stickslip.identify.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
-from stickslip.paper.rigs import CART, CYCLES, check_form
+from stickslip.paper.rigs import CART, CYCLES
 from stickslip.paper.sections.claims import step_cells
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
 from stickslip.quantities import full_path, parameters, vary
-from stickslip.show.documents import document, json_text, write_files, write_folder
-from stickslip.show.formatting import fixed, number, significant
-from stickslip.show.report import render
-from stickslip.study.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
+from stickslip.show.documents import document, json_text, write_folder
+from stickslip.show.formatting import fixed, significant
 
 # ``stickslip paper``.
 
@@ -36,14 +29,9 @@ def run_paper(options: PaperOptions) -> None:
     folder = console.folder_of(options.output, "stickslip-paper", as_json=options.as_json)
     if folder is not None:
         console.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
-    rig = load_rig(options.rig)
-    if folder is not None:
-        console.refuse_inputs(folder / PAGE, rig.files)
-    check_form(rig)
     cart = _cart(options.changes)
-    doing = "Recomputing the paper:" if options.rig is None else "Recomputing:"
-    with Watching(list(rig.laws or load_rig().laws), doing) as watch:
-        found = audit(rig, cart=cart, progress=watch)
+    with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
+        found = audit(cart=cart, progress=watch)
     content = document("paper", found.to_dict())
     if options.as_json:
         console.print_json(content)
@@ -76,7 +64,6 @@ def _cart(changes: Sequence[str]) -> PendulumCart:
 
 def _show(found: PaperAudit) -> None:
     """Print Table II beside ours, and what the unpublished parameters would have to be."""
-    digits = 3 if found.own else 2
     steps = [f"A, 10 ms, {what.replace('$', '')}" for what in RULES.values()]
     heads = ["model", "A push, m", *steps, "B spring, m", "C fixed, m"]
     rows = [
@@ -88,47 +75,22 @@ def _show(found: PaperAudit) -> None:
         ]
         for row in found.table
     ]
-    if not found.own:
-        heads.insert(1, "published, m")
-        for row, cells in zip(found.table, rows, strict=True):
-            travel = row.published.travel
-            cells.insert(1, "" if travel is None else fixed(travel, 2))
-    title = "The models of the paper" if found.own else "Table II"
-    console.show_table(f"{title}; measured {fixed(found.measured, digits)} m", heads, rows)
+    heads.insert(1, "published, m")
+    for row, cells in zip(found.table, rows, strict=True):
+        travel = row.published.travel
+        cells.insert(1, "" if travel is None else fixed(travel, 2))
+    console.show_table(f"Table II; measured {fixed(found.measured, 2)} m", heads, rows)
     console.stdout().print()
-    if len(found.trials) > 1:
-        _show_trials(found)
     _show_ranks(found)
-    if found.own:
-        console.stdout().print()
-        console.stdout().print(console.plain(found.verdict.words.verdict))
-        console.stdout().print(console.plain(found.verdict.words.lede))
-    else:
-        _show_needs(found)
+    _show_needs(found)
     console.stdout().print()
-    _show_cart(found.cart, own=found.own)
-
-
-def _show_trials(found: PaperAudit) -> None:
-    """Print every trial with the travel of each model."""
-    heads = ["compression, m", "measured, m", *(row.law.title for row in found.table)]
-    rows = [
-        [
-            number(trial.compression),
-            fixed(trial.measured, 3),
-            *(fixed(trial.travels[row.law.name], 3) for row in found.table),
-        ]
-        for trial in found.trials
-    ]
-    console.show_table("Travels of all trials, m", heads, rows)
-    console.stdout().print()
+    _show_cart(found.cart)
 
 
 def _show_ranks(found: PaperAudit) -> None:
     """Print the ranks by the criteria of the paper."""
-    reading = found.values.own_reading
-    keys = ("A", reading) if found.own else ("published", "A", "B")
-    names = {"published": "published", "A": "A push", "B": "B spring", "C": "C fixed"}
+    keys = ("published", "A", "B")
+    names = {"published": "published", "A": "A push", "B": "B spring"}
     ranks = [(key, found.ranking(key)) for key in keys]
     rows = [
         [
@@ -195,7 +157,7 @@ def _show_needs(found: PaperAudit) -> None:
     )
 
 
-def _show_cart(study: CartStudy, *, own: bool) -> None:
+def _show_cart(study: CartStudy) -> None:
     """Print what the cart does with the printed equations, and with the chosen laws."""
     heads = ["fig.", "run", "travel, m", "last, mm", "back-slip, mm", "lowest, mm/s"]
     rows = [
@@ -207,7 +169,7 @@ def _show_cart(study: CartStudy, *, own: bool) -> None:
             significant(1e3 * run.mean_return, 2),
             significant(1e3 * run.least_velocity, 2),
         ]
-        for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
+        for figure, runs in (("2", study.runs), ("11", study.choices))
         for run in runs
     ]
     origin = "as given" if study.given else "our assumptions"
@@ -231,97 +193,3 @@ def _need(need: Requirement) -> list[str]:
         value,
         f"{significant(need.low, 3)} to {significant(need.high, 3)}",
     ]
-
-
-# ``stickslip benchmark``.
-
-BENCHMARK_PAGE: Final = "index.html"
-SUMMARY: Final = "summary.csv"
-CANCELLED: Final = 130
-
-
-def run_benchmark(options: BenchmarkOptions) -> None:
-    """Run the tasks that are missing, write page and tables, show the overview."""
-    names, folder, peers, known = options.names, options.output, options.peers, tasks()
-    for name in names:
-        if name not in known:
-            raise UnknownNameError("task of the benchmark", name, known)
-    chosen = [known[name] for name in names] or list(known.values())
-    if options.listed:
-        _list(chosen, as_json=options.as_json)
-        return
-    chosen = _with_data(chosen)
-    wanted = None if peers is None else [text.strip() for text in peers.split(",") if text.strip()]
-    with (
-        Interrupts() as interrupts,
-        Drawing("Running", "fits") as bar,
-        workers(options.count or 1, options.executor) as pool,
-    ):
-        interrupts.promise = "Stopping after the fits in work; press Ctrl-C again to cancel."
-
-        def progress(done: int, total: int) -> bool:
-            bar(done, total)
-            return not interrupts.stopped
-
-        found = run(
-            [task.name for task in chosen], folder, peers=wanted, executor=pool, progress=progress
-        )
-    if not found.rows:
-        console.note("No fit is there yet: the same command begins again.")
-        raise typer.Exit(CANCELLED)
-    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
-    lines = io.StringIO()
-    csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
-    page = render(benchmark_page(found, reproduce=[console.command_line()]))
-    write_files({folder / BENCHMARK_PAGE: page, folder / SUMMARY: lines.getvalue()})
-    if options.as_json:
-        content = {"folder": str(folder), "made": found.made, "complete": found.complete}
-        console.print_json(document("benchmark-run", content))
-    else:
-        console.show_table("", heads, cells, whole=["task"])
-        console.stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}")
-    if not found.complete:
-        console.note("Not all fits are there: the same command goes on.")
-        raise typer.Exit(CANCELLED)
-
-
-def _with_data(chosen: Sequence[Task]) -> list[Task]:
-    """Return the tasks whose records are there, or could be got; say licences, and what is not."""
-    found = []
-    for task in chosen:
-        record = task.dataset
-
-        def told(text: str, licence: str = record.licence) -> None:
-            console.note(f"{text} (licence: {licence})")
-
-        try:
-            for file in task.files:
-                record.path(file, report=told)
-        except InputError as error:
-            console.note(f"{task.name}: left out: {error}")
-        else:
-            found.append(task)
-    if not found:
-        raise InputError("there is no record for any of the tasks: stickslip data list")
-    return found
-
-
-def _list(chosen: Sequence[Task], *, as_json: bool) -> None:
-    if as_json:
-        rows = [
-            {
-                "name": task.name,
-                "title": task.title,
-                "record": task.record,
-                "licence": task.dataset.licence,
-                "fitted": task.fitted,
-                "judged": task.judged,
-                "metric": task.metric.text,
-                "unit": task.metric.unit,
-            }
-            for task in chosen
-        ]
-        console.print_json(document("benchmark-tasks", {"tasks": rows}))
-        return
-    cells = [[task.name, task.title, task.fitted, task.judged, task.metric.text] for task in chosen]
-    console.show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])

@@ -3,7 +3,7 @@
 import io
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,12 +30,11 @@ from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
 from stickslip.engine.solver import FixedStep, Solver
 from stickslip.engine.trajectory import Event, Status, Trajectory
-from stickslip.errors import InputError, StickslipError, concerning
+from stickslip.errors import InputError, StickslipError
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identify.candidates import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
-from stickslip.quantities import fields_of, named
 from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
 from stickslip.show.formatting import (
@@ -52,7 +51,6 @@ from stickslip.study import sweep
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip.exports import Twin
 
 CRITERIA_FAILED = 4
 DRAWS = 200
@@ -93,8 +91,6 @@ class Ran:
     """What was measured on the rig beside the prediction; None if that cannot be compared."""
     refit: sweep.Refit | None = None
     """The law fitted to that, on request."""
-    twin: "Twin | None" = None
-    """The run as that of another program, with what it makes of the friction."""
 
 
 def run(options: SimulateOptions) -> None:
@@ -152,8 +148,6 @@ def _write_page(folder: Path, text: str | None) -> None:
 
 def _ran(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: SimulateOptions) -> Ran:
     """Make the run, in the way of what was chosen."""
-    if options.program is not None:
-        return _ran_as(rig, chosen, options)
     if isinstance(chosen, ChosenForm):
         return _ran_form(rig, chosen, options)
     if mechanisms.has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
@@ -222,37 +216,6 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     for name in sorted(missing):
         terminal.note(f"The {name} of the run is that of {record.name or 'the first record'}.")
     return replace(rig, mechanism=informed)
-
-
-def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: SimulateOptions) -> Ran:
-    """Make the run as another program does."""
-    from stickslip.exports import PROGRAMS, Program, twin
-
-    given = options.fixed_step is not None or options.report is not None
-    if given or options.ensemble is not None or options.refit:
-        raise InputError(
-            "--as runs in the way of another program, and takes none of --fixed-step, --report,"
-            " --ensemble and --refit: leave them out, or --as."
-        )
-    if not isinstance(chosen, ChosenLaw):
-        raise InputError(
-            "--as takes one friction law, not an equation as printed nor laws by contact."
-        )
-    assert options.program is not None
-    name, _, changes = options.program.partition(":")
-    kind: type[Program] = named(PROGRAMS, name, "program")
-    values = dict(part.partition("=")[::2] for part in changes.split(",") if part)
-    known, numbers = {field.name: field for field in fields(kind)}, fields_of(kind)
-    for key in values:
-        named(known, key, f"setting of {name}")
-    given_values: dict[str, float | str] = {}
-    for key, text in values.items():
-        with concerning(f"--as {name}: {key}"):
-            given_values[key] = terminal.number_of(text, numbers[key]) if key in numbers else text
-    program = kind(**given_values)
-    t_end = rig.t_end if options.t_end is None else options.t_end
-    found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
-    return Ran(rig=rig, chosen=chosen, run=found.run, band=None, remarks=chosen.remarks, twin=found)
 
 
 def _ran_form(rig: Rig, chosen: ChosenForm, options: SimulateOptions) -> Ran:
@@ -585,8 +548,6 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
         ]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
-    if ran.twin is not None:
-        content["twin"] = ran.twin.to_dict()
     if ran.validation is not None:
         content["validation"] = ran.validation.to_dict()
     if ran.refit is not None:
@@ -631,8 +592,6 @@ def _show(ran: Ran, options: SimulateOptions) -> None:
         console.print(f"Warning: {warning}")
     for problem in trust.problems:
         console.print(f"Not certified: {problem}")
-    if ran.twin is not None:
-        _show_twin(ran.twin)
     if ran.band is not None:
         _show_band(ran.band)
     if ran.validation is not None:
@@ -680,19 +639,6 @@ def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
         f"\nTravel{of}{when}: {quantity(cycle.advance, unit, 3)}; mean velocity {mean}, back-slip"
         f" {quantity(cycle.back_slip, unit, 3)}"
     )
-
-
-def _show_twin(found: "Twin") -> None:
-    """Print what another program makes of the friction, and settings that come closer."""
-    console = terminal.stdout()
-    console.print("\nBeside the exact run", style="bold")
-    for line in found.sentences:
-        console.print(line)
-    cured = found.cured()
-    if cured.peak_error < found.peak_error:
-        console.print("\nWith settings that come closer", style="bold")
-        for line in cured.sentences[:3]:
-            console.print(line)
 
 
 def _show_validation(seen: sweep.Validation) -> None:

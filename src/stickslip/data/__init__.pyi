@@ -38,7 +38,6 @@ from stickslip.data.differentiation import between_gaps as between_gaps
 from stickslip.data.differentiation import interval_of as interval_of
 from stickslip.data.differentiation import noise_of as noise_of
 from stickslip.data.differentiation import outlier_sentence as outlier_sentence
-from stickslip.data.differentiation import rows_of as rows_of
 from stickslip.data.differentiation import step_of as step_of
 from stickslip.data.differentiation import unit_differences as unit_differences
 from stickslip.data.differentiation import usual_top_speed as usual_top_speed
@@ -60,7 +59,6 @@ from stickslip.data.measurement import condition_unit as condition_unit
 from stickslip.data.measurement import levels_at as levels_at
 from stickslip.data.measurement import tells_load as tells_load
 from stickslip.data.measurement import unit_of_input as unit_of_input
-from stickslip.data.readers.binary import parquet_data as parquet_data
 from stickslip.data.readers.columns import Column as Column
 from stickslip.data.readers.columns import Reading as Reading
 from stickslip.data.readers.columns import column_of as column_of

@@ -1,8 +1,5 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.exports import adapters as adapters
-from stickslip.exports.applying.replay import JointReplay as JointReplay
-from stickslip.exports.applying.replay import Replayed as Replayed
-from stickslip.exports.applying.running import JointMotion as JointMotion
 from stickslip.exports.applying.verb import Applied as Applied
 from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
 from stickslip.exports.applying.verb import apply as apply
@@ -12,38 +9,17 @@ from stickslip.exports.fmu.export import export_fmu as export_fmu
 from stickslip.exports.program import Export as Export
 from stickslip.exports.program import Target as Target
 from stickslip.exports.program import identifier as identifier
-from stickslip.exports.twins import Drake as Drake
-from stickslip.exports.twins import Karnopp as Karnopp
-from stickslip.exports.twins import MuJoCo as MuJoCo
-from stickslip.exports.twins import MuJoCoMotor as MuJoCoMotor
-from stickslip.exports.twins import PROGRAMS as PROGRAMS
-from stickslip.exports.twins import Program as Program
-from stickslip.exports.twins import Simscape as Simscape
-from stickslip.exports.twins import Twin as Twin
-from stickslip.exports.twins import twin as twin
 from stickslip.exports.verb import TARGETS as TARGETS
 from stickslip.exports.verb import export as export
 
 __all__ = [
     "Applied",
     "AppliedJoint",
-    "Drake",
     "Export",
-    "JointMotion",
-    "JointReplay",
-    "Karnopp",
-    "MuJoCo",
-    "MuJoCoMotor",
-    "PROGRAMS",
-    "Program",
-    "Replayed",
-    "Simscape",
     "TARGETS",
     "Target",
-    "Twin",
     "adapters",
     "apply",
     "export",
     "export_fmu",
-    "twin",
 ]

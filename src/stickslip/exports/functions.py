@@ -183,19 +183,6 @@ def turned_variable(variable: Variable) -> Variable:
     )
 
 
-def rotary_code(line: str) -> str:
-    """Return a line of code on a body that slides as one on a body that turns.
-
-    Examples
-    --------
-    >>> rotary_code("mass*der(v) = applied - force;")
-    'inertia*der(v) = applied - torque;'
-    """
-    for name, other in ROTARY_NAMES.items():
-        line = re.sub(rf"\b{name}\b", other, line)
-    return line
-
-
 def _turned(function: Function) -> Function:
     """Return a function of forces as one of torques, in names, units and words."""
     return replace(

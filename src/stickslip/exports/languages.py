@@ -1,4 +1,4 @@
-"""How C, MATLAB and Modelica write a law as a program: what differs is data, the printer is one."""
+"""How C and MATLAB write a law as a program: what differs is data, the printer is one."""
 
 import re
 import textwrap
@@ -24,6 +24,7 @@ from stickslip.exports.program import (
 )
 
 WIDTH: Final = 96
+INDENT: Final = "    "
 SAME_NAMES: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}
 
 
@@ -50,8 +51,6 @@ class Language:
     """Definition of a constant: ``{name}``, ``{value}``, ``{unit}``, ``{text}``."""
     declaration: str
     """Declaration of ``{names}``; none if empty."""
-    many: bool = False
-    """Whether one declaration takes several names."""
 
 
 C: Final = Language(
@@ -76,7 +75,6 @@ C: Final = Language(
     leave="break;",
     constant="const double {name} = {value}; /* [{unit}] {text} */",
     declaration="double {names};",
-    many=True,
 )
 MATLAB: Final = Language(
     syntax=Syntax(
@@ -95,24 +93,6 @@ MATLAB: Final = Language(
     leave="break",
     constant="{name} = {value}; % [{unit}] {text}",
     declaration="",
-)
-MODELICA: Final = Language(
-    syntax=Syntax(
-        functions=SAME_NAMES,
-        power="({base})^({exponent})",
-        assign="{name} := {value};",
-        branch="if {condition} then",
-        otherwise="else",
-        end="end if;",
-    ),
-    chained="elseif {condition} then",
-    joined="{function}",
-    single="{name} := {function}({arguments});",
-    several=("({names}) := {function}({arguments});",),
-    repeat=("for turn in 1:{times} loop", "end for;"),
-    leave="break;",
-    constant='constant Real {name}(unit="{unit}") = {value} "{text}";',
-    declaration="Real {names};",
 )
 
 
@@ -136,10 +116,9 @@ def written(
     functions: Mapping[str, Function],
     *,
     results: bool,
-    depth: int = 1,
 ) -> Written:
     """Return what stands inside of a function."""
-    block = Block(language.syntax, depth)
+    block = Block(language.syntax, 1)
     _Writer(block=block, language=language, program=program, functions=functions).write(
         function.body
     )
@@ -147,17 +126,16 @@ def written(
     own = {output.name for output in function.outputs}
     kept = [name for name in dict.fromkeys(assigned(function.body)) if results or name not in own]
     names = [*kept, *block.temporaries]
-    indent = "    " * depth
     used = [constant for constant in constants if contains(lines, constant.name)]
     return Written(
         constants=tuple(
-            indent
+            INDENT
             + language.constant.format(
                 name=value.name, value=repr(value.value), unit=value.unit, text=value.meaning
             )
             for value in used
         ),
-        declarations=_declared(names, language, indent),
+        declarations=_declared(names, language),
         statements=lines,
     )
 
@@ -168,11 +146,11 @@ def contains(lines: Sequence[str], name: str) -> bool:
     return any(word.search(line) for line in lines)
 
 
-def _declared(names: Sequence[str], language: Language, indent: str) -> tuple[str, ...]:
+def _declared(names: Sequence[str], language: Language) -> tuple[str, ...]:
     if not language.declaration or not names:
         return ()
-    rows = textwrap.wrap(", ".join(names), WIDTH) if language.many else list(names)
-    return tuple(indent + language.declaration.format(names=row.rstrip(",")) for row in rows)
+    rows = textwrap.wrap(", ".join(names), WIDTH)
+    return tuple(INDENT + language.declaration.format(names=row.rstrip(",")) for row in rows)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -258,17 +236,11 @@ class Source:
     safe: Callable[[str], str]
     """Makes a text one that a comment of the language can hold."""
 
-    needed: tuple[str, ...] = ()
-    """Inner functions that what stands beside the functions calls."""
-    left_out: tuple[str, ...] = ()
-    """Functions that the language has no use for."""
-
     @cached_property
     def functions(self) -> tuple[Function, ...]:
         """All functions that are called or may be, each after those that it calls."""
         every = functions_of(self.subject.equations, rotary=self.subject.rotary)
-        wanted = {part.name for part in every if not part.inner} - set(self.left_out)
-        wanted |= set(self.needed)
+        wanted = {part.name for part in every if not part.inner}
         for function in reversed(every):  # each stands after those that it calls
             if function.name in wanted:
                 wanted |= set(called(function.body))
@@ -282,7 +254,7 @@ class Source:
             for c in self.subject.constants()
         )
 
-    def inside(self, function: Function, *, results: bool, depth: int = 1) -> Written:
+    def inside(self, function: Function, *, results: bool) -> Written:
         """Return what stands inside of a function."""
         return written(
             function,
@@ -291,7 +263,6 @@ class Source:
             self.constants,
             {part.name: part for part in self.functions},
             results=results,
-            depth=depth,
         )
 
     def name_of(self, function: Function) -> str:

@@ -3,7 +3,7 @@
 1. The law is evaluated with symbols in place of its parameters, once for each sense of slip and
    once at rest, as solvers do: conditions that `where` decides become branches.
 2. Its functions are a program as data: assignments, branches and calls, in names that C, MATLAB and
-   Modelica accept alike. Languages print it.
+   tools of Modelica, which import FMUs, accept alike. Languages print it.
 3. A subject is the law with all that is known of it; a target turns a subject into files.
 """
 

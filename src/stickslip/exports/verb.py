@@ -14,7 +14,7 @@ from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.exports.joints import Mjcf, Urdf
 from stickslip.exports.program import Export, Subject, Target, identifier
-from stickslip.exports.targets import CCode, CsvTable, JsonDocument, Matlab, Modelica
+from stickslip.exports.targets import CCode, CsvTable, JsonDocument, Matlab
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 TARGETS: Final[Mapping[str, Target]] = MappingProxyType(
     {
         target.name: target
-        for target in (CCode(), Matlab(), Modelica(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
+        for target in (CCode(), Matlab(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
     }
 )
 """What a law can be exported to."""
@@ -55,9 +55,9 @@ def export(
 ) -> Export:
     r"""Return a friction law as files of another program.
 
-    Targets are ``"c"`` (C99), ``"matlab"`` (MATLAB, Simulink, GNU Octave), ``"modelica"``,
-    ``"mjcf"`` (MuJoCo), ``"urdf"``, ``"csv"`` (a lookup table) and ``"json"``. The files are the
-    same for the same law, whenever they are made.
+    Targets are ``"c"`` (C99), ``"matlab"`` (MATLAB, Simulink, GNU Octave), ``"mjcf"``
+    (MuJoCo), ``"urdf"``, ``"csv"`` (a lookup table) and ``"json"``. The files are the same for the
+    same law, whenever they are made.
 
     Parameters
     ----------

@@ -968,7 +968,7 @@ class GMS:
     )
     defects = (
         "Elements that slip slowly grow stronger at no cost, so that with a falling curve it can"
-        " return more than it took. Its switches have a memory that models in Modelica lack."
+        " return more than it took."
     )
 
 

@@ -12,8 +12,6 @@ MECHANISM_MODULES = {
     "Capsule": "capsules",
     "TwoMassCapsule": "capsules",
     "BlockChain": "blocks",
-    "ClutchTrain": "brakes",
-    "DiscBrake": "brakes",
     "TwoFeet": "blocks",
     "TwoLinkArm": "robots",
     "SerialArm": "robots",

@@ -50,10 +50,6 @@ from stickslip.mechanisms.blocks import BlockChain as _BlockChain
 from stickslip.mechanisms.blocks import SpringBlock as _SpringBlock
 from stickslip.mechanisms.blocks import TowedBlock as _TowedBlock
 from stickslip.mechanisms.blocks import TwoFeet as _TwoFeet
-from stickslip.mechanisms.brakes import ClutchTrain as ClutchTrain
-from stickslip.mechanisms.brakes import DiscBrake as _DiscBrake
-from stickslip.mechanisms.brakes import Lining as _Lining
-from stickslip.mechanisms.brakes import Rotor as _Rotor
 from stickslip.mechanisms.capsules import Capsule as _Capsule
 from stickslip.mechanisms.capsules import InnerMass as _InnerMass
 from stickslip.mechanisms.capsules import MOTORS as MOTORS
@@ -172,19 +168,6 @@ class DCMotor(_DCMotor):
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
-class DiscBrake(_DiscBrake):
-    pads: tuple[Lining, ...]
-    def __init__(
-        self,
-        *,
-        inertia: _Given,
-        pads: tuple[_Lining, ...],
-        stiffness: _Given = ...,
-        damping: _Given = ...,
-        drive: _Drive | None = ...,
-    ) -> None: ...
-
-@dataclass(frozen=True, kw_only=True, init=False)
 class InnerMass(_InnerMass):
     lower_soft_stop: SoftStop | None = ...
     upper_soft_stop: SoftStop | None = ...
@@ -201,16 +184,6 @@ class InnerMass(_InnerMass):
         restitution: _Given = ...,
         lower_soft_stop: _SoftStop | None = ...,
         upper_soft_stop: _SoftStop | None = ...,
-    ) -> None: ...
-
-@dataclass(frozen=True, kw_only=True, init=False)
-class Lining(_Lining):
-    def __init__(
-        self,
-        *,
-        radius: _Given,
-        load: _Given = ...,
-        press: _Drive | None = ...,
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -333,16 +306,6 @@ class RobotJoint(_RobotJoint):
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
         restitution: _Given = ...,
-    ) -> None: ...
-
-@dataclass(frozen=True, kw_only=True, init=False)
-class Rotor(_Rotor):
-    def __init__(
-        self,
-        *,
-        inertia: _Given,
-        damping: _Given = ...,
-        torque: _Drive | None = ...,
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -500,16 +463,13 @@ __all__ = [
     "BlockChain",
     "BoundedMechanism",
     "Capsule",
-    "ClutchTrain",
     "Contact",
     "ContactInputs",
     "CurrentLoop",
     "DCMotor",
-    "DiscBrake",
     "Guide",
     "InnerMass",
     "LOOPS",
-    "Lining",
     "Link",
     "MECHANISMS",
     "MOTORS",
@@ -524,7 +484,6 @@ __all__ = [
     "Robot",
     "RobotDescription",
     "RobotJoint",
-    "Rotor",
     "SampledLoop",
     "SerialArm",
     "SoftStop",

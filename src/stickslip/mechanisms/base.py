@@ -979,12 +979,12 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
 
     Examples
     --------
-    >>> from stickslip.mechanisms import DiscBrake, Lining, SpringBlock
+    >>> from stickslip.mechanisms import SpringBlock, TwoFeet
     >>> warm = given_inputs(SpringBlock(mass=1.0), {"temperature": 35.0})
     >>> type(warm).__name__, warm.contact_temperature
     ('SpringBlock', 35.0)
-    >>> brake = DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, load=10.0),) * 2)
-    >>> given_inputs(brake, {"pad-2": {"temperature": 300.0}}).contact_pad_2_temperature
+    >>> sledge = TwoFeet(mass=2.0, front=0.3, rear=0.2)
+    >>> given_inputs(sledge, {"rear": {"temperature": 300.0}}).contact_rear_temperature
     300.0
     """
     if not inputs:

@@ -24,6 +24,6 @@ def mechanisms() -> Mapping[str, type[Mechanism]]:
     Examples
     --------
     >>> sorted(mechanisms())[:5]
-    ['axis', 'block-chain', 'capsule', 'clutch-train', 'disc-brake']
+    ['axis', 'block-chain', 'capsule', 'pendulum', 'pendulum-cart']
     """
     return gathered(MECHANISMS, "stickslip.mechanisms", Mechanism)  # type: ignore[type-abstract]  # a base

@@ -2,9 +2,9 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, TypeVar
 
 from typing_extensions import override
 
@@ -12,10 +12,22 @@ from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.maths import Scalar
 from stickslip.mechanisms import rigid_bodies
 from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
-from stickslip.mechanisms.brakes import checked_parts
 from stickslip.mechanisms.drives import Drive
 from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.quantities import Parametrised, Quantity, unchecked
+
+T = TypeVar("T")
+
+
+def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
+    """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few."""
+    found = tuple(parts) if isinstance(parts, Iterable) else (parts,)
+    if len(found) < least or not all(isinstance(part, kind) for part in found):
+        raise ParameterError(
+            f"{owner} must be at least {least} of {kind.__name__}(...) in a tuple, got {parts!r}."
+        )
+    return found
+
 
 # An arm of links in a row, in a vertical plane.
 

@@ -9,10 +9,9 @@ from stickslip.data import Rig, load_rig
 from stickslip.friction import SOURCES
 from stickslip.identify.kinds import TravelVerdict
 from stickslip.paper.paper_audit import PaperAudit, audit
-from stickslip.paper.rigs import PUSH_DURATION
 from stickslip.paper.sections import cart, equations, table
 from stickslip.paper.sections.claims import claim_section, trial_section, unpublished_section
-from stickslip.show.formatting import fixed, joined, percent, quantity
+from stickslip.show.formatting import fixed, percent
 from stickslip.show.report import (
     Code,
     Fact,
@@ -83,34 +82,30 @@ def _remark(found: PaperAudit) -> str:
 
 
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
-    """Return the audit of the paper, or of another rig, as one HTML page."""
-    own = audit.own
+    """Return the audit of the paper as one HTML page."""
     makers: tuple[Callable[[PaperAudit], Section], ...] = (
-        *(() if own else (claim_section,)),
+        claim_section,
         table.table_section,
         table.ranking_section,
         cart.choice_section,
         equations.excitation_section,
-        *(() if own else (unpublished_section,)),
+        unpublished_section,
         equations.misprint_section,
-        *(() if own else (cart.cart_section,)),
-        *(() if own else (table.schematic_section,)),
+        cart.cart_section,
+        table.schematic_section,
         table.figure_section,
-        *(() if own else (table.phenomena_section, trial_section)),
+        table.phenomena_section,
+        trial_section,
         cart.rest_section,
         cart.break_away_section,
         equations.equation_section,
         equations.assumption_section,
     )
-    opening = _own_opening(audit) if own else _opening(audit)
+    opening = _opening(audit)
     page = Page(
-        title=audit.rig.heading if own else "The pendulum-driven cart paper, recomputed",
-        subject=(
-            "The questions of the pendulum-driven cart paper, asked of this rig"
-            if own
-            else "Tables and figures beside what was printed"
-        ),
-        kicker="a rig beside the paper" if own else "audit of a paper",
+        title="The pendulum-driven cart paper, recomputed",
+        subject="Tables and figures beside what was printed",
+        kicker="audit of a paper",
         sections=blocks.made_sections(
             Section(id="verdict", nav="Verdict", heading="", blocks=(opening,)),
             *(partial(maker, audit) for maker in makers),
@@ -144,50 +139,6 @@ def _opening(found: PaperAudit) -> Opening:
             *found.verdict.words.cannot_tell[:1],
         ),
         measure_next=found.verdict.words.measure_next[:1],
-    )
-
-
-def _own_opening(found: PaperAudit) -> Opening:
-    """Say what the selection and the two readings make of a rig of one's own."""
-    first, words = found.table[0], found.verdict.words
-    push, own = (first.reading(key).criteria for key in ("A", found.values.own_reading))
-    given = "released" if found.values.own_reading == "B" else "fastened to the block"
-    ranks = found.ranking(found.values.own_reading)
-    first_by_rank = [row.law.title for row in found.table if ranks.get(row.law.name) == 1]
-    criteria = (
-        f"put {joined(first_by_rank)} first, and the error depends on what was assumed"
-        if first_by_rank
-        else "reject every model, since the block moves back with each"
-    )
-    return Opening(
-        kicker=found.rig.heading,
-        verdict=words.verdict,
-        lede=(
-            f"{words.lede} With the values of the file, or those assumed for the paper where it"
-            f" gives none, the criteria of the paper {criteria}."
-        ),
-        facts=(
-            Fact(
-                value=percent(abs(own.relative_error or 0.0)),
-                aside=f"{fixed(own.travel, 3)} m",
-                what=f"error of {first.law.title}, the spring {given}; measured"
-                f" {fixed(found.measured, 3)} m",
-            ),
-            Fact(
-                value=percent(abs(push.relative_error or 0.0)),
-                aside=f"{fixed(push.travel, 3)} m",
-                what=f"error of {first.law.title} if a push of {quantity(found.values.force, 'N')}"
-                f" for {PUSH_DURATION:g} s stood for the spring",
-            ),
-            Fact(
-                value=f"{fixed(push.work_in, 3)} J",
-                aside=f"and {fixed(own.work_in, 3)} J",
-                what="work of that push, and of the spring",
-            ),
-        ),
-        settles=tuple(words.settles[:3]),
-        cannot_tell=tuple(words.cannot_tell[:3]),
-        measure_next=tuple(words.measure_next[:3]),
     )
 
 
@@ -226,10 +177,6 @@ def _closing(found: PaperAudit, command: str) -> Section:
         blocks=(
             Code(text=f"$ {command}"),
             Paragraph(text=f"Versions: {used}. Rig: sha256 `{found.rig.digest[:16]}`."),
-            References(
-                items=law_references(
-                    (row.law for row in found.table), {} if found.own else {"paper": ["rig"]}
-                )
-            ),
+            References(items=law_references((row.law for row in found.table), {"paper": ["rig"]})),
         ),
     )

@@ -56,8 +56,6 @@ class PaperAudit:
 
     rig: Rig
     """The rig, with a law for each row."""
-    own: bool
-    """Whether it is another rig than that of the paper, of which nothing was published."""
     values: rigs.PaperValues
     """The rig's numbers in the paper's terms."""
     measured: float
@@ -227,7 +225,6 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def audit(
-    rig: Rig | None = None,
     *,
     verdict: TravelVerdict | None = None,
     cart: PendulumCart = rigs.CART,
@@ -240,25 +237,19 @@ def audit(
     >>> from stickslip.paper import audit
     >>> found = audit()  # doctest: +SKIP
     """
-    paper = load_rig()
-    rig = paper if rig is None else rig
-    own = rig.digest != paper.digest
-    if own:
-        rigs.check_form(rig)
+    rig = load_rig()
     if verdict is None and rig.measurement is not None:
         verdict = select_travels(
             rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress
         )
     assert verdict is not None
-    rig = rigs.adopted(rig, verdict) if own else rig
     values = rigs.PaperValues.of(rig)
     published = {row.law: row for row in rig.published}
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}
     rows = tuple(_row(rig, values, published.get(name) or Published(law=name)) for name in MODELS)
-    creeps = () if own else printed.stribeck_creeps(values, t_end=rig.t_end)
+    creeps = printed.stribeck_creeps(values, t_end=rig.t_end)
     return PaperAudit(
         rig=rig,
-        own=own,
         values=values,
         measured=values.measured,
         table=rows,
@@ -267,12 +258,12 @@ def audit(
         viscous_travels=_viscous_travels(rig, values),
         consequences=printed.consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
-        bristles=() if own else printed.bristle_rows(values, t_end=rig.t_end),
+        bristles=printed.bristle_rows(values, t_end=rig.t_end),
         springbacks=printed.springbacks(values),
         creeps=creeps,
         rest_rules=rigs.rest_rules(values, cart),
         trials=_trials(rig),
-        stick_slip=None if own else rigs.stick_slip(values),
+        stick_slip=rigs.stick_slip(values),
         cart=rigs.study_cart(
             _named(verdict),
             rig.laws["coulomb-viscous"],

@@ -11,26 +11,16 @@ from typing import Any, Self
 import numpy as np
 
 from stickslip import friction
-from stickslip.data import Measurement, Rig, load_rig
+from stickslip.data import Rig
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven, FixedStep
 from stickslip.engine.trajectory import Trajectory
-from stickslip.errors import InputError
 from stickslip.identify.candidates import Criteria, criteria_of
-from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds import TravelVerdict
 from stickslip.mechanisms import PendulumCart, Prescribed, SpringBlock, TowedBlock
 from stickslip.mechanisms.drives import Pulse, ThreePhase
-from stickslip.quantities import vary
 from stickslip.study.sweep import DrivenCycle, cycles_in
 
 # The numbers of the paper's rig: Table I, and what is assumed where it prints nothing.
-
-OWN = (
-    "give a rig file with a spring-block on the level that a compressed spring sets in motion, and"
-    " its travel."
-)
-"""What another rig than the bundled one has to be."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,9 +28,9 @@ class PaperValues:
     """Rig and coefficients in the paper's own terms: forces, not levels."""
 
     rig: SpringBlock
-    """The block, as the rig file gives it, in the first trial."""
+    """The block, as the rig file gives it."""
     measured: float
-    """Measured travel [m], of the first trial."""
+    """Measured travel [m]."""
     uncertainty: float
     """Of that travel [m]: half a digit where it is rounded, else standard; 0 if not stated."""
     rounded: bool
@@ -68,20 +58,15 @@ class PaperValues:
         """Force of the compressed spring [N]."""
         return self.rig.stiffness * self.rig.compression
 
-    @property
-    def own_reading(self) -> str:
-        """B if the block leaves its spring, C if it stays fastened."""
-        return "C" if self.rig.attached else "B"
-
     @classmethod
     def of(cls, rig: Rig) -> Self:
-        """Read the values off a rig that has the paper's form."""
-        mechanism, first = check_form(rig)
-        viscous, lugre = rig.laws.get("coulomb-viscous"), rig.laws.get("lugre")
-        if not isinstance(viscous, friction.CoulombViscous) or not isinstance(
-            lugre, friction.LuGre
-        ):
-            raise InputError("the audit of the paper needs its laws coulomb-viscous and lugre.")
+        """Read the values off the rig of the paper."""
+        mechanism, viscous, lugre = rig.mechanism, rig.laws["coulomb-viscous"], rig.laws["lugre"]
+        assert isinstance(mechanism, SpringBlock)
+        assert isinstance(viscous, friction.CoulombViscous)
+        assert isinstance(lugre, friction.LuGre)
+        assert rig.measurement is not None
+        first = rig.measurement.records()[0]
         load = mechanism.mass * mechanism.gravity
         return cls(
             rig=mechanism,
@@ -95,78 +80,6 @@ class PaperValues:
             stiffness=lugre.bristle_stiffness * load,
             damping=lugre.bristle_damping * load,
         )
-
-
-def check_form(rig: Rig) -> tuple[SpringBlock, Measurement]:
-    """Return the block and the first of its trials."""
-    mechanism, measurement = rig.mechanism, rig.measurement
-    if not isinstance(mechanism, SpringBlock) or measurement is None:
-        raise InputError(f"the audit of the paper needs a spring-block with its travel: {OWN}")
-    first = measurement.records()[0]
-    mechanism = vary(mechanism, "mechanism", first.overrides)
-    released = mechanism.stiffness > 0.0 and mechanism.compression > 0.0
-    stops = mechanism.lower_stop is not None or mechanism.upper_stop is not None
-    if not released or mechanism.drive is not None or mechanism.incline or stops:
-        raise InputError(
-            "the audit of the paper needs a compressed spring as the only drive, and neither an"
-            f" incline nor stops: {OWN}"
-        )
-    if not all(trial.travel is not None and trial.travel > 0.0 for trial in measurement.records()):
-        raise InputError(f"the audit of the paper needs travels above 0 m: {OWN}")
-    return mechanism, first
-
-
-def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
-    """Return a rig with the laws of the paper at its own levels.
-
-    What its file gives stays. Levels that it does not give are those of Coulomb friction as fitted
-    to its travels, and Coulomb + viscous is as fitted where they bound its viscous part; what the
-    paper does not print either is assumed as for the bundled rig, with the bristles in proportion
-    to the load.
-    """
-    coulomb = rig.laws.get("coulomb")
-    if coulomb is None:
-        named = [candidate for candidate in verdict.candidates if candidate.name == "coulomb"]
-        if not named or named[0].fit is None:
-            raise InputError(
-                "the audit of the paper needs a kinetic coefficient, and Coulomb friction does not"
-                f" reproduce the travels of {rig.heading}: give kinetic_coefficient under"
-                " [friction]."
-            )
-        coulomb = named[0].fit.law
-    assert isinstance(coulomb, friction.Coulomb)
-    levels = {
-        "kinetic_coefficient": coulomb.kinetic_coefficient,
-        "static_coefficient": coulomb.break_away(1.0),
-    }
-    viscous = {estimate.path: estimate.value for estimate in viscous_fit(verdict)}
-    laws: dict[str, friction.FrictionLaw] = {}
-    for name, law in load_rig().laws.items():
-        own = {
-            f"friction.{field}": value
-            for field, value in levels.items()
-            if getattr(law, field, None) is not None
-        }
-        own |= viscous if name.startswith("coulomb-viscous") else {}
-        laws[name] = rig.laws.get(name) or vary(law, "friction", own)
-    return replace(rig, laws=laws, published=())
-
-
-def viscous_fit(verdict: TravelVerdict) -> tuple[Estimate, ...]:
-    """Return the estimates of Coulomb + viscous friction if several travels bound its viscous part.
-
-    One travel is reproduced with any viscous part, so that it bounds none.
-    """
-    for candidate in verdict.candidates:
-        if (
-            candidate.name == "coulomb-viscous"
-            and candidate.fit is not None
-            and candidate.fit.settings > 1
-        ):
-            estimates = candidate.fit.estimates
-            paths = {each.path for each in estimates if each.bounded}
-            return estimates if "friction.viscous_coefficient" in paths else ()
-    return ()
 
 
 # Two readings of how the rig sets the block in motion, and a control.

@@ -1,5 +1,4 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.study import benchmark as benchmark
 from stickslip.study import characterization as characterization
 from stickslip.study import control as control
 from stickslip.study import optimisation as optimisation
@@ -7,7 +6,6 @@ from stickslip.study import sweep as sweep
 from stickslip.study import testing as testing
 
 __all__ = [
-    "benchmark",
     "characterization",
     "control",
     "optimisation",

@@ -10,6 +10,7 @@ from random import Random
 from typing import Any, ClassVar
 
 import numpy as np
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.properties.fuzzing.cases import (
     Case,
     draw_law,
@@ -23,14 +24,10 @@ from tests.support import UNAIDED
 from stickslip.friction import FrictionLaw, Laws, assigned, bristle_names
 from stickslip.mechanisms import (
     BlockChain,
-    ClutchTrain,
     Contact,
-    DiscBrake,
-    Lining,
     MatrixMechanism,
     Mechanism,
     PendulumCart,
-    Rotor,
     TwoFeet,
     TwoLinkArm,
 )

@@ -303,10 +303,8 @@ def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
 
     Examples
     --------
-    >>> from stickslip import DiscBrake
-    >>> from stickslip.mechanisms import Lining
-    >>> pad = Lining(radius=0.1, load=10.0)
-    >>> refuse_singular(DiscBrake(inertia=0.5, pads=(pad,)), {"pad-1": 0})
+    >>> from stickslip import TwoFeet
+    >>> refuse_singular(TwoFeet(mass=2.0, front=0.3, rear=0.2), {"front": 0})
     """
     names = list(mechanism.coordinates)
     matrix, sums = np.eye(len(names)), {}

@@ -1,4 +1,4 @@
-"""Other libraries of Python: environments of Gymnasium, systems of python-control, SciPy's ODEs."""
+"""Other libraries of Python: environments of Gymnasium."""
 
 from stickslip.lazy import attach
 

@@ -2,14 +2,8 @@
 from dataclasses import dataclass
 
 from stickslip.engine.solver import EventDriven as _EventDriven
-from stickslip.exports.adapters.control_systems import DescribingFunction as DescribingFunction
-from stickslip.exports.adapters.control_systems import to_describing_function as to_describing_function
-from stickslip.exports.adapters.control_systems import to_nonlinear_system as to_nonlinear_system
 from stickslip.exports.adapters.environments import MotorEnvironment as MotorEnvironment
 from stickslip.exports.adapters.environments import MotorVectorEnvironment as MotorVectorEnvironment
-from stickslip.exports.adapters.initial_value_problems import ModeProblem as ModeProblem
-from stickslip.exports.adapters.initial_value_problems import ModeSolution as ModeSolution
-from stickslip.exports.adapters.initial_value_problems import to_ivp as to_ivp
 from stickslip.exports.adapters.motor_task import CAPSULE as CAPSULE
 from stickslip.exports.adapters.motor_task import CART as CART
 from stickslip.exports.adapters.motor_task import MotorTask as _MotorTask
@@ -39,14 +33,8 @@ class MotorTask(_MotorTask):
 __all__ = [
     "CAPSULE",
     "CART",
-    "DescribingFunction",
-    "ModeProblem",
-    "ModeSolution",
     "MotorEnvironment",
     "MotorTask",
     "MotorVectorEnvironment",
     "register_environments",
-    "to_describing_function",
-    "to_ivp",
-    "to_nonlinear_system",
 ]

@@ -119,8 +119,6 @@ class Model(ABC):
     """What reads the file."""
     refuses: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Fields of `Wishes` that the format cannot meet, with what it has instead."""
-    runs: ClassVar[bool] = False
-    """Whether MuJoCo can run the file."""
 
     @classmethod
     @abstractmethod
@@ -313,7 +311,6 @@ class Mjcf(JointModel):
     name: ClassVar[str] = "mjcf"
     title: ClassVar[str] = "MJCF"
     program: ClassVar[str] = "MuJoCo"
-    runs: ClassVar[bool] = True
 
     @classmethod
     def recognises(cls, path: Path, data: bytes) -> bool:
@@ -487,7 +484,6 @@ class Urdf(JointModel):
     title: ClassVar[str] = "URDF"
     program: ClassVar[str] = "programs that read URDF"
     refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
-    runs: ClassVar[bool] = True
 
     @classmethod
     def recognises(cls, path: Path, data: bytes) -> bool:
@@ -545,9 +541,9 @@ class Urdf(JointModel):
     def remarks(self) -> Sequence[str]:
         return (
             "URDF has no settings for how friction is held. With MuJoCo's defaults, loaded joints"
-            f' creep. The rows "stiff" are with solreffriction="{SOFT}" and'
-            f' solimpfriction="{HARD}" at the joints and time steps of 1 ms: set these in your'
-            " program, or apply the laws to an MJCF file, where they are written.",
+            f' creep: set solreffriction="{SOFT}" and solimpfriction="{HARD}" of the joints and'
+            " time steps of 1 ms in your program, or apply the laws to an MJCF file, where they are"
+            " written.",
         )
 
 

@@ -1,21 +1,18 @@
 """Writes friction of laws into joints of a model file, and says what that leaves of them."""
 
-import contextlib
 import os
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from stickslip import mechanisms
-from stickslip.data import Measurement, Rig
+from stickslip.data import Rig
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
-from stickslip.exports.applying.replay import JointReplay, Replay, replay_of
-from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.program import Subject
-from stickslip.exports.verb import Usage, evaluated, law_or_rig, laws_by_contact, subject_of
+from stickslip.exports.verb import Usage, evaluated, law_or_rig, subject_of
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import Given, turned
 from stickslip.show.described import Described
@@ -24,11 +21,6 @@ from stickslip.show.formatting import joined, quantity
 
 if TYPE_CHECKING:
     from stickslip.exports.verb import Source
-
-RECORDED: Final = (
-    "record (--record) needs the mechanism of the law, and {}: give the law.toml of"
-    " `stickslip select` or `stickslip fit`."
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,14 +49,10 @@ class AppliedJoint(metaclass=Described):
     """Whether it turns."""
     lost: tuple[str, ...]
     """What the file cannot have of the law, in sentences."""
-    motions: tuple[JointMotion, ...] = ()
-    """What it does in MuJoCo, beside the law; empty where that was not run."""
-    replay: JointReplay | None = None
-    """What becomes of a measured record, if one was given."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Attributes, error of the friction and what is lost, in words; motions have theirs."""
+        """Attributes, error of the friction and what is lost, in words."""
         unit, speed = turned("N", self.rotary), turned("m/s", self.rotary)
         values = " ".join(f'{key}="{value}"' for key, value in self.after.items())
         before = " ".join(f'{key}="{value}"' for key, value in self.before.items())
@@ -74,8 +62,7 @@ class AppliedJoint(metaclass=Described):
             else f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
             f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most."
         )
-        record = () if self.replay is None else self.replay.sentences
-        return (f"{values}; before: {before or 'none'}.", error, *record, *self.lost)
+        return (f"{values}; before: {before or 'none'}.", error, *self.lost)
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
@@ -90,8 +77,6 @@ class AppliedJoint(metaclass=Described):
             "largest": self.largest,
             "unit": turned("N", self.rotary),
             "lost": list(self.lost),
-            "motions": [motion.to_dict() for motion in self.motions],
-            "record": None if self.replay is None else self.replay.to_dict(),
         }
 
 
@@ -173,16 +158,13 @@ def apply(
     to: str | None = None,
     polynomial: bool = False,
     holds: bool = False,
-    run: bool = True,
-    record: Measurement | None = None,
 ) -> Applied:
     """Write friction laws into the joints of a model file, and change nothing else in it.
 
     Files are URDF, MJCF, USD as text for PhysX (Isaac Sim) or Newton, the parameters of a servo in
     Rhoban/bam's JSON, and parameters of ROS 2 controllers in YAML. The level and the damping of a
     joint are those that come closest to the law, by least squares over speeds up to the largest in
-    both directions; a damper of the law's mechanism is added. Where MuJoCo is installed, each joint
-    of URDF and MJCF is run in it.
+    both directions; a damper of the law's mechanism is added.
 
     Parameters
     ----------
@@ -213,13 +195,6 @@ def apply(
     holds : bool
         Whether the level is that of break-away, so that the joint holds what the law holds. By
         default it is the one that comes closest to the law while sliding.
-    run : bool
-        Whether the joints are run in MuJoCo where it is installed, which is the default.
-    record : Measurement, optional
-        What was measured of the joints, positions and forces in time. The law, level and damping,
-        and the file in MuJoCo are then compared on it: by the forces that its motion takes, and by
-        where its forces lead. The law needs its mechanism. Contact inputs that `at` does not state
-        are medians of the record, of forces those of their size.
 
     Returns
     -------
@@ -237,7 +212,7 @@ def apply(
     >>> from stickslip import CoulombViscous
     >>> arm = files("stickslip.mechanisms") / "desk_arm.urdf"
     >>> law = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=0.1)
-    >>> found = apply(law, arm, joints="elbow", largest_speed=2.0, run=False)
+    >>> found = apply(law, arm, joints="elbow", largest_speed=2.0)
     >>> found.joints[0].sentences[0]
     'damping="0.1" friction="0.3"; before: friction="0.15" damping="0.02".'
     """
@@ -246,13 +221,12 @@ def apply(
     _check_wishes(model, wishes)
     given = Usage(law=law, load=load, largest_speed=largest_speed, law_load=law_load)
     rows: dict[str, AppliedJoint] = {}
-    tested: list[Tested] = []
     values: list[tuple[ModelJoint, Mapping[str, str]]] = []
     source = law_or_rig(source)
     by_contact = source.contacts.items() if isinstance(source, Rig) else ()
     pairs = _pairs([name for name, known in by_contact if known is not None], model, joints)
     shared, own = _stated(at or {}, [contact for contact, _ in pairs])
-    unasked, replay = dict(shared), None
+    unasked = dict(shared)
     for contact, name in pairs:
         joint = model.joint(name)
         if name in rows:
@@ -266,73 +240,21 @@ def apply(
         unasked = {k: x for k, x in unasked.items() if k not in known}
         stated = {**known, **own.get(contact, {})}
         exact = not stated and model.has_exactly(whole)
-        lacking = [name for name in whole.law.inputs if name not in stated and not exact]
-        if lacking and record is not None:
-            replay = replay or _replay_of(record, whole.mechanism)
-            stated |= replay.typical_inputs(contact, lacking)
         subject = whole if exact else evaluated(whole, model.title, stated)
         _check_kind(model, joint, subject)
         beside = _beside(subject.mechanism, subject.contact)
         carried = model.carry(joint, subject, beside, wishes)
         values.append((joint, carried.values))
         rows[name] = _applied(joint, contact, subject, carried)
-        if carried.near is not None:
-            near, damping = carried.near.joint, beside.damping
-            tested.append(Tested(name=name, subject=subject, joint=near, damping=damping))
     if unasked:
         raise InputError(f"no law of these joints depends on {joined(list(unasked))}.")
-    content, remarks = model.written(values), [*model.remarks()]
-    compiled, why = None, ""
-    if run and not model.runs:
-        why = f"The file was not run in {model.program}; errors are those of the friction."
-    elif run:
-        compiled, why = in_mujoco(model, content, [made.name for made in tested])
-    if compiled is not None:
-        motions, why = motions_of(compiled, tested)
-        rows = {name: replace(row, motions=motions.get(name, ())) for name, row in rows.items()}
-    remarks += [why] if why else []
-    if record is not None:
-        if not tested:
-            raise InputError(RECORDED.format("the file has the law itself"))
-        replay = replay or _replay_of(record, tested[0].subject.mechanism)
-        with _of_record():
-            replays, said = replay.judged(_laws(source, law, tested), tested, compiled)
-        rows = {name: replace(row, replay=replays.get(name)) for name, row in rows.items()}
-        remarks += said
     return Applied(
         path=Path(file),
         target=model.name,
-        content=content,
+        content=model.written(values),
         joints=tuple(rows.values()),
-        remarks=tuple(remarks),
+        remarks=tuple(model.remarks()),
     )
-
-
-@contextlib.contextmanager
-def _of_record() -> Iterator[None]:
-    """Say of errors that they are of the record."""
-    try:
-        yield
-    except (ValueError, KeyError) as error:
-        raise InputError(f"record (--record): {error}") from None
-
-
-def _replay_of(record: Measurement, mechanism: mechanisms.Mechanism | None) -> Replay:
-    if mechanism is None:
-        raise InputError(RECORDED.format("this law stands alone"))
-    with _of_record():
-        return replay_of(record, mechanism)
-
-
-def _laws(
-    source: FrictionLaw | Rig, law: str | None, joints: Sequence[Tested]
-) -> dict[str, FrictionLaw]:
-    """Return the laws of all contacts, as they were fitted."""
-    if isinstance(source, Rig) and source.contacts:
-        return laws_by_contact(source, law)
-    (only,) = joints
-    # as without values of its contact inputs
-    return {only.subject.contact: replace(only.subject.law)}
 
 
 def _check_wishes(model: Model, wishes: Wishes) -> None:

@@ -11,7 +11,6 @@ from stickslip.identify.fits.contact_inputs import measured_loads as measured_lo
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
 from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import unvaried as unvaried
-from stickslip.identify.fits.contact_inputs import usual_values as usual_values
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
 from stickslip.identify.fits.estimation.estimates import estimates_of as estimates_of
@@ -42,12 +41,8 @@ from stickslip.identify.fits.estimation.problem import ResidualJacobian as Resid
 from stickslip.identify.fits.force_map.data import load_along as load_along
 from stickslip.identify.fits.force_map.data import stretches_of as stretches_of
 from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
-from stickslip.identify.fits.force_map.force_balance import torque_along as torque_along
-from stickslip.identify.fits.force_map.holds import hold_of as hold_of
-from stickslip.identify.fits.force_map.joint_balance import JointPiece as JointPiece
 from stickslip.identify.fits.force_map.joint_balance import check_joints as check_joints
 from stickslip.identify.fits.force_map.joint_balance import contacts_along as contacts_along
-from stickslip.identify.fits.force_map.joint_balance import joint_pieces as joint_pieces
 from stickslip.identify.fits.force_map.joint_balance import joint_record as joint_record
 from stickslip.identify.fits.force_map.start_values import StartEstimate as StartEstimate
 from stickslip.identify.fits.gears import gear_torques as gear_torques
@@ -79,8 +74,6 @@ from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as 
 from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
-from stickslip.identify.fits.shooting.segments import segments_of as segments_of
-from stickslip.identify.fits.shooting.segments import with_drive as with_drive
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel
 from stickslip.identify.fits.travel_model import Trial as Trial

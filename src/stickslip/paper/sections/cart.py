@@ -12,8 +12,6 @@ from stickslip.paper.sections.common import (
     FIRST_CYCLE,
     LOWEST_VELOCITY,
     back_slip_text,
-    fitted_text,
-    levels_from,
     numbers,
     table,
     values_of,
@@ -247,12 +245,12 @@ def choice_section(found: PaperAudit) -> report.Section:
     study = found.cart
     return report.Section(
         id="cart-choice",
-        nav="The cart" if found.own else "Fig. 11, the choice",
+        nav="Fig. 11, the choice",
         heading=_choice_heading(study),
         blocks=(
             report.Paragraph(text=_choice_text(found)),
             _choice_table(study),
-            _choice_figure(study, own=found.own),
+            _choice_figure(study),
             report.Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
         ),
     )
@@ -271,13 +269,12 @@ def _choice_heading(study: CartStudy) -> str:
 def _choice_text(found: PaperAudit) -> str:
     named = [choice for choice in found.cart.choices if choice.key == "selected"]
     chosen = f"names {named[0].law.title}" if named else "names no law"
-    origin = fitted_text(found) or "assumed"
     cart = "given by `--set`" if found.cart.given else "ours"
     return (
         "The paper takes Coulomb + viscous friction “for instance”; its $sigma_2$ is not printed"
-        f" ({quantity(found.values.viscous, 'N s/m', 2)}, {origin}). `select` {chosen} for the rig."
+        f" ({quantity(found.values.viscous, 'N s/m', 2)}, assumed). `select` {chosen} for the rig."
         f" Masses and swing of the cart are {cart}"
-        + ("." if found.own else ", so that the figure can be compared in kind only.")
+        ", so that the figure can be compared in kind only."
     )
 
 
@@ -305,7 +302,7 @@ def _choice_table(study: CartStudy) -> report.Table:
     )
 
 
-def _choice_figure(study: CartStudy, *, own: bool) -> report.Figure:
+def _choice_figure(study: CartStudy) -> report.Figure:
     runs = {_label(choice): choice.run for choice in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
@@ -330,7 +327,7 @@ def _choice_figure(study: CartStudy, *, own: bool) -> report.Figure:
             wide=(880, 300),
             narrow=(358, 600),
         ),
-        caption=f"**{'' if own else 'In place of Fig. 11. '}The cart under Coulomb + viscous"
+        caption="**In place of Fig. 11. The cart under Coulomb + viscous"
         " friction**, the paper’s example, and under the law that select names, both solved"
         f" exactly: displacement in all cycles, velocity in the last whole stroke{apart}.",
     )
@@ -421,7 +418,7 @@ def _rest_text(found: PaperAudit) -> str:
         "Karnopp (1985), the paper’s [18], has a body slower than $D_v$ at rest while the force"
         " needed is within break-away. A step changes the velocity of the block by"
         f" $F_c$ $dt$/$m$, which is {jumps}, and can jump over a narrower band. Coulomb friction"
-        f" with the levels {levels_from(found)}, forward Euler, friction from $F_s$ in the first"
+        f" with the levels of Table I, forward Euler, friction from $F_s$ in the first"
         " step out of rest."
     )
 

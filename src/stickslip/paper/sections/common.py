@@ -6,7 +6,6 @@ from typing import Literal, TypeVar
 
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.paper_audit import PaperAudit
-from stickslip.paper.rigs import viscous_fit
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import quantity, significant
 from stickslip.show.report import Axis, Cell, Column, Row, Table
@@ -44,23 +43,6 @@ def table(
         Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item)) for item in items
     ]
     return Table(columns=tuple(heads), rows=tuple(rows), caption=caption)
-
-
-def fitted_text(found: PaperAudit) -> str:
-    """Say within which range the travels bound the viscous part; nothing where it is assumed."""
-    for estimate in viscous_fit(found.verdict) if found.own else ():
-        if (
-            estimate.path == "friction.viscous_coefficient"
-            and found.values.viscous == estimate.value
-        ):
-            low, high = (significant(end, 2) for end in (estimate.low, estimate.high))
-            return f"fitted to the travels, {low} to {high}"
-    return ""
-
-
-def levels_from(found: PaperAudit) -> str:
-    """Return where the kinetic and static coefficient are from, in words."""
-    return "of this rig" if found.own else "of Table I"
 
 
 def values_of(law: FrictionLaw | PrintedForm, load: float | None = None) -> str:

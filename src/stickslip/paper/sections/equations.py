@@ -23,14 +23,11 @@ from stickslip.paper.printed import FINE_STEP as FINE
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION, SPEED, Excitation
 from stickslip.paper.sections.common import (
     COLOURS,
-    fitted_text,
-    levels_from,
     numbers,
     table,
     travel_axis,
     values_of,
 )
-from stickslip.quantities import fields_of
 from stickslip.show import report
 from stickslip.show.formatting import (
     fixed,
@@ -137,7 +134,7 @@ def _energy_text(found: PaperAudit) -> str:
     way = float(abs(places[1:] - places[:-1]).sum())
     x = quantity(found.values.rig.compression, "m")
     return (
-        f"With the coefficient {levels_from(found)} and $x$ = {x} it gives"
+        f"With the coefficient of Table I and $x$ = {x} it gives"
         f" {fixed(release.travel, 3)} m. For a block that"
         f" stays fastened to its spring $s$ would be the length of its path, {fixed(way, 3)} m;"
         f" since that block returns, it ends at {fixed(attached.travel, 3)} m."
@@ -183,7 +180,7 @@ def _tests_text(found: PaperAudit) -> str:
     values = found.values
     below = HELD * values.mu_k * values.load
     return (
-        f"Each equation as it stands, in four tests on the block {levels_from(found)}: coasting"
+        f"Each equation as it stands, in four tests on the block of Table I: coasting"
         f" forwards, as after the push; pushed from rest with {number(values.force)} N for"
         f" {PUSH_DURATION:g} s; coasting backwards from {-BACKWARD:g} m/s; held at rest against"
         f" {below:.3g} N, half of kinetic friction. A block that coasts forwards in steps ends with"
@@ -284,22 +281,13 @@ def excitation_section(found: PaperAudit) -> report.Section:
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
     values = found.values
     force = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
-    if found.own:
-        how = "stays fastened" if values.own_reading == "C" else "leaves it at its natural length"
-        text = (
-            f"By the file a spring compressed by {quantity(values.rig.compression, 'm')} is"
-            f" released, and the block {how}: reading {values.own_reading}. Reading A is a push"
-            f" with the force of this spring for {PUSH_DURATION:g} s, as the paper has it. All with"
-            f" $mu_k$ = {number(mu_k)} and {row.law.title} friction:"
-        )
-    else:
-        text = (
-            "Section IV has a compressed spring that is released, with $F$ = $K$$x$, and for"
-            f" experiment and simulation alike a force of {force}. A released spring does not push"
-            f" with a constant force. The compression, {values.rig.compression:g} m, follows from"
-            f" {quantity(values.force, 'N')} and $K$. Both readings, and a control, with $mu_k$ ="
-            f" {mu_k:g} and {row.law.title} friction:"
-        )
+    text = (
+        "Section IV has a compressed spring that is released, with $F$ = $K$$x$, and for"
+        f" experiment and simulation alike a force of {force}. A released spring does not push"
+        f" with a constant force. The compression, {values.rig.compression:g} m, follows from"
+        f" {quantity(values.force, 'N')} and $K$. Both readings, and a control, with $mu_k$ ="
+        f" {mu_k:g} and {row.law.title} friction:"
+    )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return report.Section(
         id="excitation",
@@ -307,7 +295,7 @@ def excitation_section(found: PaperAudit) -> report.Section:
         heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
         blocks=(
             report.Paragraph(text=text),
-            *(() if found.own else (_sketches(row.readings),)),
+            _sketches(row.readings),
             _figure(found, row.readings),
             _table(found, row.readings),
             _closed_forms(row.readings),
@@ -336,13 +324,12 @@ def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
 def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> report.Figure:
     values = found.values
     low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
-    digits = 3 if found.own else 2
     svg = inline_svg(
         draw_excitations(
             {_label(r): r.run for r in readings},
-            chosen=next(_label(r) for r in readings if r.key == values.own_reading),
+            chosen=next(_label(r) for r in readings if r.key == "B"),
             band=(low, high),
-            measured=f"measured, {found.measured:.{digits}f} m",
+            measured=f"measured, {found.measured:.2f} m",
         ),
         alt="Travel against time in the three readings of the rig",
         prefix="excitations",
@@ -383,7 +370,7 @@ def _table(found: PaperAudit, readings: Sequence[Excitation]) -> report.Table:
         ),
         (numbers("work put in\nJ"), lambda reading: fixed(reading.criteria.work_in, 3)),
         ("how it ends", _ending),
-        chosen=lambda reading: reading.key == found.values.own_reading,
+        chosen=lambda reading: reading.key == "B",
     )
 
 
@@ -426,11 +413,6 @@ def _closed_forms(readings: Sequence[Excitation]) -> report.Caption:
 def assumption_section(found: PaperAudit) -> report.Section:
     """List every value that the page uses and the source does not print, with its origin."""
     rows = (*_rig_rows(found), *_law_rows(found), *_run_rows(found))
-    printed = (
-        "the file of this rig gives"
-        if found.own
-        else "Tables I and II and the text of the paper print"
-    )
     return report.Section(
         collapsed=True,
         id="assumptions",
@@ -438,7 +420,8 @@ def assumption_section(found: PaperAudit) -> report.Section:
         heading="What is assumed, and where it is used",
         blocks=(
             report.Paragraph(
-                text=f"Every value on this page is one that {printed}, or stands in this table."
+                text="Every value on this page is one that Tables I and II and the text of the"
+                " paper print, or stands in this table."
             ),
             report.Table(
                 columns=(
@@ -459,25 +442,18 @@ def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         (
             "block, gravity",
             quantity(rig.gravity, "m/s^2"),
-            "rig file; 9.81 m/s² where it gives none" if found.own else "not printed",
+            "not printed",
         )
     ]
-    if found.own:
-        given = "rig file" if found.rig.given.get("coulomb") else "fitted to the travels"
-        rows += [
-            ("block, levels", f"$mu_k$ {number(values.mu_k)}, $mu_s$ {number(values.mu_s)}", given),
-            ("reading A", pushed, "force of the spring, time of the paper"),
-        ]
-    else:
-        rows += [
-            (
-                "readings B and C, compression",
-                quantity(rig.compression, "m"),
-                "inferred from $F$ = $K$$x$ and 10 N",
-            ),
-            ("reading A", f"{pushed}, then coasting", "printed; that it coasts is inferred"),
-            ("reading C", "the block stays fastened", "ours, a control"),
-        ]
+    rows += [
+        (
+            "readings B and C, compression",
+            quantity(rig.compression, "m"),
+            "inferred from $F$ = $K$$x$ and 10 N",
+        ),
+        ("reading A", f"{pushed}, then coasting", "printed; that it coasts is inferred"),
+        ("reading C", "the block stays fastened", "ours, a control"),
+    ]
     return rows
 
 
@@ -485,26 +461,14 @@ def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     load = found.values.load
     rows = []
     for row in found.table:
-        own = found.rig.given.get(row.law.name, ()) if found.own else ()
         held = " held at its first stop" if getattr(row.law, "static_switch", False) else ""
         assumed = found.rig.assumed.get(row.law.name, ())
         origin = "Table I"
-        if found.own:
-            used = [name for name in fields_of(type(row.law)) if getattr(row.law, name) is not None]
-            given = [name.replace("_", " ") for name in used if name in own]
-            if len(given) == len(used):
-                origin = "rig file"
-            else:
-                origin = (
-                    f"{joined(given)} of the rig file" if given else "levels as above"
-                ) + ", the rest as for the rig of the paper"
-                if row.law.name.startswith("coulomb-viscous") and fitted_text(found):
-                    origin = fitted_text(found)
-        elif assumed:
+        if assumed:
             origin = (
                 f"levels of Table I; {joined([name.replace('_', ' ') for name in assumed])} assumed"
             )
-        if isinstance(row.law, LuGre) and not own:
+        if isinstance(row.law, LuGre):
             origin += "; $n$ not printed"
         rows.append(
             (f"models, {row.law.title}", f"{values_of(row.law, load)}{held and ','}{held}", origin)
@@ -521,7 +485,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
             "printed equations",
             f"$sigma_2$ {significant(values.viscous, 2)} N s/m in (5), (8), (9) and (10), also"
             " where the models above have none; $n$ = 2 in (9)",
-            fitted_text(found) or "assumed",
+            "assumed",
         ),
         (
             "printed equations, tests",
@@ -552,21 +516,20 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
             "ours",
         ),
     ]
-    if not found.own:
-        rows += [
-            (
-                "unpublished values, LuGre",
-                "$sigma_1$ the root of $sigma_0$, $sigma_2$ 0.4 N s/m, $v_s$ 1 mm/s, $n$ 2, nothing"
-                " holds the block",
-                "LuGre 1995",
-            ),
-            (
-                "(5) in steps of 10 ms",
-                f"$v_s$ {joined([significant(1e3 * value, 4) for value in CREEPING])} mm/s; sgn $v$"
-                " added",
-                "tried",
-            ),
-            ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
-            ("stick-slip, pulling speed", f"{1e3 * SPEED:g} mm/s", "ours"),
-        ]
+    rows += [
+        (
+            "unpublished values, LuGre",
+            "$sigma_1$ the root of $sigma_0$, $sigma_2$ 0.4 N s/m, $v_s$ 1 mm/s, $n$ 2, nothing"
+            " holds the block",
+            "LuGre 1995",
+        ),
+        (
+            "(5) in steps of 10 ms",
+            f"$v_s$ {joined([significant(1e3 * value, 4) for value in CREEPING])} mm/s; sgn $v$"
+            " added",
+            "tried",
+        ),
+        ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
+        ("stick-slip, pulling speed", f"{1e3 * SPEED:g} mm/s", "ours"),
+    ]
     return rows

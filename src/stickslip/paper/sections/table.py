@@ -7,7 +7,7 @@ from stickslip.friction import Stribeck
 from stickslip.paper.paper_audit import PaperAudit, TableRow
 from stickslip.paper.printed import Requirement
 from stickslip.paper.rigs import PUSH_DURATION, SPEED
-from stickslip.paper.sections.common import fitted_text, numbers, travel_axis
+from stickslip.paper.sections.common import numbers, travel_axis
 from stickslip.show import plots, report
 from stickslip.show.formatting import (
     fixed,
@@ -16,7 +16,6 @@ from stickslip.show.formatting import (
     percent,
     quantity,
     residue,
-    scale_of,
     signed_percent,
     significant,
     with_unit,
@@ -29,11 +28,12 @@ def table_section(found: PaperAudit) -> report.Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
-        f" for its cart. {found.values.own_reading}: the spring, solved exactly. {_origin(found)}:"
+        " for its cart. B: the spring, solved exactly. Levels are those of Table I; what the paper"
+        " does not print is assumed:"
         f" {_assumptions(found)}. “Coulomb plus viscous plus static”, which the paper names, has no"
         " row in it."
     )
-    if found.viscous_travels and found.values.own_reading == "B":
+    if found.viscous_travels:
         titles = {row.law.name: row.law.title for row in found.table}
         travels = [f"{titles[name]} {fixed(x, 3)} m" for name, x in found.viscous_travels.items()]
         text += (
@@ -42,36 +42,21 @@ def table_section(found: PaperAudit) -> report.Section:
         )
     return report.Section(
         id="table2",
-        nav="The six models" if found.own else "Table II",
-        heading=(
-            "The models of the paper on this rig"
-            if found.own
-            else "The paper’s Table II beside ours"
-        ),
+        nav="Table II",
+        heading=("The paper’s Table II beside ours"),
         blocks=(
             report.Paragraph(text=text),
             _table(found),
             report.Caption(text=_step_text(found)),
-            *(() if len(found.trials) == 1 else (_trial_table(found),)),
         ),
-    )
-
-
-def _origin(found: PaperAudit) -> str:
-    if not found.own:
-        return "Levels are those of Table I; what the paper does not print is assumed"
-    return (
-        "The file of this rig gives the levels, or its travels do; what neither gives is assumed as"
-        " for the rig of the paper"
     )
 
 
 def _assumptions(found: PaperAudit) -> str:
     """List the values that are not printed, in the paper's own terms."""
     values = found.values
-    fitted = f" {fitted_text(found)}" if fitted_text(found) else ""
     return (
-        f"$sigma_2$ {quantity(values.viscous, 'N s/m', 2)}{fitted} in Coulomb + viscous and none"
+        f"$sigma_2$ {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none"
         f" in Stribeck and LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s,"
         f" bristles of {significant(values.stiffness, 2)} N/m and"
         f" {significant(values.damping, 2)} N s/m"
@@ -83,23 +68,18 @@ RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from break-awa
 
 
 def _table(found: PaperAudit) -> report.Table:
-    printed = () if found.own else (
-        numbers("published\nm"),
-    )  # fmt: skip
-    reading = found.values.own_reading
-    spring = "B, spring" if reading == "B" else "C, fixed spring"
     travels = [row.published.travel or 0.0 for row in found.table]
     travels += [reading.criteria.travel for row in found.table for reading in row.readings]
-    marks = f"travel, m; triangle: A, dot: {reading}, line: measured"
+    marks = "travel, m; triangle: A, dot: B, line: measured, ring: published"
     columns = (
         report.Column(head="friction model"),
-        *printed,
+        numbers("published\nm"),
         numbers("A, exact\nm", "A exact, m"),
         *(numbers(f"A, 10 ms\n{what}", f"10 ms, {what}") for what in RULES.values()),
-        numbers(f"{spring}\nm"),
+        numbers("B, spring\nm"),
         report.Column(
             head="",
-            axis=travel_axis(found, travels, marks if found.own else f"{marks}, ring: published"),
+            axis=travel_axis(found, travels, marks),
         ),
     )
     caption = (
@@ -113,7 +93,7 @@ def _table(found: PaperAudit) -> report.Table:
 
 def _row(found: PaperAudit, row: TableRow) -> report.Row:
     published = row.published.travel
-    push, spring = (row.reading(key).criteria for key in ("A", found.values.own_reading))
+    push, spring = (row.reading(key).criteria for key in ("A", "B"))
     marks = [
         report.Mark(kind="triangle", at=push.travel, colour="c2"),
         report.Mark(kind="dot", at=spring.travel, colour="c1"),
@@ -123,7 +103,7 @@ def _row(found: PaperAudit, row: TableRow) -> report.Row:
     return report.Row(
         cells=(
             report.Name(text=row.law.title, aside=row.published.note),
-            *(() if found.own else (_with_error(found, published, 2),)),
+            _with_error(found, published, 2),
             _with_error(found, push.travel),
             *(_with_error(found, row.coarse.get(rule)) for rule in RULES),
             _with_error(found, spring.travel),
@@ -158,36 +138,10 @@ def _step_text(found: PaperAudit) -> str:
     return text
 
 
-def _trial_table(found: PaperAudit) -> report.Table:
-    """Show every trial with the travel of each model at its compression."""
-    scale = scale_of([trial.compression for trial in found.trials], "m")
-    columns = (
-        report.Column(head="compression"),
-        numbers("measured\nm"),
-        *(numbers(row.law.title.replace(" + ", "\n+ "), row.law.title) for row in found.table),
-    )
-    rows = tuple(
-        report.Row(
-            cells=(
-                with_unit(number(scale.factor * trial.compression), scale.unit),
-                report.Number(value=fixed(trial.measured, 3)),
-                *(fixed(trial.travels[row.law.name], 3) for row in found.table),
-            )
-        )
-        for trial in found.trials
-    )
-    caption = (
-        "All trials, as measured and with each model, travels in m. The figures and tables above"
-        " and below show the first."
-    )
-    return report.Table(columns=columns, rows=rows, caption=caption)
-
-
 def ranking_section(found: PaperAudit) -> report.Section:
     """Apply the paper's own criteria to its table and to ours, with our verdict beside."""
-    reading = found.values.own_reading
-    keys = ("A", reading) if found.own else ("published", "A", "B")
-    names = {"published": "published", "A": "A, push", "B": "B, spring", "C": "C, fixed spring"}
+    keys = ("published", "A", "B")
+    names = {"published": "published", "A": "A, push", "B": "B, spring"}
     columns = (
         report.Column(head="friction model"),
         *(
@@ -211,8 +165,8 @@ def ranking_section(found: PaperAudit) -> report.Section:
         blocks=(
             report.Paragraph(text=_criteria_text(found)),
             report.Table(columns=columns, rows=rows),
-            *(() if found.own else (report.Caption(text=_caption(found)),)),
-            *((report.Paragraph(text=_energy_text(found)),) if reading == "B" else ()),
+            report.Caption(text=_caption(found)),
+            report.Paragraph(text=_energy_text(found)),
         ),
     )
 
@@ -225,7 +179,7 @@ def _met(found: PaperAudit, key: str) -> int:
 
 
 def _ranking_heading(found: PaperAudit) -> str:
-    total, keys = len(found.table), ("A", found.values.own_reading)
+    total, keys = len(found.table), ("A", "B")
     met = [_met(found, key) for key in keys]
     if all(count == total for count in met):
         return "Every exact run that holds the block meets both criteria of the paper"
@@ -269,12 +223,7 @@ def _ours(found: PaperAudit, row: TableRow) -> str:
         return "not tried"
     fit = named[0].fit
     if fit is None or not fit.estimates:
-        return "no value reproduces the travel" if len(found.trials) == 1 else named[0].dropped
-    if len(found.trials) > 1:
-        score = named[0].score
-        if score is None:
-            return named[0].dropped
-        return f"held-out error {quantity(score, 'm', 2)}"
+        return "no value reproduces the travel"
     estimate = fit.estimates[0]
     symbol, value = estimate.quantity.symbol, significant(estimate.value, 3)
     return f"${symbol}$ = {value} reproduces the travel"
@@ -320,7 +269,7 @@ def _energy_text(found: PaperAudit) -> str:
 
 
 def _metres(found: PaperAudit) -> str:
-    return f"{found.measured:.3f} m" if found.own else f"{found.measured:.2f} m"
+    return f"{found.measured:.2f} m"
 
 
 # The paper's figures, drawn again under its captions.
@@ -453,10 +402,6 @@ def figure_section(found: PaperAudit) -> report.Section:
         for name, number in RUN_FIGURES.items()
         if name in rows
     ]
-    own = (
-        f"The block in readings A and {found.values.own_reading} with each model. Dashed: the"
-        " measured travel."
-    )
     text = (
         "The block in readings A and B with the values assumed for Table II, and a third run with"
         " the value that gives the published travel. Dashed: the published and the measured travel."
@@ -464,14 +409,14 @@ def figure_section(found: PaperAudit) -> report.Section:
     return report.Section(
         collapsed=True,
         id="figures",
-        nav="The block" if found.own else "Figs 6 to 10",
-        heading="The block with each law" if found.own else "The block with each law, recomputed",
-        blocks=(report.Paragraph(text=own if found.own else text), *figures),
+        nav="Figs 6 to 10",
+        heading="The block with each law, recomputed",
+        blocks=(report.Paragraph(text=text), *figures),
     )
 
 
 def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
-    shown = [row.reading(key) for key in (found.values.own_reading, "A")]
+    shown = [row.reading(key) for key in ("B", "A")]
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in shown}
     need = found.requirement(row.law.name)
     if need is not None and need.run is not None:
@@ -483,15 +428,14 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
     published = row.published.travel
     travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
     note = f" ({row.published.note})" if row.published.note else ""
-    digits = 3 if found.own else 2
     levels = {} if published is None else {f"published, {published:.2f} m": published}
     printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
-    title = row.law.title if found.own else f"Fig. {number}. {row.law.title}"
+    title = f"Fig. {number}. {row.law.title}"
     return report.Figure(
         svg=plots.inline_svg(
             plots.draw_motion(
                 runs,
-                levels=levels | {f"measured, {found.measured:.{digits}f} m": found.measured},
+                levels=levels | {f"measured, {found.measured:.2f} m": found.measured},
             ),
             alt=f"Displacement and velocity of the block with {row.law.title} friction",
             prefix=f"fig{number}",

@@ -91,7 +91,6 @@ from stickslip.show.plots.svg import inline_svg as inline_svg
 from stickslip.show.plots.svg import save as save
 from stickslip.show.plots.svg import standalone_svg as standalone_svg
 from stickslip.show.plots.sweep_maps import draw_basins as draw_basins
-from stickslip.show.plots.sweep_maps import draw_bifurcation as draw_bifurcation
 from stickslip.show.plots.sweep_maps import draw_orbits as draw_orbits
 from stickslip.show.plots.sweep_maps import draw_sensitivity as draw_sensitivity
 from stickslip.show.plots.sweep_maps import draw_velocity_band as draw_velocity_band
@@ -138,7 +137,6 @@ __all__ = [
     "animate",
     "animation_html",
     "draw_basins",
-    "draw_bifurcation",
     "draw_characteristic",
     "draw_characteristics",
     "draw_closed_loop",

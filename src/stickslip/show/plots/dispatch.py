@@ -44,7 +44,6 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         FrictionLaw: laws.plot_law,
         sweep.VelocityMap: plot_sweep,
         sweep.VelocityBand: plot_velocity_band,
-        sweep.Bifurcation: plot_sweep,
         sweep.Basins: plot_sweep,
         sweep.OrbitDiagram: plot_sweep,
         sweep.Branch: plot_sweep,

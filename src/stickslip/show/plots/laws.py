@@ -5,7 +5,6 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
@@ -38,7 +37,6 @@ Drawn: TypeAlias = Mapping[str, Any]
 SIZE: Final = (880, 320)
 PANEL: Final = (440, 260)
 """Size of a panel of a page with all tests [CSS px]."""
-FILL: Final = LinearSegmentedColormap.from_list("amplitude", [theme.SURFACE, theme.STICK, theme.C2])
 LONG_NAME: Final = 36
 """Letters of a name from which on names stand below each other."""
 LEGEND: Final = 2
@@ -116,43 +114,6 @@ def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> N
     axes.set_ylabel("break-away, N")
 
 
-def _lag(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(result.velocity.max() for result in results.values())], "m/s")
-    for title, result in results.items():
-        for i, (velocity, force) in enumerate(zip(result.velocity, result.force, strict=True)):
-            faint = 1.0 if i == len(result.frequency) - 1 else 0.45
-            name = title if faint == 1.0 else ""
-            _line(axes, factor * velocity, force, style[title], name, alpha=faint)
-    axes.set_xlabel(f"velocity, {unit}")
-    axes.set_ylabel("friction, N")
-
-
-def _map(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    first = next(iter(results.values()))
-    factor, unit = scale_of([float(np.median(first.speed))], "m/s")
-    shown = np.where(first.sticks, np.log10(np.maximum(first.amplitude, 1e-2)), np.nan)
-    axes.pcolormesh(factor * first.speed, first.stiffness, shown, cmap=FILL, shading="nearest")
-    for title, result in results.items():
-        inside = np.isfinite(result.boundary)
-        name = title if len(results) > 1 else "stick-slip up to here"
-        _line(axes, factor * result.boundary[inside], result.stiffness[inside], style[title], name)
-        if len(results) == 1:
-            linear = np.isfinite(result.linear) & (result.linear > 0.0)
-            if linear.any():
-                x, y = factor * result.linear[linear], result.stiffness[linear]
-                axes.plot(x, y, ":", color=theme.MUTED, label="steady sliding is stable beyond")
-            if np.isfinite(result.closed_form).any():
-                x = factor * result.closed_form
-                axes.plot(x, result.stiffness, "--", color=theme.C2, label="closed form")
-            axes.legend(fontsize="small", loc="upper right")
-    if not first.sticks.any():
-        axes.text(0.5, 0.5, "nowhere", transform=axes.transAxes, color=theme.MUTED, ha="center")
-    axes.set(xscale="log", yscale="log", xlim=factor * first.speed[[0, -1]])
-    axes.set_ylim(*first.stiffness[[0, -1]])
-    axes.set_xlabel(f"belt speed, {unit}")
-    axes.set_ylabel("stiffness, N/m")
-
-
 def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     reach = [float(np.abs(result.position).max()) for result in results.values()]
     factor, unit = scale_of([max(*reach, 1e-12)], "m")
@@ -160,13 +121,6 @@ def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
         _line(axes, result.t, factor * result.position, style[title], title)
     axes.set_xlabel("time, s")
     axes.set_ylabel(f"position, {unit}")
-
-
-def _hunting(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    _motion(axes, results, style)
-    result = next(iter(results.values()))
-    factor, _ = scale_of([float(np.abs(result.position).max())], "m")
-    axes.axhline(factor * result.target, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
 
 
 def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
@@ -191,18 +145,6 @@ def _energy_scale(energies: list[float]) -> tuple[float, str]:
     return 1e6, "µJ"
 
 
-def _cost(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    fastest = [float(result.speed.max(initial=0.0)) for result in results.values()]
-    factor, unit = scale_of([0.01 * max(fastest)], "m/s")
-    for title, result in results.items():
-        seen = result.rate > 0.0
-        _line(axes, factor * result.speed[seen], result.rate[seen], style[title], title)
-    axes.set(xscale="log", yscale="log")
-    _none_if_empty(axes, "no rate is fast, or none is known")
-    axes.set_xlabel(f"velocity, {unit}")
-    axes.set_ylabel("fastest rate, 1/s")
-
-
 def _none_if_empty(axes: Axes, text: str) -> None:
     lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
     if not any(np.isfinite(line).any() for line in lines):
@@ -214,13 +156,8 @@ PANELS: Final[Mapping[type, Callable[[Axes, Drawn, Mapping[str, LineStyle]], Non
     characterization.SteadyCurve: _steady,
     characterization.Presliding: _presliding_test,
     characterization.BreakAway: _break_away,
-    characterization.Lag: _lag,
-    characterization.StickSlipMap: _map,
     characterization.Drift: _motion,
-    characterization.Creep: _motion,
-    characterization.Hunting: _hunting,
     characterization.Passivity: _passivity,
-    characterization.Cost: _cost,
 }
 
 

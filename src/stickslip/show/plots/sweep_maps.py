@@ -1,4 +1,4 @@
-"""Figures of campaigns: mean velocities, bifurcation diagrams, basins of attraction."""
+"""Figures of campaigns: mean velocities, orbits, basins of attraction."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,6 @@ from stickslip.show.plots.theme import (
 )
 from stickslip.study.sweep import (
     Basins,
-    Bifurcation,
     Branch,
     Orbit,
     OrbitDiagram,
@@ -290,50 +289,6 @@ def _judged(result: VelocityMap) -> Any:
     return ((sign != 0) | between) & np.isfinite(result.velocity)
 
 
-def draw_bifurcation(result: Bifurcation) -> Draw:
-    """Return a bifurcation diagram: the samples of each run over its parameter.
-
-    Parameters
-    ----------
-    result : Bifurcation
-        The samples; each start has its own colour.
-
-    Returns
-    -------
-    callable
-        Draws it.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Coulomb
-    >>> from stickslip.mechanisms.drives import Sine
-    >>> from stickslip.study.sweep import bifurcation
-    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
-    >>> law = Coulomb(kinetic_coefficient=0.5)
-    >>> result = bifurcation(axis, law, "frequency", [1.0, 1.2], state="x", keep=6, settle=50)
-    >>> callable(draw_bifurcation(result))
-    True
-    """
-
-    def draw(figure: Figure, _narrow: bool) -> None:
-        axes = figure.add_subplot()
-        known = result.samples[np.isfinite(result.samples)]
-        factor, unit = scale_of(known, result.unit)
-        for start in range(result.samples.shape[1]):
-            points = factor * result.samples[:, start, :]
-            places = np.repeat(result.values, points.shape[1])
-            colour = POINT_COLOURS[start % len(POINT_COLOURS)]
-            axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
-        _mark_early_ends(axes, result.values, result.status)
-        axes.margins(x=0.01, y=0.06)
-        when = "once per cycle" if result.sample == "period" else f'at "{result.sample}"'
-        axes.set_xlabel(labelled(result.path, result.path_unit))
-        axes.set_ylabel(f"{result.state} {when}, {unit}")
-        axes.grid(axis="y")
-
-    return draw
-
-
 def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
     """Return a drawing of branches of periodic orbits: solid where stable, dashed where not.
 
@@ -573,16 +528,16 @@ def _bars(axes: Axes, result: SensitivityIndices) -> None:
 
 
 def plot_sweep(
-    result: VelocityMap | Bifurcation | Basins | SensitivityIndices | OrbitDiagram | Branch,
+    result: VelocityMap | Basins | SensitivityIndices | OrbitDiagram | Branch,
     ax: Target = None,
 ) -> Axes:
-    """Plot mean velocities, bifurcation diagrams, orbits, basins, or sensitivity indices.
+    """Plot mean velocities, orbits, basins, or sensitivity indices.
 
     Parameters
     ----------
-    result : VelocityMap, Bifurcation, Basins, SensitivityIndices, OrbitDiagram or Branch
-        What `average_velocity`, `bifurcation`, `basins`, `CampaignRuns.sensitivity`,
-        `orbit_diagram` or `continue_orbit` returns.
+    result : VelocityMap, Basins, SensitivityIndices, OrbitDiagram or Branch
+        What `average_velocity`, `basins`, `CampaignRuns.sensitivity`, `orbit_diagram` or
+        `continue_orbit` returns.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -607,7 +562,7 @@ def plot_sweep(
     >>> plot_sweep(result, Figure()).get_xlabel()
     'frequency, Hz'
     """
-    kinds = (VelocityMap, Bifurcation, Basins, SensitivityIndices, OrbitDiagram, Branch)
+    kinds = (VelocityMap, Basins, SensitivityIndices, OrbitDiagram, Branch)
     check_type("result", result, *kinds)
     if isinstance(result, VelocityMap):
         draw = draw_velocity_map(result)
@@ -616,5 +571,5 @@ def plot_sweep(
     elif isinstance(result, OrbitDiagram | Branch):
         draw = draw_orbits(result)
     else:
-        draw = draw_bifurcation(result) if isinstance(result, Bifurcation) else draw_basins(result)
+        draw = draw_basins(result)
     return on_axes(draw, ax, SWEEP_SIZE)

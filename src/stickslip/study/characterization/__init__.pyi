@@ -13,16 +13,11 @@ from stickslip.study.characterization.bench import PreslidingLoop as PreslidingL
 from stickslip.study.characterization.bench import presliding_length as presliding_length
 from stickslip.study.characterization.bench import presliding_loop as presliding_loop
 from stickslip.study.characterization.presliding_tests import BreakAway as BreakAway
-from stickslip.study.characterization.presliding_tests import Creep as Creep
 from stickslip.study.characterization.presliding_tests import Drift as Drift
 from stickslip.study.characterization.presliding_tests import Presliding as Presliding
-from stickslip.study.characterization.sliding_tests import Lag as Lag
 from stickslip.study.characterization.sliding_tests import Passivity as Passivity
 from stickslip.study.characterization.sliding_tests import SteadyCurve as SteadyCurve
 from stickslip.study.characterization.sliding_tests import cycle_energy as cycle_energy
-from stickslip.study.characterization.stick_slip_tests import Cost as Cost
-from stickslip.study.characterization.stick_slip_tests import Hunting as Hunting
-from stickslip.study.characterization.stick_slip_tests import StickSlipMap as StickSlipMap
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class Bench(_Bench):
@@ -32,7 +27,6 @@ class Bench(_Bench):
         law: _FrictionLaw,
         load: _Given = ...,
         mass: _Given = ...,
-        stiffness: _Given = ...,
         inputs: _Mapping[str, float] = ...,
         scales: tuple[float, float] | None = ...,
     ) -> None: ...
@@ -42,16 +36,11 @@ __all__ = [
     "BreakAway",
     "Characteristic",
     "Characterization",
-    "Cost",
-    "Creep",
     "Drift",
-    "Hunting",
-    "Lag",
     "Passivity",
     "Presliding",
     "PreslidingLoop",
     "SteadyCurve",
-    "StickSlipMap",
     "TESTS",
     "characterize",
     "cycle_energy",

@@ -17,7 +17,7 @@ from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Quantity, fields_of
 from stickslip.show.display import InPanels, Summary
 from stickslip.show.formatting import capital, joined, number, unit_text
-from stickslip.study.characterization import presliding_tests, sliding_tests, stick_slip_tests
+from stickslip.study.characterization import presliding_tests, sliding_tests
 from stickslip.study.characterization.bench import Bench, Characteristic
 
 Given: TypeAlias = FrictionLaw | type[FrictionLaw] | str
@@ -28,13 +28,8 @@ TESTS: Final[Mapping[str, Callable[[Bench], Characteristic]]] = MappingProxyType
         "steady": sliding_tests.steady_curve,
         "presliding": presliding_tests.presliding,
         "break-away": presliding_tests.break_away,
-        "lag": sliding_tests.lag,
-        "map": stick_slip_tests.stick_slip_map,
         "drift": presliding_tests.drift,
-        "creep": presliding_tests.creep,
-        "limit-cycle": stick_slip_tests.hunting,
         "passivity": sliding_tests.passivity,
-        "cost": stick_slip_tests.cost,
     }
 )
 """The tests by name, in the order of pages."""
@@ -60,20 +55,10 @@ class Characterization(InPanels):
     """Loop of small displacements, and its memory."""
     break_away: presliding_tests.BreakAway | None = None
     """Break-away against rate and rest."""
-    lag: sliding_tests.Lag | None = None
-    """Loops of friction against velocity."""
-    map: stick_slip_tests.StickSlipMap | None = None
-    """Stick-slip over speed and stiffness."""
     drift: presliding_tests.Drift | None = None
     """Motion under a ripple below break-away."""
-    creep: presliding_tests.Creep | None = None
-    """Motion under a constant force below break-away."""
-    limit_cycle: stick_slip_tests.Hunting | None = None
-    """Hunting under PID control."""
     passivity: sliding_tests.Passivity | None = None
     """Least energy of a cycle."""
-    cost: stick_slip_tests.Cost | None = None
-    """Steps and rates."""
     failed: Mapping[str, str] = field(default_factory=dict)
     """Why a test could not be made, by its name."""
     matched: str = ""
@@ -152,10 +137,9 @@ def characterize(
     load : float
         Normal force [N].
     rig : Axis, SpringBlock or TowedBlock, optional
-        Body whose mass and stiffness are taken; 1 kg on 100 N/m if not given.
+        Body whose mass is taken; 1 kg if not given.
     tests : sequence of str, optional
-        Names of tests: steady, presliding, break-away, lag, map, drift, creep, limit-cycle,
-        passivity, cost. All if not given.
+        Names of tests: steady, presliding, break-away, drift, passivity. All if not given.
     match : bool
         Whether the other laws take the levels, the Stribeck velocity and the bristle stiffness of
         the first.

@@ -229,8 +229,6 @@ class Bench(Parametrised):
     """Normal force."""
     mass: Annotated[float, Quantity("m", "kg", above=0)] = 1.0
     """Mass of the body."""
-    stiffness: Annotated[float, Quantity("k", "N/m", above=0)] = 100.0
-    """Stiffness of the spring that pulls it, where it is pulled by one."""
     inputs: Mapping[str, float] = field(default_factory=dict)
     """Values of the inputs that the law depends on, by name [SI, temperature in degC]."""
     scales: tuple[float, float] | None = None
@@ -246,25 +244,16 @@ class Bench(Parametrised):
         inputs: Mapping[str, float] | None = None,
         scales: tuple[float, float] | None = None,
     ) -> "Bench":
-        """Return the bench of a law, with mass and stiffness of a mechanism if there is one."""
+        """Return the bench of a law, with the mass of a mechanism if there is one."""
         if rig is None:
             return cls(law=law, load=load, inputs=inputs or {}, scales=scales)
         if not isinstance(rig, mechanisms.Axis | mechanisms.SpringBlock | mechanisms.TowedBlock):
             raise InputError(
-                "rig must be an Axis, SpringBlock or TowedBlock, whose mass and stiffness are"
-                f" taken, got {type(rig).__name__}."
+                "rig must be an Axis, SpringBlock or TowedBlock, whose mass is taken, got"
+                f" {type(rig).__name__}."
             )
         mass = rig.inertia if isinstance(rig, mechanisms.Axis) else rig.mass
-        # Without a spring of its own, one of 10 rad/s stands for it.
-        stiffness = rig.stiffness or 100.0 * mass
-        return cls(
-            law=law,
-            load=load,
-            mass=mass,
-            stiffness=stiffness,
-            inputs=inputs or {},
-            scales=scales,
-        )
+        return cls(law=law, load=load, mass=mass, inputs=inputs or {}, scales=scales)
 
     @functools.cached_property
     def curve(self) -> FrictionLaw:
@@ -326,7 +315,7 @@ class Bench(Parametrised):
         """The presliding length, or what stands for it [m]."""
         return self.length or RIGID
 
-    def guided(self, path: Drive, *, rate: float = 0.0) -> mechanisms.Mechanism:
+    def guided(self, path: Drive) -> mechanisms.Mechanism:
         """Return the contact moved by a load cell whose deflection is far below the reach."""
         ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
         stiffness = ratio * self.levels[1] / self.reach
@@ -336,7 +325,6 @@ class Bench(Parametrised):
             stiffness=stiffness,
             damping=2.0 * stiffness * time,
             path=path,
-            rate=rate,
             load=self.load,
         )
         return self.on(contact)
@@ -351,9 +339,9 @@ class Bench(Parametrised):
         """What a force below the levels stays below, in words."""
         return "break-away" if self.sticks else "its level of sliding"
 
-    def deflected(self, share: float = START_SHARE) -> dict[str, float]:
-        """Return states of the law at a share of the presliding length."""
-        return dict.fromkeys(self.law.states, share * self.reach)
+    def deflected(self) -> dict[str, float]:
+        """Return states of the law at a small share of the presliding length."""
+        return dict.fromkeys(self.law.states, START_SHARE * self.reach)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -373,8 +361,6 @@ class GuidedContact(mechanisms.Mechanism):
     """Damping of the load cell."""
     path: Drive
     """Acceleration of its far end [m/s^2]."""
-    rate: Annotated[float, Quantity("w_0", "m/s")] = 0.0
-    """Velocity at time 0."""
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force."""
 
@@ -404,9 +390,6 @@ class GuidedContact(mechanisms.Mechanism):
 
     def guided(self) -> Mapping[str, mechanisms.Guide]:
         return {"u": mechanisms.Guide(drive="path", effort="pull", unit="N")}
-
-    def start(self) -> Mapping[str, Scalar]:
-        return {"w": self.rate, "v": self.rate}
 
 
 def there_and_back(

@@ -1,4 +1,4 @@
-"""Tests before sliding: break-away by rate and dwell, drift and creep, small loops."""
+"""Tests before sliding: break-away by rate and dwell, drift, small loops."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from stickslip.engine.solver import EventDriven
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Axis
-from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Pulse, Ramp, Sine
-from stickslip.show.formatting import number, quantity
+from stickslip.mechanisms.drives import Pulse, Ramp, Sine
+from stickslip.show.formatting import quantity
 from stickslip.study.characterization.bench import Array, Bench, Characteristic, there_and_back
 
 # The force at which a body breaks away: against how fast it grows, and how long it rested.
@@ -171,7 +171,7 @@ def _first_peak(run: Trajectory, times: Array) -> float:
     return float(run.at(near)["friction"].max())
 
 
-# Forces below the level of sliding: whether the body drifts or creeps.
+# Forces below the level of sliding that pulse: whether the body drifts.
 
 BIAS, RIPPLE, FREQUENCY = 0.5, 0.4, 10.0
 """Constant and swinging part of the force over the lowest level; frequency [Hz]."""
@@ -179,8 +179,6 @@ DRIFT_SETTLED, DRIFT_TIME, DRIFT_WINDOW = 2.0, 8.0, 0.5
 """When drift begins to count, how long it counts, and over how long positions are means [s]."""
 DRIFT_SAMPLES = 2000
 FOREVER = 1e9
-GROWN = 0.2
-"""Share of a run in which a constant force is reached: a sudden one would set swings off."""
 DRIFT_TOLERANCE = 1e-3
 """Drift over the presliding length that counts as none."""
 
@@ -246,7 +244,7 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
             f" {quantity(bias, 'N')} and {quantity(ripple, 'N')}."
         )
     end = DRIFT_SETTLED + DRIFT_TIME
-    run = _pushed(bench, Pulse(level=bias, duration=FOREVER), ripple, end)
+    run = _pushed(bench, bias, ripple, end)
     t = np.linspace(0.0, end, DRIFT_SAMPLES + 1)
     return Drift(
         t=t,
@@ -263,83 +261,10 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Creep(Characteristic):
-    """The speed of a body under a constant force below the level of sliding."""
-
-    test: ClassVar[str] = "creep"
-    title: ClassVar[str] = "Creep below the level"
-    columns: ClassVar[Mapping[str, str]] = {"t": "s", "position": "m"}
-    over: ClassVar[str] = "t"
-
-    force: float
-    """The force [N]."""
-    t: Array
-    """Times (n,) [s]."""
-    position: Array
-    """Position (n,) [m]."""
-    speed: float
-    """Mean speed in the second half of the run [m/s]."""
-    predicted: float
-    """Speed at which steady friction equals the force [m/s]; 0 where it is held at rest."""
-    length: float
-    """Displacement that counts as large here: the presliding length [m]."""
-
-    @property
-    def stays(self) -> bool:
-        """Whether the body stays in its place."""
-        return bool(abs(self.speed * self.t[-1]) <= DRIFT_TOLERANCE * self.length)
-
-    @property
-    def sentence(self) -> str:
-        if self.stays:
-            return "It does not creep: a constant force below break-away is held."
-        if self.predicted > 0.0 or self.speed > 0.0:
-            return (
-                f"It creeps: {quantity(self.speed, 'm/s')} under half the level of sliding, so that"
-                " a load that is parked does not stay."
-            )
-        return "It moves back: its deflection relaxes under a constant force."
-
-
-def creep(bench: Bench, *, force: float | None = None, t_end: float = 10.0) -> Creep:
-    """Push a body with a constant force below the level of sliding.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb
-    >>> print(creep(Bench(law=Coulomb(kinetic_coefficient=1.0))).sentence)
-    It does not creep: a constant force below break-away is held.
-    """
-    force = BIAS * bench.levels[0] if force is None else force
-    grown = GROWN * t_end
-    path = PiecewiseLinear(times=(0.0, grown), values=(0.0, force))
-    # beside what deflects a damper, which rest does not feel: swings would creep on their own
-    damper = np.sqrt(bench.mass * bench.levels[1] / bench.length) if bench.length else 0.0
-    run = _pushed(bench, path, 0.0, t_end, damping=float(damper))
-    t = np.linspace(0.0, t_end, DRIFT_SAMPLES + 1)
-    seen = run.at(np.minimum(t, run.span[1]))
-    return Creep(
-        force=force,
-        t=t,
-        position=seen["x"],
-        speed=2.0 * (_mean(run, t_end) - _mean(run, 0.5 * t_end)) / t_end,
-        predicted=_balanced(bench, force),
-        length=bench.reach,
-        conditions=(
-            f"{quantity(bench.mass, 'kg')} under {quantity(force, 'N')}, reached in"
-            f" {quantity(grown, 's')}, for {quantity(t_end, 's')} in all."
-            + (f" Damper: {number(float(damper))} N s/m." if damper else "")
-        ),
-    )
-
-
-def _pushed(
-    bench: Bench, bias: Drive, ripple: float, end: float, damping: float = 0.0
-) -> Trajectory:
+def _pushed(bench: Bench, bias: float, ripple: float, end: float) -> Trajectory:
     """Return the run of a body under a force and a ripple."""
-    force = bias + Sine(amplitude=ripple, frequency=FREQUENCY)
-    axis = Axis(inertia=bench.mass, drive=force, load=bench.load, damping=damping)
+    force = Pulse(level=bias, duration=FOREVER) + Sine(amplitude=ripple, frequency=FREQUENCY)
+    axis = Axis(inertia=bench.mass, drive=force, load=bench.load)
     return simulate(bench.on(axis), bench.law, t_end=end, y0=bench.deflected())
 
 
@@ -347,24 +272,6 @@ def _mean(run: Trajectory, until: float) -> float:
     """Return the mean position in the half second before a time."""
     times = np.linspace(until - DRIFT_WINDOW, until, DRIFT_SAMPLES)
     return float(run.at(np.minimum(times, run.span[1]))["x"].mean())
-
-
-def _balanced(bench: Bench, force: float) -> float:
-    """Return the least speed at which steady friction equals a force; 0 where rest holds it."""
-    from scipy.optimize import brentq
-
-    def excess(speed: float) -> float:
-        return float(bench.curve.steady(speed, bench.load)) - force
-
-    # Over fifteen decades: a curve may cross the force anywhere.
-    speeds = bench.speed * np.geomspace(1e-9, 1e6, 301)
-    if float(bench.curve.break_away(bench.load)) >= force or excess(speeds[0]) >= 0.0:
-        return 0.0
-    # The first crossing: beyond it friction may fall and rise again.
-    above = [speed for speed in speeds if excess(speed) >= 0.0]
-    if not above:
-        return float("inf")
-    return float(brentq(excess, speeds[0], above[0], xtol=1e-300, rtol=1e-13))
 
 
 # Small displacements to and fro: what deflects before it slips, and what it remembers.

@@ -13,9 +13,7 @@ from stickslip.study.control.controllers import PartialLinearisation as _Partial
 from stickslip.study.control.controllers import Signal as _Signal
 from stickslip.study.control.controllers import compensation as compensation
 from stickslip.study.control.equations_of_motion import Dynamics as Dynamics
-from stickslip.study.control.equations_of_motion import DynamicsOfContacts as DynamicsOfContacts
 from stickslip.study.control.equations_of_motion import dynamics_at as dynamics_at
-from stickslip.study.control.equations_of_motion import place_of as place_of
 from stickslip.study.control.feedback_loop import ClosedLoop as ClosedLoop
 from stickslip.study.control.feedback_loop import Controller as Controller
 from stickslip.study.control.feedback_loop import Controller as _Controller

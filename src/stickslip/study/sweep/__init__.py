@@ -1,4 +1,4 @@
-"""Many runs: campaigns, sensitivity indices, mean motion, periodic orbits, bifurcations, basins."""
+"""Many runs: campaigns, sensitivity indices, mean motion, periodic orbits, basins."""
 
 from stickslip.lazy import attach
 

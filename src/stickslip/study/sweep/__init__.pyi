@@ -2,10 +2,8 @@
 from stickslip.mechanisms import cycle_of as cycle_of
 from stickslip.study.sweep.attractors import Attractor as Attractor
 from stickslip.study.sweep.attractors import Basins as Basins
-from stickslip.study.sweep.attractors import Bifurcation as Bifurcation
 from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
 from stickslip.study.sweep.attractors import basins as basins
-from stickslip.study.sweep.attractors import bifurcation as bifurcation
 from stickslip.study.sweep.attractors import cycles_in as cycles_in
 from stickslip.study.sweep.bands import Band as Band
 from stickslip.study.sweep.bands import Spread as Spread
@@ -44,7 +42,6 @@ __all__ = [
     "Attractor",
     "Band",
     "Basins",
-    "Bifurcation",
     "Branch",
     "BranchEvent",
     "Campaign",
@@ -71,7 +68,6 @@ __all__ = [
     "average_velocity",
     "band_of",
     "basins",
-    "bifurcation",
     "campaign",
     "compare_estimates",
     "continue_orbit",

@@ -65,7 +65,7 @@ def check_path(owner: str, path: object) -> None:
 
     Examples
     --------
-    >>> check_path("bifurcation", "mechanism.stiffness")
+    >>> check_path("orbit_diagram", "mechanism.stiffness")
     """
     if not isinstance(path, str):
         raise InputError(

@@ -1,19 +1,12 @@
-"""What a suite found, how its checks are run, and checks of what a class says of itself."""
+"""What a suite found, and how its checks are run."""
 
-import dataclasses
 import html
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from stickslip.errors import ConformanceError, ParameterError
-from stickslip.quantities import Parametrised, Quantity, fields_of
-from stickslip.show.described import texts_below
-from stickslip.show.formatting import number
-
-# What a suite found, and how its checks are run.
+from stickslip.errors import ConformanceError
 
 Case = TypeVar("Case")
 Suite = Mapping[str, Callable[[Case], Iterable[str]]]
@@ -120,105 +113,3 @@ def _found(case: Case, suite: "Suite[Case]") -> list[ConformanceFinding]:
             problems = [f"{type(error).__name__}: {error}"]
         found += [ConformanceFinding(check=name, problem=problem) for problem in problems]
     return found
-
-
-# Checks of what a class says of itself.
-
-
-_KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
-
-
-def suite(of: Callable[[Case], Parametrised], declares: str, names: Sequence[str]) -> Suite[Case]:
-    """Return the checks of this module, of the law or mechanism of a case."""
-    return {
-        "its name is in kebab case": lambda case: kebab_case(of(case)),
-        declares: lambda case: declared(of(case), names),
-        "it is a frozen, keyword-only dataclass": lambda case: frozen(of(case)),
-        "every number is a declared quantity": lambda case: quantities_declared(of(case)),
-        "every quantity is documented": lambda case: explained(of(case)),
-        "parameters are checked": lambda case: parameters_checked(of(case)),
-    }
-
-
-def kebab_case(model: Any) -> Iterator[str]:
-    """Yield a name that rig files and registries cannot use."""
-    name = getattr(model, "name", None)
-    if not isinstance(name, str) or not _KEBAB.fullmatch(name):
-        yield (
-            f"{type(model).__name__}.name is {name!r}; expected a kebab-case name such as"
-            " 'two-mass-axis'"
-        )
-
-
-def declared(model: Any, names: Sequence[str]) -> Iterator[str]:
-    """Yield class attributes that are missing."""
-    for name in names:
-        if not hasattr(type(model), name):
-            yield f"{type(model).__name__}.{name} is missing"
-
-
-def frozen(model: Any) -> Iterator[str]:
-    """Yield what keeps objects from being values: they are compared, varied and cached as such."""
-    kind = type(model)
-    settings = kind.__dict__.get("__dataclass_params__")
-    if settings is None:
-        yield f"{kind.__name__} lacks its own @dataclass(frozen=True, kw_only=True)"
-        return
-    if not settings.frozen:
-        yield f"{kind.__name__} is not frozen"
-    if not all(field.kw_only for field in dataclasses.fields(kind)):
-        yield f"{kind.__name__} is not keyword-only"
-    hash(model)
-    if dataclasses.replace(model) != model:
-        yield "a copy does not equal the original"
-
-
-def quantities_declared(model: Parametrised) -> Iterator[str]:
-    """Yield numbers without a quantity, and symbols that are there twice."""
-    quantities = fields_of(type(model))
-    for field in dataclasses.fields(model):
-        value = getattr(model, field.name)
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if number and field.name not in quantities:
-            yield f"{field.name} is a number without a Quantity, so it has no derivatives"
-    symbols: dict[str, str] = {}
-    for name, quantity in quantities.items():
-        if not quantity.symbol or not quantity.unit:
-            yield f"{name} has no symbol or no unit"
-        elif quantity.symbol in symbols:
-            yield f"{name} and {symbols[quantity.symbol]} have the same symbol {quantity.symbol}"
-        symbols[quantity.symbol] = name
-
-
-def explained(model: Parametrised) -> Iterator[str]:
-    """Yield what nothing explains: docstring of the class, text below the field, `Doc`."""
-    kind = type(model)
-    text = vars(kind).get("__doc__") or ""
-    if not text.strip() or text.startswith(f"{kind.__name__}("):  # written by dataclass itself
-        yield f"{kind.__name__} has no docstring"
-        text = ""
-    below = texts_below(kind)
-    for name in fields_of(kind):
-        if name not in below and not re.search(rf"\b{name}\b", text):
-            yield f"{name} is documented neither below its field nor in the docstring of the class"
-
-
-def parameters_checked(model: Parametrised) -> Iterator[str]:
-    """Yield values outside their range that are taken all the same."""
-    for name, quantity in fields_of(type(model)).items():
-        for value in _outside(quantity):
-            try:
-                dataclasses.replace(model, **{name: value})
-            except ParameterError:
-                continue
-            yield f"{name} = {number(value, 6)} is accepted, but must be {quantity.range}"
-
-
-def _outside(quantity: Quantity) -> Iterator[float]:
-    yield float("nan")
-    if quantity.above is not None:
-        yield quantity.above
-    if quantity.low > float("-inf"):
-        yield quantity.low - 1.0
-    if quantity.high < float("inf"):
-        yield quantity.high + 1.0

@@ -344,76 +344,6 @@ def block_chain(mechanism: mechanisms.BlockChain, run: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def clutch_train(mechanism: mechanisms.ClutchTrain, _seen: Trajectory) -> Picture:
-    """Return the rotors side by side, seen along their axes, with linings between them."""
-    largest = max(rotor.inertia for rotor in mechanism.rotors)
-    radii = [max(math.sqrt(rotor.inertia / largest), 0.35) for rotor in mechanism.rotors]
-
-    def shapes(now: Moment) -> list[Shape]:
-        found: list[Shape] = []
-        angle = 0.0
-        for i, (name, radius) in enumerate(zip(mechanism.coordinates, radii, strict=True)):
-            angle += now[name]
-            centre = (3.0 * i, 0.0)
-            found += _wheel(centre, radius, angle)
-            if i:
-                found += _lining((3.0 * i - 1.5, 0.0), f"clutch-{i}", now)
-        if mechanism.brake is not None:
-            found += _lining((-1.5, 0.0), "brake", now)
-        return found
-
-    return Picture(shapes=shapes, metric=False)
-
-
-def _wheel(centre: Point, radius: float, angle: float) -> list[Shape]:
-    """Return a disc whose spokes show how it has turned."""
-    x, y = centre
-    spokes = [angle + 2.0 * math.pi * k / 3.0 for k in range(3)]
-    ends = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in spokes]
-    first = (x + 0.8 * (ends[0][0] - x), y + 0.8 * (ends[0][1] - y))
-    return [
-        Ball(centre=centre, radius=radius),
-        *(Rod(points=(centre, end), width=1.2) for end in ends),
-        Ball(centre=first, radius=0.07 * radius, fill="solid"),
-    ]
-
-
-def _lining(centre: Point, contact: str, now: Moment) -> list[Shape]:
-    """Return a lining with the pressing force on it."""
-    x, y = centre
-    load = now.get(f"normal_force:{contact}", 0.0)
-    return [
-        _rubbing((x - 0.2, y - 0.45), 0.4, 0.9, contact),
-        Word(at=(x, y - 1.25), text=contact, align="center"),
-        Word(at=(x, y + 0.6), text=f"{load:.3g} N", align="center"),
-    ]
-
-
-def disc_brake(mechanism: mechanisms.DiscBrake, _seen: Trajectory) -> Picture:
-    """Return the disc with its pads, each at its radius."""
-    outer = 1.25 * max(pad.radius for pad in mechanism.pads)
-    several = len(mechanism.pads) > 1
-    turns = [0.5 * math.pi + 2.0 * math.pi * i / len(mechanism.pads) for i in
-             range(len(mechanism.pads))]  # fmt: skip
-    side = 0.28 * outer
-
-    def shapes(now: Moment) -> list[Shape]:
-        found: list[Shape] = list(_wheel((0.0, 0.0), outer, now["phi"]))
-        for i, (pad, turn) in enumerate(zip(mechanism.pads, turns, strict=True), 1):
-            contact = f"pad-{i}" if several else ""
-            c, s = math.cos(turn), math.sin(turn)
-            x, y = pad.radius * c, pad.radius * s
-            corner = (x - 0.5 * side, y - 0.5 * side)
-            found.append(_rubbing(corner, side, side, contact))
-            friction = now.get(f"friction:{contact}" if contact else "friction", 0.0)
-            found.append(Arrow(at=(x, y), along=(s, -c), value=friction, role="friction"))
-        drive = now.get("drive", 0.0)
-        found.append(Turn(centre=(0.0, 0.0), radius=0.3 * outer, value=drive, role="drive"))
-        return found
-
-    return Picture(shapes=shapes, names={"drive": "torque"})
-
-
 def two_feet(mechanism: mechanisms.TwoFeet, run: Trajectory) -> Picture:
     """Return the body on its feet; the length of the spring is for the eye."""
     width = mechanism.front + mechanism.rear
@@ -886,8 +816,6 @@ SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
         mechanisms.Capsule.name: capsule,
         mechanisms.TwoMassCapsule.name: two_mass_capsule,
         mechanisms.BlockChain.name: block_chain,
-        mechanisms.ClutchTrain.name: clutch_train,
-        mechanisms.DiscBrake.name: disc_brake,
         mechanisms.TwoFeet.name: two_feet,
         mechanisms.SerialArm.name: arm,
         mechanisms.TwoLinkArm.name: arm,

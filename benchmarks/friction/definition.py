@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip.data import Measurement, rows_of
+from stickslip.data import Measurement
 from stickslip.data.catalogue import Dataset, dataset
+from stickslip.data.differentiation import rows_of
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
 from stickslip.identify.fits import RecordFit, RecordSettings
@@ -275,7 +276,7 @@ class Task(metaclass=Described):
 
     Examples
     --------
-    >>> from stickslip.study.benchmark import task
+    >>> from benchmarks.friction.runs import task
     >>> axis = task("emps")
     >>> axis.metric.text
     'rms error of the position, simulated for 1 s'

@@ -1,8 +1,11 @@
-"""Friction linings and what they press on each other: disc brakes, trains of clutches."""
+"""Friction linings and what they press on each other: disc brakes, trains of clutches.
 
-from collections.abc import Iterable, Mapping
+Mechanisms as users write them: benchmarks and tests of several contacts simulate them.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, TypeVar
+from typing import Annotated, ClassVar
 
 from typing_extensions import override
 
@@ -10,11 +13,10 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.mechanisms.drives import Drive
+from stickslip.mechanisms.robots import checked_parts
 from stickslip.quantities import Parametrised, Quantity
 
 # Friction linings: what brakes and clutches press on each other.
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,16 +75,6 @@ def pressing_forces(
     }
 
 
-def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
-    """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few."""
-    found = tuple(parts) if isinstance(parts, Iterable) else (parts,)
-    if len(found) < least or not all(isinstance(part, kind) for part in found):
-        raise ParameterError(
-            f"{owner} must be at least {least} of {kind.__name__}(...) in a tuple, got {parts!r}."
-        )
-    return found
-
-
 # A disc and the pads that brake it.
 
 
@@ -96,7 +88,7 @@ class DiscBrake(Mechanism):
     Examples
     --------
     >>> from stickslip import Coulomb, simulate
-    >>> from stickslip.mechanisms import Lining
+    >>> from benchmarks.several.brakes import Lining
     >>> brake = DiscBrake(
     ...     inertia=0.5, pads=(Lining(radius=0.10, load=100.0), Lining(radius=0.12, load=80.0))
     ... )
@@ -225,7 +217,7 @@ class ClutchTrain(Mechanism):
 
     >>> from stickslip import Coulomb, simulate
     >>> from stickslip.mechanisms.drives import Ramp
-    >>> from stickslip.mechanisms import Lining, Rotor
+    >>> from benchmarks.several.brakes import Lining, Rotor
     >>> train = ClutchTrain(
     ...     rotors=(Rotor(inertia=0.2), Rotor(inertia=0.3)),
     ...     clutches=(Lining(radius=0.1, press=Ramp(rate=500.0)),),

@@ -4,10 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from benchmarks.friction.definition import PositionError, Task
+from benchmarks.friction.runs import tasks
 
 from stickslip import Axis, CoulombViscous, Measurement, simulate
 from stickslip.mechanisms.drives import Sampled
-from stickslip.study.benchmark import PositionError, Task, tasks
 
 TRUE = {
     "mechanism.inertia": 2.0,
@@ -50,7 +51,7 @@ MADE_UP = Task(
 def other_package(monkeypatch):
     """Install a package with the made-up task."""
     entry = SimpleNamespace(load=lambda: MADE_UP)
-    monkeypatch.setattr("stickslip.study.benchmark.runs.entry_points", lambda group: [entry])
+    monkeypatch.setattr("benchmarks.friction.runs.entry_points", lambda group: [entry])
     tasks.cache_clear()
     yield MADE_UP
     tasks.cache_clear()

@@ -3,7 +3,3 @@
 A `Task` says which part of a record is fitted, which part judges, and by what. `run` gives a task
 to stickslip and to its peers.
 """
-
-from stickslip.lazy import attach
-
-__getattr__, __dir__, __all__ = attach(__name__)

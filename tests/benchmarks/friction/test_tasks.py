@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from benchmarks.friction.peers import PEERS
+from benchmarks.friction.runs import task, tasks
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.study.benchmark import PEERS, task, tasks
 
 TASKS = list(tasks().values())
 
@@ -52,7 +53,7 @@ def test_two_tasks_of_one_name_are_refused(other_package, monkeypatch):
     from types import SimpleNamespace
 
     entry = SimpleNamespace(load=lambda: [other_package, other_package])
-    monkeypatch.setattr("stickslip.study.benchmark.runs.entry_points", lambda group: [entry])
+    monkeypatch.setattr("benchmarks.friction.runs.entry_points", lambda group: [entry])
     tasks.cache_clear()
     with pytest.raises(InputError, match="two tasks of the benchmark are called 'made-up'"):
         tasks()

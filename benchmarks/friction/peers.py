@@ -19,16 +19,17 @@ from typing import Any, Final, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.friction.definition import Task
 from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import Laws
-from stickslip.identify.fits import RecordFit, segments_of
+from stickslip.identify.fits import RecordFit
+from stickslip.identify.fits.shooting.segments import segments_of
 from stickslip.mechanisms import Axis, Mechanism, Pendulum
 from stickslip.quantities import parameters, vary
 from stickslip.show.described import Described
 from stickslip.show.display import require_library
-from stickslip.study.benchmark.definition import Task
 
 Array = NDArray[np.float64]
 
@@ -279,7 +280,7 @@ def _by_scipy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
 
 
 def _library(name: str) -> Any:
-    return require_library(name, "benchmark", f"leave the peer {name} out")
+    return require_library(name, "bench", f"leave the peer {name} out")
 
 
 def _of_rows(model: Regression) -> str:
@@ -433,7 +434,7 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         optimize = sysid.optimize
     except (ImportError, AttributeError):
         raise InputError(
-            "mujoco.sysid lacks what it imports: pip install 'stickslip[benchmark]', or leave the"
+            "mujoco.sysid lacks what it imports: pip install 'stickslip[bench]', or leave the"
             " peer mujoco out."
         ) from None
     mechanism: Any = task.mechanism

@@ -8,11 +8,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, parquet_data, rows_of
+from benchmarks.friction import definition
+from stickslip.data import Measurement
 from stickslip.data.catalogue import dataset
+from stickslip.data.differentiation import rows_of
+from stickslip.data.readers.binary import parquet_data
 from stickslip.identify.fits import RecordSettings
 from stickslip.mechanisms import Axis, DCMotor, Pendulum, Robot, RobotJoint, TowedBlock, TwoLinkArm
-from stickslip.study.benchmark import definition
 
 # Tasks of one coordinate under a known force: a ball-screw axis, a driven pendulum.
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.benchmark.conftest import TRUE
+from benchmarks.friction.definition import ForceError
+from benchmarks.friction.peers import PEERS, Found
+from benchmarks.friction.runs import JOURNAL, _at, made_by, run
+from tests.benchmarks.friction.conftest import TRUE
 
 from stickslip import fit
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.study.benchmark import PEERS, ForceError, run
-from stickslip.study.benchmark.peers import Found
-from stickslip.study.benchmark.runs import JOURNAL, _at, made_by
 
 REGRESSIONS = ("scipy", "lmfit", "pysindy")
 

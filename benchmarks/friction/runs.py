@@ -18,6 +18,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from benchmarks.friction.definition import CoefficientError, Task
+from benchmarks.friction.peers import PEERS, Found, by_speed
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import law_type
@@ -47,8 +49,6 @@ from stickslip.show.report import (
     colophon,
 )
 from stickslip.show.report import Row as TableRow
-from stickslip.study.benchmark.definition import CoefficientError, Task
-from stickslip.study.benchmark.peers import PEERS, Found, by_speed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,7 +69,7 @@ def tasks() -> Mapping[str, Task]:
     >>> list(tasks())[:2]
     ['emps', 'pendulum']
     """
-    from stickslip.study.benchmark.records import TASKS
+    from benchmarks.friction.records import TASKS
 
     found = list(TASKS)
     for entry in entry_points(group=GROUP):
@@ -230,7 +230,7 @@ def run(
         if name not in PEERS:
             raise UnknownNameError("peer of the benchmark", name, PEERS)
         if not _version(PEERS[name].package):  # before minutes of fits
-            require_library(PEERS[name].package, "benchmark", f"leave the peer {name} out")
+            require_library(PEERS[name].package, "bench", f"leave the peer {name} out")
     pairs = [(one.name, tool) for one in chosen for tool in (OURS, *tools)]
     folder = Path(folder)
     known = _read(folder / JOURNAL)
