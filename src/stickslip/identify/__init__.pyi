@@ -38,6 +38,7 @@ from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import verdict_sections as verdict_sections
 from stickslip.identify.judgement import ASSERTED as ASSERTED
 from stickslip.identify.posterior import allotted as allotted
+from stickslip.identify.problems.record_signals import NotToldError as NotToldError
 from stickslip.identify.problems.table_model import INPUT as INPUT
 from stickslip.identify.problems.table_model import INPUTS_PRIOR as INPUTS_PRIOR
 from stickslip.identify.problems.table_model import RUNS as RUNS
@@ -50,7 +51,6 @@ from stickslip.identify.problems.travels import fitted_travels as fitted_travels
 from stickslip.identify.problems.travels import judged_travels as judged_travels
 from stickslip.identify.problems.travels import knob_of as knob_of
 from stickslip.identify.problems.travels import propagated as propagated
-from stickslip.identify.selection import NotToldError as NotToldError
 from stickslip.identify.selection import select_record as select_record
 from stickslip.identify.selection import select_table as select_table
 from stickslip.identify.thresholds import THRESHOLDS as THRESHOLDS

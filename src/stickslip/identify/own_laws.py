@@ -193,6 +193,16 @@ class OwnLaw:
             untold=tuple(name for name, x in zip(self.varied, lost, strict=True) if x),
         )
 
+    def holds_constant(self, rows: "Slipping") -> bool:
+        """Return whether its parameters can stand for a constant force at rows.
+
+        Levels that differ by direction do under one load: an offset beside them is not told.
+        """
+        x = self.columns(self.values, rows)[:, 1:]
+        ones = np.ones(len(x))
+        left = ones - x @ np.linalg.lstsq(x, ones, rcond=None)[0]
+        return bool(np.linalg.norm(left) < UNTOLD * np.linalg.norm(ones))
+
     @property
     def values(self) -> list[float]:
         """Values (p,) of what is varied."""

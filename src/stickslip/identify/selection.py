@@ -28,7 +28,7 @@ from stickslip.identify.posterior import Family
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
-from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
@@ -288,10 +288,6 @@ def select_record(
         again=partial(_records_again, rig, made),
         remarks=map(str, checks.of("outliers")),
     )
-
-
-class NotToldError(InputError):
-    """What is looked for of a mechanism is not told by forces along the motion alone."""
 
 
 def _refuse_outside(problem: RecordProblem) -> None:

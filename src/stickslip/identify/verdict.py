@@ -106,6 +106,11 @@ class LawFit(Fit[FrictionLaw]):
         return self.verdict.predict(measurement)
 
     @property
+    def route(self) -> str:
+        """How it was fitted."""
+        return "" if self.verdict is None else self.verdict.route
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """What the measurement does not tell, in sentences."""
         return () if self.verdict is None else self.verdict.words.cannot_tell

@@ -32,6 +32,10 @@ CHANGED = math.sqrt(np.finfo(float).eps)
 """Share of the range by which positions are moved to see what known forces change by."""
 
 
+class NotToldError(InputError):
+    """Forces along the motion alone do not tell what is looked for; runs may."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Record:
     """What was measured of one coordinate without a gap, in SI units."""
@@ -147,7 +151,7 @@ def records_of(
         own = as_recorded(mechanism, given)
         pieces = [one for one in between_gaps(given) if len(np.asarray(one.time)) >= FEWEST]
         if not pieces:
-            raise InputError(
+            raise NotToldError(
                 f"a force balance needs at least {FEWEST} samples without a gap, and {label} has"
                 f" {max(len(np.asarray(one.time)) for one in between_gaps(given))}: record longer,"
                 " or faster."

@@ -330,10 +330,17 @@ class RecordProblem(Problem):
         """Return a law with what stands beside it, in the order of names."""
         shapes = dict(structure)
         more: list[Column] = [(one, ()) for one in self.beside if one == "offset"]
+        if self._is_held(structure):
+            more = []
         if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
             more.append((flow_direction(shapes), shapes.get("power", ())))
         more += [(one, ()) for one in self.changing if one.partition("*")[0] in shapes]
         return tuple(sorted([*structure, *more], key=lambda one: one[0]))
+
+    def _is_held(self, structure: Structure) -> bool:
+        """Return whether a law that is no sum of parts holds a constant offset."""
+        own = next((name.own for name, _ in structure if is_slope(name)), None)
+        return own is not None and own.holds_constant(self.slips(self._places))
 
     @cached_property
     def _grid(self) -> Grid:

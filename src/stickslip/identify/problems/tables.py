@@ -353,6 +353,9 @@ class TableProblem(Problem):
                 if ("stribeck_sides" not in one or "stribeck" in family)
                 and ("viscous_direction" not in one or {"viscous", "power"} & {*family})
             ]
+        own = next((name.own for name in family if is_slope(name)), None)
+        if own is not None and own.holds_constant(self.places()):
+            sides = [()]
         inputs = [
             tuple(f"{part}*{name}" for part in parts)
             for name in frame.means
