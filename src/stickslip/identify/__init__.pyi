@@ -33,10 +33,10 @@ from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section
 from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import verdict_sections as verdict_sections
-from stickslip.identify.problems.travel_shares import band_of as band_of
 from stickslip.identify.problems.travels import INSENSITIVE as INSENSITIVE
 from stickslip.identify.problems.travels import TravelJudgement as TravelJudgement
 from stickslip.identify.problems.travels import USUAL_LAWS as USUAL_LAWS
+from stickslip.identify.problems.travels import band_of as band_of
 from stickslip.identify.problems.travels import fitted_travels as fitted_travels
 from stickslip.identify.problems.travels import judged_travels as judged_travels
 from stickslip.identify.problems.travels import knob_of as knob_of

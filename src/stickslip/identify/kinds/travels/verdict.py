@@ -14,8 +14,7 @@ from stickslip.identify import PredictionBand, TravelJudgement, band_of
 from stickslip.identify.candidates import Candidate, Criteria, Verdict, score_scale, score_text
 from stickslip.identify.fits import Estimate, Trial, durations, quantities_read
 from stickslip.identify.kinds.kind import Column, Columns, data_row
-from stickslip.identify.kinds.travels.result import TravelFit
-from stickslip.identify.kinds.travels.settings import words_of
+from stickslip.identify.kinds.travels.result import TravelFit, words_of
 from stickslip.quantities import parameters
 from stickslip.show.formatting import (
     Scale,
