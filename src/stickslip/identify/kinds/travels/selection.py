@@ -117,6 +117,7 @@ def select_travels(
         checks=checks,
         intervals=every,
         places=places,
+        shrinks=shrinks,
         t_end=t_end,
     )
 

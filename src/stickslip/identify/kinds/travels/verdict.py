@@ -101,7 +101,9 @@ class TravelVerdict(Verdict[TravelCandidate]):
     intervals: tuple[Estimate, ...]
     """Parameters of the named law with their intervals whichever law has them."""
     places: tuple[float, ...] = ()
-    """Settings that are proposed [SI]."""
+    """Settings of readings that are proposed [SI], one a reading."""
+    shrinks: float = 1.0
+    """Expected width of the band after them, over the present one."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
 
@@ -360,7 +362,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
             "tolerance": None,
             "odds_of_friction": None,
             "outliers": {},
-            "measure_at": {"setting": list(self.places)},
+            "measure_at": {"setting": list(self.places), "band_shrinks_to": self.shrinks},
             "inside_second": None,
             "error_second": None,
         }  # fmt: skip
