@@ -261,8 +261,15 @@ def test_laws_that_travels_do_not_determine_are_refused_as_mechanisms():
                vary=["friction.*", "mechanism.mass"])  # fmt: skip
 
 
-def test_settings_that_are_off_are_explained_by_no_law():
-    law, settings = Coulomb(kinetic_coefficient=0.3), (0.05, 0.08, 0.12)
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ((0.05, 0.12), "they are"),  # too few for a curve
+        ((0.05, 0.08, 0.12), "a curve over the setting predicts held-out ones better"),
+    ],
+)
+def test_settings_that_are_off_are_explained_by_no_law(settings, said):
+    law = Coulomb(kinetic_coefficient=0.3)
     trials = [
         Measurement(travel=travel(law, x + 0.01), uncertainty=1e-4, overrides={PATH: x})
         for x in settings
@@ -270,8 +277,9 @@ def test_settings_that_are_off_are_explained_by_no_law():
     verdict = select(BLOCK, ["coulomb"], Measurement(trials=trials))
     assert verdict.best is None
     assert not verdict.ranked
-    assert verdict.sentence.startswith("No law explains the travels: they are")
-    assert "0.1 mm is stated" in verdict.sentence
+    assert verdict.sentence.startswith(f"No law explains the travels: {said}")
+    assert ("0.1 mm is stated" in verdict.sentence) == (len(settings) < 3)
+    assert not verdict.intervals[0].bounded  # of a law that does not hold
     assert select(BLOCK, ["coulomb"], readings(law, settings=settings)).best is not None
 
 

@@ -37,7 +37,6 @@ import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,8 +86,7 @@ factor of e in the setting."""
 KNOTS, REACH = 31, 1.0
 """Places at which the curve may bend, and how far beyond the settings, in logarithms."""
 FEWEST = 4
-"""Settings along one direction from which there is a measured curve, and readings of one setting
-from which their scatter counts."""
+"""Readings of one setting from which their scatter counts."""
 STILL = 0.01
 """Travel over the measured one up to which a law holds the body."""
 STATED = 0.7
@@ -186,7 +184,7 @@ class TravelJudgement:
     """Laws that are left out, and why, by name."""
     seed: int = 0
     curve: bool = True
-    """Whether the curve as measured joins, from `FEWEST` settings on."""
+    """Whether the curve as measured joins, from three settings on."""
 
     def __post_init__(self) -> None:
         self.measured = np.array([trial.travel for trial in self.trials])
@@ -214,7 +212,7 @@ class TravelJudgement:
         if self.knob is None or len({trial.cycles for trial in self.trials}) > 1:
             return False
         same = {vary(t.mechanism, "mechanism", {self.knob[0]: self.knob[1]}) for t in self.trials}
-        told = len(np.unique(self.settings)) >= FEWEST and bool(np.all(self.settings))
+        told = len(np.unique(self.settings)) >= THRESHOLDS.fewest and bool(np.all(self.settings))
         return len(same) == 1 and told
 
     def at(self, settings: Array) -> list[Trial]:
@@ -1246,12 +1244,10 @@ def _unpaid(law: FrictionLaw, known: Collection[str], trials: Sequence[Trial]) -
     return set(rest[max(settings - 1 - len(free), 1) :]) if rest else set()
 
 
-Errors: TypeAlias = dict[str, Array]
-"""What standard uncertainties of parameters make of travels (n,) [m], by path."""
-
-
-def propagated(model: TravelModel, trials: Sequence[Trial]) -> tuple[Errors, Errors]:
-    """Return what the uncertainties of the mechanism make of each travel, to first order.
+def propagated(
+    model: TravelModel, trials: Sequence[Trial]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return what uncertainties of the mechanism make of each travel [m], to first order, by path.
 
     The first are of what was set anew for each trial, which scatters; the second of what all trials
     share, which moves them together, so that its entries have a sign. Slopes are those of a law and
@@ -1272,7 +1268,7 @@ def propagated(model: TravelModel, trials: Sequence[Trial]) -> tuple[Errors, Err
             slopes[trial.run, path] = (high - low) / (ends[1] - ends[0])
         return slopes[trial.run, path]
 
-    def errors(doubts: Sequence[Mapping[str, float]]) -> Errors:
+    def errors(doubts: Sequence[Mapping[str, float]]) -> dict[str, Array]:
         pairs = list(zip(trials, doubts, strict=True))
         return {
             path: np.array([slope(t, path, x[path]) * x[path] if path in x else 0.0

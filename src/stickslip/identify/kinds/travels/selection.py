@@ -51,8 +51,6 @@ ALONE = (0.4, 1.5)
 RIG_DOUBT = 0.015
 """Prior deviation of forces over themselves, by a stiffness, mass or inertia whose uncertainty
 nobody stated."""
-FORCES = ("level", "slope", "drag")
-"""Scales of parameters in proportion to which friction is."""
 PLACES = (17, 41)
 """Settings of the band within those measured, and of bodies that carry their drive, which have
 resonances: half a second, and three (`docs/decisions/0151`)."""
@@ -237,15 +235,16 @@ def _any_law(judgement: TravelJudgement, own: Estimate) -> Estimate:
             values = judgement.values(name).get(own.path)
             if values is not None:
                 parts.append(np.resize(values, count))
+    if not judgement.explained:  # it is a parameter of a law that does not hold
+        return replace(own, low=-math.inf, high=math.inf, reason="no law holds")
     if not parts or not own.bounded:
         return own
     tail = 0.5 * (1.0 - THRESHOLDS.interval)
     low, high = np.quantile(np.concatenate(parts), (tail, 1.0 - tail)).tolist()
     low, high = min(own.low, max(low, 0.0)), max(own.high, high)
-    if own.quantity.scale.startswith(FORCES):
-        stated = any(trial.doubts or trial.shared for trial in judgement.trials)
-        share = math.hypot(TOLERANCE, 0.0 if stated else RIG_DOUBT)
-        beside = share * abs(own.value) * float(ndtri(1.0 - tail))
+    if own.quantity.scale.startswith(("level", "slope", "drag")):
+        doubt = 0.0 if any(one.doubts or one.shared for one in judgement.trials) else RIG_DOUBT
+        beside = math.hypot(TOLERANCE, doubt) * abs(own.value) * float(ndtri(1.0 - tail))
         low = max(own.value - math.hypot(own.value - low, beside), 0.0)
         high = own.value + math.hypot(high - own.value, beside)
     return replace(own, low=low, high=high)
