@@ -26,12 +26,17 @@ SATURATING: Any = law_type("saturating-viscous")
 FALLING: Any = law_type("stribeck-power")
 
 
+def set_of(number: int) -> str:
+    """Return of which set a rig is, by its number."""
+    return SETS[(number // len((*TRUTHS, SCATTERED, *OUTSIDE))) % len(SETS)]
+
+
 def drawn(number: int, seed: int) -> Rig:
     """Return a rig by number and seed: its measurement, and the truth at other settings."""
     random = np.random.default_rng([seed, number])
     truths = (*TRUTHS, SCATTERED, *OUTSIDE)
     truth = truths[number % len(truths)]
-    set_ = SETS[(number // len(truths)) % len(SETS)]
+    set_ = set_of(number)
     plain = truth if truth in TRUTHS else "stribeck" if truth == "falling power" else (
         "coulomb-viscous")  # fmt: skip
     rig = draw(random, set_, plain)

@@ -20,6 +20,7 @@ import numpy as np
 from tools.budget import BUDGET, counted
 
 from benchmarks import bands, real_records
+from benchmarks.band_truths import travels as truths
 from benchmarks.closed_loop_axes import fast_lugre
 from benchmarks.posterior import costs, study
 from stickslip import select
@@ -32,6 +33,8 @@ QUICK = 6
 """Part of the made-up truths that is drawn in haste."""
 SWINGS = 48
 """Swings: 24 inside the vocabulary, and as many outside."""
+TRAVELS = 50
+"""Rigs whose travels are judged: of ten truths each, two blocks of four sets are fastened."""
 WEAK = 60
 """Tables with much noise, and of noise alone."""
 SPECIAL = 10
@@ -200,6 +203,27 @@ def records(asked: Asked) -> Iterator[Number]:
     yield least("records, sound: right or equal", 0.92, _mean(sound, "good"))
     yield from _intervals("records", rows)
     yield from _advice("records", rows)
+
+
+def travels(asked: Asked) -> Iterator[Number]:
+    """Yield what travels of rigs with known friction show."""
+    rows = bands.run(["travels"], asked.seed, asked.count(TRAVELS), asked.results, 1)
+    for inside, where in ((True, "inside"), (False, "outside")):
+        own = [*set_of(rows, inside)]
+        width = f", ±{_middle(own, 'width'):.2f} readings' errors"
+        yield held(f"travels, {where}: other settings", _mean(own, "point"), width)
+        yield least(f"travels, {where}: beyond", 0.9, _mean(own, "beyond"))
+    fastened = [row for row in rows if truths.set_of(row["number"]) == "attached"]
+    yield held(f"travels, {len(fastened)} fastened blocks", _mean(fastened, "point"))
+    yield least("travels, inside: law right or equal", 0.93, _mean([*set_of(rows, True)], "good"))
+    yield least("travels, inside: law right", 0.0, _mean([*set_of(rows, True)], "right"))
+    yield from _intervals("travels", rows)
+    false = float(np.mean([bool(row["false"]) for row in rows]))
+    yield most(f"travels: false statements, {len(rows)}", 0.02, false)
+    yield most("travels: processor time, median", 3.0, _middle(rows, "seconds"), " s")
+    for row in rows:
+        for said in row["false"]:
+            print(f"travels {row['number']} ({row['truth']}): {said}", file=sys.stderr)
 
 
 def set_of(rows: Rows, inside: bool) -> Iterator[Mapping[str, Any]]:
@@ -394,6 +418,7 @@ PARTS: Mapping[str, Callable[[Asked], Iterator[Number]]] = {
     "maps": maps,
     "records": records,
     "decays": decays,
+    "travels": travels,
     "special": special,
     "odds": odds,
     "lugre": lugre,

@@ -67,8 +67,8 @@ from stickslip.friction import Tustin as Tustin
 from stickslip.friction import Viscous as Viscous
 from stickslip.friction import WarmViscous as WarmViscous
 from stickslip.identify.fits import RecordSettings as RecordSettings
-from stickslip.identify.kinds import compare_trials as compare_trials
 from stickslip.identify.fits import inverse_dynamics as inverse_dynamics
+from stickslip.identify.kinds import compare_trials as compare_trials
 from stickslip.identify.kinds import fit as fit
 from stickslip.identify.kinds import plan as plan
 from stickslip.identify.kinds import select as select

@@ -140,6 +140,18 @@ def test_repeats_tell_the_scatter_that_nobody_stated():
     assert "more than the 0.1 mm stated" in " ".join(verdict.words.cannot_tell)
 
 
+def test_a_level_whichever_law_holds_is_no_better_known_than_the_rig_and_any_law(viscous):
+    _, verdict = viscous
+    level, own = verdict.intervals[0], verdict.closest.fit.estimates[0]
+    # 2.33 standard deviations to each side at 98 %: 2 % by any law, 1.5 % by the rig
+    assert level.half_width >= 2.326 * np.hypot(0.02, 0.015) * own.value
+    told = replace(verdict.measurement, parameter_uncertainties={"mechanism.mass": 1e-6})
+    alone = select(BLOCK, ["coulomb-viscous"], told)
+    level, own = alone.intervals[0], alone.closest.fit.estimates[0]
+    beside = np.hypot(own.high - own.value, 2.326 * 0.02 * own.value)
+    assert level.high - own.value == pytest.approx(beside, rel=0.01)
+
+
 def test_an_uncertain_mass_moves_the_level_and_not_the_band():
     law = Coulomb(kinetic_coefficient=0.3)
     plain = readings(law)
@@ -154,11 +166,18 @@ def test_an_uncertain_mass_moves_the_level_and_not_the_band():
     assert (bands[0].high - bands[0].low)[0] < 2.0 * (bands[1].high - bands[1].low)[0]
 
 
-def test_the_widest_place_is_proposed(viscous):
-    _, verdict = viscous
-    (place,) = verdict.places
-    assert place == pytest.approx(1.5 * max(SETTINGS))
-    assert verdict.words.measure_next[0].startswith("Set $x_0$ to 0.165 m, three runs each")
+def test_proposed_readings_narrow_the_band_by_what_is_expected_of_them(viscous):
+    law, verdict = viscous
+    assert 1 <= len(verdict.places) <= len(SETTINGS)
+    assert verdict.places[-1] == pytest.approx(1.5 * max(SETTINGS))  # where the laws part most
+    told = verdict.words.measure_next[0]
+    assert told.startswith("Set $x_0$ to ")
+    expected = float(told.partition(" to narrow the band of the travel to ")[2].split()[0]) / 100.0
+    more = readings(law, verdict.places, seed=8).trials
+    after = select(BLOCK, None, Measurement(trials=[*verdict.measurement.trials, *more]))
+    widths = [np.mean(np.ptp([x.low, x.high], axis=0)) for x in (
+        after.band(verdict.settings), verdict.band(verdict.settings))]  # fmt: skip
+    assert widths[0] / widths[1] == pytest.approx(expected, abs=0.25)
 
 
 def test_a_verdict_is_read_as_numbers_rows_laws_and_a_figure(viscous):
@@ -242,8 +261,15 @@ def test_laws_that_travels_do_not_determine_are_refused_as_mechanisms():
                vary=["friction.*", "mechanism.mass"])  # fmt: skip
 
 
-def test_settings_that_are_off_are_explained_by_no_law():
-    law, settings = Coulomb(kinetic_coefficient=0.3), (0.05, 0.08, 0.12)
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ((0.05, 0.12), "they are"),  # too few for a curve
+        ((0.05, 0.08, 0.12), "a curve over the setting predicts held-out ones better"),
+    ],
+)
+def test_settings_that_are_off_are_explained_by_no_law(settings, said):
+    law = Coulomb(kinetic_coefficient=0.3)
     trials = [
         Measurement(travel=travel(law, x + 0.01), uncertainty=1e-4, overrides={PATH: x})
         for x in settings
@@ -251,8 +277,9 @@ def test_settings_that_are_off_are_explained_by_no_law():
     verdict = select(BLOCK, ["coulomb"], Measurement(trials=trials))
     assert verdict.best is None
     assert not verdict.ranked
-    assert verdict.sentence.startswith("No law explains the travels: they are")
-    assert "0.1 mm is stated" in verdict.sentence
+    assert verdict.sentence.startswith(f"No law explains the travels: {said}")
+    assert ("0.1 mm is stated" in verdict.sentence) == (len(settings) < 3)
+    assert not verdict.intervals[0].bounded  # of a law that does not hold
     assert select(BLOCK, ["coulomb"], readings(law, settings=settings)).best is not None
 
 

@@ -30,12 +30,12 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import search as sea
 from stickslip.identify.fits.estimation.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.estimation.parameters import OFFSET as OFFSET
-from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import Sizes as Sizes
+from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
-from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
 from stickslip.identify.fits.estimation.parameters import told as told
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
+from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
 from stickslip.identify.fits.estimation.problem import Problem as Problem
 from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.force_map.data import load_along as load_along

@@ -13,8 +13,9 @@ r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, wh
    coefficients and nuisances by Laplace's method; held-out errors of a setting follow from the
    same linear problem without its rows. Repeats of a setting have less noise together, and are one
    piece of evidence on a law, as what a law lacks there is the same in all (`setting_scores`).
-   Shares of families, the least share of the curve, the name and the set follow from both as in
-   `comparison`.
+   For Dirichlet weights :math:`d` of the settings (Bayesian bootstrap) a structure has the stacking
+   weight :math:`\mathrm{softmax}_S(-\tfrac{m}{2} \sum_b d_b R_b(S) + \log \pi_S)`, of which the
+   mean over the draws is its *share* (pseudo-BMA+ [YV]_).
 5. *Ensemble*: coefficients and nuisances are drawn from Student's t about each fit, *simulated* at
    the measured settings, and drawn again by their likelihood there; so the linear problem is a
    proposal, not a result. A band is the quantiles of their travels at a setting.
@@ -23,6 +24,8 @@ r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, wh
    of variance :math:`\tau^2` beside what the readings and the coefficients make of them, if the
    law holds. Held-out errors of settings tell it (`unexplained_error`).
 
+.. [YV] Y. Yao, A. Vehtari, D. Simpson and A. Gelman, "Using stacking to average Bayesian
+   predictive distributions", Bayesian Analysis 13 (2018) 917-1007.
 .. [PM] R. C. Paule and J. Mandel, "Consensus values and weighting factors", Journal of Research of
    the National Bureau of Standards 87 (1982) 377-385.
 .. [QP] W. Viechtbauer, "Confidence intervals for the amount of heterogeneity in meta-analysis",
@@ -34,7 +37,6 @@ import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +45,7 @@ from scipy.special import chdtri, logsumexp, ndtri, softmax, stdtrit
 from stickslip.data import whole_cycles
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
-from stickslip.identify.bands import ALIKE, Array
+from stickslip.identify.bands import ALIKE, Array, PredictionBand, quantile_band
 from stickslip.identify.fits import (
     READINGS,
     TravelModel,
@@ -55,20 +57,14 @@ from stickslip.identify.fits import (
     under_cycles,
 )
 from stickslip.identify.posterior import allotted
-from stickslip.identify.problems.travel_descent import STEP
 from stickslip.identify.problems.travel_laws import (
     HOLDING,
     RESOLVED,
+    STEP,
     Size,
     TravelLaw,
     TravelStructure,
     moving_back,
-)
-from stickslip.identify.problems.travel_shares import (
-    LEAST,
-    block_scores,
-    stacked_shares,
-    with_curve,
 )
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
@@ -90,8 +86,7 @@ factor of e in the setting."""
 KNOTS, REACH = 31, 1.0
 """Places at which the curve may bend, and how far beyond the settings, in logarithms."""
 FEWEST = 4
-"""Settings along one direction from which there is a measured curve, and readings of one setting
-from which their scatter counts."""
+"""Readings of one setting from which their scatter counts."""
 STILL = 0.01
 """Travel over the measured one up to which a law holds the body."""
 STATED = 0.7
@@ -106,6 +101,8 @@ NEWTON = 4
 """Steps by which leading coefficients are made to meet the readings, where few draws count."""
 COUNTING, TRIED = 5.0, 50
 """Effective number of draws of a family at least, where there are this many."""
+LEAST = float(np.finfo(float).eps)
+"""Stands for the share of a law that has none beside the others."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 UNTOLD = 0.7
@@ -187,7 +184,7 @@ class TravelJudgement:
     """Laws that are left out, and why, by name."""
     seed: int = 0
     curve: bool = True
-    """Whether the curve as measured joins, from `FEWEST` settings on."""
+    """Whether the curve as measured joins, from three settings on."""
 
     def __post_init__(self) -> None:
         self.measured = np.array([trial.travel for trial in self.trials])
@@ -215,7 +212,7 @@ class TravelJudgement:
         if self.knob is None or len({trial.cycles for trial in self.trials}) > 1:
             return False
         same = {vary(t.mechanism, "mechanism", {self.knob[0]: self.knob[1]}) for t in self.trials}
-        told = len(np.unique(self.settings)) >= FEWEST and bool(np.all(self.settings))
+        told = len(np.unique(self.settings)) >= THRESHOLDS.fewest and bool(np.all(self.settings))
         return len(same) == 1 and told
 
     def at(self, settings: Array) -> list[Trial]:
@@ -717,21 +714,25 @@ class TravelJudgement:
             return np.asarray(-0.5 * (nu + left.shape[1]) * np.log1p(np.sum(left**2, 1) / nu))
         return -0.5 * setting_scores(left, self._shared(self.errors))
 
-    def travels(self, settings: Array, draws: Sequence[TravelDraws] | None = None) -> Array:
+    def travels(self, settings: Array) -> Array:
         """Return the travels (d, m) [m] at settings (m,) of the knob: of draws, and their error."""
+        every = self.drawn_travels(settings)
+        # a draw is off alike at all settings: so limits are no rougher than the laws
+        places = np.random.default_rng([self.seed, 1]).permutation(len(every))
+        off = self.discrepancy * stdtrit(THRESHOLDS.freedom, (places + 0.5) / len(every))
+        return np.asarray(every + np.outer(off, durations(self.at(settings), self.t_end)))
+
+    def drawn_travels(self, settings: Array) -> Array:
+        """Return the travels (d, m) [m] at settings (m,) of the knob by draws of laws."""
         trials = self.at(settings)
         moved = self.nuisances(trials)
         found = []
-        for one in self.draws if draws is None else draws:
+        for one in self.draws:
             found.append(self._simulated(one, trials, moved))
             if one.smooth is not None:
                 found[-1] += self._around(one, trials, settings)
         every = np.vstack(found)
-        every = every[np.isfinite(every).all(axis=1)]
-        # a draw is off alike at all settings: so limits are no rougher than the laws
-        places = np.random.default_rng([self.seed, 1]).permutation(len(every))
-        off = self.discrepancy * stdtrit(THRESHOLDS.freedom, (places + 0.5) / len(every))
-        return np.asarray(every + np.outer(off, durations(trials, self.t_end)))
+        return np.asarray(every[np.isfinite(every).all(axis=1)])
 
     def noise(self, settings: Array) -> Array:
         """Return the standard errors of new readings at settings (m,): as the nearest have."""
@@ -896,6 +897,47 @@ def _linear(
         precisions=np.concatenate([precisions, zeros + 1.0]),
         prior=prior,
     )
+
+
+def block_scores(losses: Array) -> Array:
+    """Return the scores (b,) of held-out losses (b,), in units of the noise.
+
+    Examples
+    --------
+    >>> block_scores(np.array([0.0, 1.0, 1e12])).round(2).tolist()
+    [0.0, 1.12, 131.22]
+    """
+    nu = THRESHOLDS.freedom
+    return np.asarray((nu + 1.0) * np.log1p(losses / nu))
+
+
+def stacked_shares(scores: Array, priors: Array) -> Array:
+    """Return stacking weights by Bayesian bootstrap of the blocks (s,)."""
+    count = scores.shape[1]
+    draws = np.random.default_rng(1).dirichlet(np.ones(count), THRESHOLDS.draws)
+    z = -0.5 * count * (scores @ draws.T) + np.log(priors)[:, None]
+    return np.asarray(softmax(z, axis=0).mean(axis=1))
+
+
+def with_curve(shares: Array, laws: NDArray[np.bool_]) -> Array:
+    """Return shares of which the measured curve has at least a given one."""
+    least, curves = THRESHOLDS.curve_share, float(shares[~laws].sum())
+    if curves >= least:
+        return shares
+    found = np.where(laws, shares * (1.0 - least) / max(float(shares[laws].sum()), LEAST), 0.0)
+    first = np.flatnonzero(~laws)[0]  # structures are in the order of their scores
+    found[~laws] = least * shares[~laws] / curves if curves > LEAST else 0.0
+    found[first] += 1.0 - found.sum()
+    return np.asarray(found)
+
+
+def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
+    """Return quantiles of curves (d, n), a little wider than `level`.
+
+    They are wider by a power: what no draw holds is the more, the rarer.
+    """
+    level = 1.0 - (1.0 - level) ** THRESHOLDS.rarer
+    return quantile_band(curves, level, all_along=all_along, wider=THRESHOLDS.all_along)
 
 
 def setting_scores(left: Array, shared: Array) -> Array:
@@ -1202,12 +1244,10 @@ def _unpaid(law: FrictionLaw, known: Collection[str], trials: Sequence[Trial]) -
     return set(rest[max(settings - 1 - len(free), 1) :]) if rest else set()
 
 
-Errors: TypeAlias = dict[str, Array]
-"""What standard uncertainties of parameters make of travels (n,) [m], by path."""
-
-
-def propagated(model: TravelModel, trials: Sequence[Trial]) -> tuple[Errors, Errors]:
-    """Return what the uncertainties of the mechanism make of each travel, to first order.
+def propagated(
+    model: TravelModel, trials: Sequence[Trial]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return what uncertainties of the mechanism make of each travel [m], to first order, by path.
 
     The first are of what was set anew for each trial, which scatters; the second of what all trials
     share, which moves them together, so that its entries have a sign. Slopes are those of a law and
@@ -1228,7 +1268,7 @@ def propagated(model: TravelModel, trials: Sequence[Trial]) -> tuple[Errors, Err
             slopes[trial.run, path] = (high - low) / (ends[1] - ends[0])
         return slopes[trial.run, path]
 
-    def errors(doubts: Sequence[Mapping[str, float]]) -> Errors:
+    def errors(doubts: Sequence[Mapping[str, float]]) -> dict[str, Array]:
         pairs = list(zip(trials, doubts, strict=True))
         return {
             path: np.array([slope(t, path, x[path]) * x[path] if path in x else 0.0

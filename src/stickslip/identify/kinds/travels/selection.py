@@ -1,11 +1,13 @@
 """The verb `select` for travels."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from stickslip.data import Measurement, check, refuse_faults
 from stickslip.engine.simulation import simulate
@@ -25,15 +27,17 @@ from stickslip.identify.fits import (
     Laws,
     Parameters,
     Trial,
-    quantile_of,
+    durations,
     starting_law,
     trials_of,
     under_cycles,
 )
 from stickslip.identify.kinds.travels.fit import travel_fit
-from stickslip.identify.kinds.travels.settings import rounded_setting
+from stickslip.identify.kinds.travels.result import rounded_setting
 from stickslip.identify.kinds.travels.verdict import TravelCandidate, TravelVerdict
 from stickslip.identify.kinds.travels.wording import wording
+from stickslip.identify.projection import TOLERANCE
+from stickslip.identify.propose import propose
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.formatting import joined
@@ -44,6 +48,9 @@ BEYOND = (0.75, 1.5)
 """Least and largest settings of the band over those measured."""
 ALONE = (0.4, 1.5)
 """The same where there is but one."""
+RIG_DOUBT = 0.015
+"""Prior deviation of forces over themselves, by a stiffness, mass or inertia whose uncertainty
+nobody stated."""
 PLACES = (17, 41)
 """Settings of the band within those measured, and of bodies that carry their drive, which have
 resonances: half a second, and three (`docs/decisions/0151`)."""
@@ -92,22 +99,13 @@ def select_travels(
     band = band_of(judgement.travels(settings)) if len(settings) else None
     candidates = _candidates(judgement, t_end)
     every = tuple(_any_law(judgement, one) for one in _estimates(candidates[0]))
-    places: tuple[float, ...] = ()
-    if band is not None:
-        half = 0.5 * (band.high - band.low) / judgement.noise(settings)
-        unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}
-        widest = int(np.argmax(half))
-        # another reading is worth it where the band is wider than its 95 % interval
-        if half[widest] > quantile_of(np.array(np.inf)) and judgement.knob is not None:
-            places = (rounded_setting(float(settings[widest]), unit[judgement.knob[0]]),)
-    checks = check(measurement, mechanism=mechanism)
+    places, shrinks = _advised(judgement, settings)
+    checks, findings = check(measurement, mechanism=mechanism), check(measurement).findings
     ranked = len(np.unique(judgement.blocks)) > 1
     return TravelVerdict(
         mechanism=mechanism,
         measurement=measurement,
-        words=wording(
-            judgement, candidates, every, settings, band, places, check(measurement).findings
-        ),
+        words=wording(judgement, candidates, every, settings, band, (places, shrinks), findings),
         candidates=tuple(candidates),
         best=candidates[0] if judgement.explained else None,
         ranked=ranked and judgement.explained,
@@ -117,8 +115,29 @@ def select_travels(
         checks=checks,
         intervals=every,
         places=places,
+        shrinks=shrinks,
         t_end=t_end,
     )
+
+
+def _advised(judgement: TravelJudgement, settings: Array) -> tuple[tuple[float, ...], float]:
+    """Return the settings at which readings narrow the band of travels most, and by what.
+
+    One stands for several readings; in all, they are no more than were made. No reading takes off
+    what laws leave at settings that were not measured.
+    """
+    if judgement.knob is None or not len(settings):
+        return (), 1.0
+    travels = judgement.drawn_travels(settings)
+    lasts = durations(judgement.at(settings), judgement.t_end)
+    found = propose(
+        travels, travels, judgement.noise(settings), taken=len(judgement.trials),
+        rest=(judgement.discrepancy * lasts) ** 2,
+    )  # fmt: skip
+    path = judgement.knob[0]
+    unit = {p: q.unit for p, q, _ in parameters(judgement.mechanism, "mechanism")}[path]
+    places = sorted(rounded_setting(float(settings[k]), unit) for k in found.places)
+    return tuple(places), found.shrinks
 
 
 def named_laws(laws: Laws | None) -> tuple[dict[str, FrictionLaw] | None, set[str]]:
@@ -203,7 +222,12 @@ def _candidates(judgement: TravelJudgement, t_end: float) -> list[TravelCandidat
 
 
 def _any_law(judgement: TravelJudgement, own: Estimate) -> Estimate:
-    """Return the interval of a parameter over all laws of the band that have it."""
+    """Return the interval of a parameter over all laws of the band that have it.
+
+    No law is that of the ground to less than `TOLERANCE`, nor a rig as it is given to less than
+    `RIG_DOUBT` where nobody stated how well it is known: what either makes of forces is beside what
+    the readings leave, by the root of the sum of squares.
+    """
     counts = {name: round(THRESHOLDS.draws * share) for name, share in judgement.shares.items()}
     parts = []
     for name, count in counts.items():
@@ -211,8 +235,16 @@ def _any_law(judgement: TravelJudgement, own: Estimate) -> Estimate:
             values = judgement.values(name).get(own.path)
             if values is not None:
                 parts.append(np.resize(values, count))
+    if not judgement.explained:  # it is a parameter of a law that does not hold
+        return replace(own, low=-math.inf, high=math.inf, reason="no law holds")
     if not parts or not own.bounded:
         return own
     tail = 0.5 * (1.0 - THRESHOLDS.interval)
     low, high = np.quantile(np.concatenate(parts), (tail, 1.0 - tail)).tolist()
-    return replace(own, low=min(own.low, max(low, 0.0)), high=max(own.high, high))
+    low, high = min(own.low, max(low, 0.0)), max(own.high, high)
+    if own.quantity.scale.startswith(("level", "slope", "drag")):
+        doubt = 0.0 if any(one.doubts or one.shared for one in judgement.trials) else RIG_DOUBT
+        beside = math.hypot(TOLERANCE, doubt) * abs(own.value) * float(ndtri(1.0 - tail))
+        low = max(own.value - math.hypot(own.value - low, beside), 0.0)
+        high = own.value + math.hypot(high - own.value, beside)
+    return replace(own, low=low, high=high)

@@ -14,8 +14,7 @@ from stickslip.identify import PredictionBand, TravelJudgement, band_of
 from stickslip.identify.candidates import Candidate, Criteria, Verdict, score_scale, score_text
 from stickslip.identify.fits import Estimate, Trial, durations, quantities_read
 from stickslip.identify.kinds.kind import Column, Columns, data_row
-from stickslip.identify.kinds.travels.result import TravelFit
-from stickslip.identify.kinds.travels.settings import words_of
+from stickslip.identify.kinds.travels.result import TravelFit, words_of
 from stickslip.quantities import parameters
 from stickslip.show.formatting import (
     Scale,
@@ -102,7 +101,9 @@ class TravelVerdict(Verdict[TravelCandidate]):
     intervals: tuple[Estimate, ...]
     """Parameters of the named law with their intervals whichever law has them."""
     places: tuple[float, ...] = ()
-    """Settings that are proposed [SI]."""
+    """Settings of readings that are proposed [SI], one a reading."""
+    shrinks: float = 1.0
+    """Expected width of the band after them, over the present one."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
 
@@ -361,7 +362,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
             "tolerance": None,
             "odds_of_friction": None,
             "outliers": {},
-            "measure_at": {"setting": list(self.places)},
+            "measure_at": {"setting": list(self.places), "band_shrinks_to": self.shrinks},
             "inside_second": None,
             "error_second": None,
         }  # fmt: skip

@@ -3,6 +3,7 @@
 Symbols stand between dollar signs, which reports typeset.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import TypeAlias
 
@@ -19,7 +20,7 @@ from stickslip.identify.candidates import (
     not_distinguished,
 )
 from stickslip.identify.fits import Estimate, durations
-from stickslip.identify.kinds.travels.settings import words_of
+from stickslip.identify.kinds.travels.result import words_of
 from stickslip.identify.kinds.travels.verdict import TravelCandidate, estimate_text, what_of
 from stickslip.quantities import fields_of, parameters
 from stickslip.show.formatting import at_worst, capital, count, joined, percent, quantity, scale_of
@@ -35,7 +36,7 @@ def wording(
     every: Sequence[Estimate],
     settings: Array,
     band: PredictionBand | None,
-    places: Sequence[float],
+    advised: tuple[Sequence[float], float],
     findings: Sequence[Finding],
 ) -> Wording:
     """Put a judgement into words."""
@@ -64,7 +65,7 @@ def wording(
         lede=_lede(judgement, settings, band),
         settles=(*settles, *limits_of(named.fit)),
         cannot_tell=(*_open(judgement, candidates, others), UNKNOWN),
-        measure_next=with_order(_next(judgement, settings, band, places), findings, 3),
+        measure_next=with_order(_next(judgement, band, advised), findings, 3),
         no_score="" if ranked else _no_score(judgement),
     )
 
@@ -204,23 +205,23 @@ def _open(
 
 def _next(
     judgement: TravelJudgement,
-    settings: Array,
     band: PredictionBand | None,
-    places: Sequence[float],
+    advised: tuple[Sequence[float], float],
 ) -> list[str]:
-    """Return where another travel narrows the band most."""
-    known = {p: q.symbol for p, q, _ in parameters(judgement.mechanism, "mechanism")}
-    if band is None or judgement.knob is None or not places:
+    """Return where readings narrow the band most."""
+    places, shrinks = advised
+    if band is None or judgement.knob is None:
         such = "compression" if judgement.knob is None else words_of(judgement.knob[0])
         return [f"Measure the same rig at other settings of one parameter, such as a {such}."]
-    at = int(np.argmin(np.abs(settings - places[0])))
-    what, unit = what_of(judgement.trials)
-    last = float(durations(judgement.at(settings[[at]]), judgement.t_end)[0])
-    pair = [float(x[at]) / last for x in (band.low, band.high)]
+    what = what_of(judgement.trials)[0]
+    if not places:
+        return [f"Further readings of the {what} hardly narrow its band."]
+    known = {p: q.symbol for p, q, _ in parameters(judgement.mechanism, "mechanism")}
+    parts = [_setting(judgement, x) + f" ({n} runs)" * (n > 1) for x, n in Counter(places).items()]
+    many = count(len(places), "reading there is", "readings there are")
     return [
-        f"Set ${known[judgement.knob[0]]}$ to {_setting(judgement, places[0])}, three runs each:"
-        f" there, the band of the {what}, {scale_of(pair, unit).interval(*pair)}, is widest beside"
-        " the error of a reading."
+        f"Set ${known[judgement.knob[0]]}$ to {joined(parts)}: {many} expected to narrow the band"
+        f" of the {what} to {percent(shrinks)} of its width."
     ]
 
 

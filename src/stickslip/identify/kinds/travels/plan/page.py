@@ -5,7 +5,7 @@ from typing import Final
 
 from stickslip.identify.kinds.travels.plan.sheet import Plan
 from stickslip.identify.kinds.travels.plan.tables import SheetTable, tables_of
-from stickslip.identify.kinds.travels.settings import unit_of
+from stickslip.identify.kinds.travels.result import unit_of
 from stickslip.show.formatting import number
 from stickslip.show.report import (
     Blank,

@@ -56,13 +56,13 @@ from stickslip.identify.kinds.travels.plan.sheet import (
     Separation,
     Telling,
 )
-from stickslip.identify.kinds.travels.selection import ALONE, named_laws
-from stickslip.identify.kinds.travels.settings import (
+from stickslip.identify.kinds.travels.result import (
     rounded_setting,
     setting_text,
     unit_of,
     words_of,
 )
+from stickslip.identify.kinds.travels.selection import ALONE, named_laws
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.show.formatting import joined, number, percent, quantity
