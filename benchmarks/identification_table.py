@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from stickslip.identify.fits.force_map.problem import force_map
 
 from stickslip import (
     Axis,
@@ -26,7 +27,6 @@ from stickslip.data.catalogue import dataset
 from stickslip.errors import StickslipError
 from stickslip.identify.fits import RecordFit
 from stickslip.identify.fits.estimation.levenberg_marquardt import search
-from stickslip.identify.fits.force_map.problem import force_map
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.identify.kinds import features_of, fit_features, fit_rate_state
@@ -70,7 +70,7 @@ def _below(record: str, what: str, bar: float, value: float, unit: str, digits: 
 def emps_fit(law: type[FrictionLaw]) -> RecordFit:
     """Return a law fitted to EMPS, segments of 1 s, the mass looked for."""
     record = dataset("emps").measurement()
-    return fit_record(AXIS, law, record, unknown=("inertia",), route="shooting")
+    return fit_record(AXIS, law, record, unknown=("inertia",))
 
 
 def emps_shooting() -> Iterator[Row]:

@@ -1,7 +1,7 @@
 """Random rigs with known friction: do intervals cover the truth?
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
-file line by line, and a run that was killed goes on where it was. ``--route inverse-dynamics`` asks
+file line by line, and a run that was killed goes on where it was. ``--route balance`` asks
 the same of friction that is derived from filtered motion and force. ``--variant clean`` asks it of
 axes with Coulomb and viscous friction whose records have the noise of an encoder and nothing else;
 ``--variant drag`` leaves a drag term out of the law that is fitted, and ``--variant drift`` lets
@@ -24,12 +24,12 @@ import numpy as np
 from benchmarks.rigs import FREE, TRUTHS, Random, Rig, draw, record
 from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit
 from stickslip.errors import StickslipError
-from stickslip.identify.fits import RecordFit
+from stickslip.identify.fits import Fit, RecordFit
 from stickslip.identify.fits.estimation.jackknife import infer
 from stickslip.identify.fits.settings import RecordSettings
 
 ALWAYS = "coulomb-viscous"
-ROUTES = ("shooting", "inverse-dynamics")
+ROUTES = ("shooting", "balance")
 KINDS = ("jackknife", "bootstrap", "naive")
 FURTHER = ("not widened", "limit", "limit, not widened")
 """Intervals without what the hold adds; whether either holds what the law comes to in the end."""
@@ -46,13 +46,13 @@ RESULTS = "synthetic_truth.jsonl"
 
 
 def coverage(
-    found: RecordFit, rig: Rig, limits: Mapping[str, float] | None = None
+    found: Fit[Any], rig: Rig, limits: Mapping[str, float] | None = None
 ) -> list[dict[str, Any]]:
     """Return for every bounded estimate which intervals hold the true value.
 
     Parameters
     ----------
-    found : RecordFit
+    found : Fit
         A fit to a record of the rig.
     rig : Rig
         The truth.
@@ -98,19 +98,17 @@ def fitted(
     law: type[FrictionLaw] | None = None,
     starts: int = 4,
     route: str = ROUTES[0],
-) -> RecordFit:
+) -> Fit[Any]:
     """Return a fit of a law, the true one if none is given, the inertia looked for too."""
     law = type(rig.law) if law is None else law
-    found = fit(
+    return fit(
         Axis(inertia=1.0),
         law,
         measurement,
         vary=[*FREE.get(law.name, ["friction.*"]), "mechanism.inertia"],
         route=route,
-        settings=RecordSettings(starts=starts),
+        settings=RecordSettings(starts=starts) if route == ROUTES[0] else None,
     )
-    assert isinstance(found, RecordFit)
-    return found
 
 
 def violated(rig: Rig, violation: str, random: Random) -> Rig:
@@ -151,12 +149,15 @@ def judge(
         if violation:
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
             long = fitted(rig, more, law=law, starts=1, route=route)
-            limits = dict(zip(long.free_parameters.paths, long.values.tolist(), strict=True))
+            limits = {one.path: one.value for one in long.estimates}
+        if isinstance(found, RecordFit):
+            row |= {
+                "over_noise": found.rms / rig.noise,
+                "effective": found.inference.effective,
+                "rows": len(found.residual),
+            }
         row |= {
             "correlation_time": rig.correlation_time,
-            "over_noise": found.rms / rig.noise if route == ROUTES[0] else None,
-            "effective": found.inference.effective,
-            "rows": len(found.residual),
             "intervals": coverage(found, rig, limits),
         }
     except StickslipError as error:
