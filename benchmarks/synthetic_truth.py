@@ -24,12 +24,12 @@ import numpy as np
 from benchmarks.rigs import FREE, TRUTHS, Random, Rig, draw, record
 from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit
 from stickslip.errors import StickslipError
-from stickslip.identify.fits import Fit, RecordFit
+from stickslip.identify.fits import RecordFit
 from stickslip.identify.fits.estimation.jackknife import infer
 from stickslip.identify.fits.settings import RecordSettings
 
 ALWAYS = "coulomb-viscous"
-ROUTES = ("shooting", "balance")
+ROUTES = ("shooting",)
 KINDS = ("jackknife", "bootstrap", "naive")
 FURTHER = ("not widened", "limit", "limit, not widened")
 """Intervals without what the hold adds; whether either holds what the law comes to in the end."""
@@ -46,13 +46,13 @@ RESULTS = "synthetic_truth.jsonl"
 
 
 def coverage(
-    found: Fit[Any], rig: Rig, limits: Mapping[str, float] | None = None
+    found: RecordFit, rig: Rig, limits: Mapping[str, float] | None = None
 ) -> list[dict[str, Any]]:
     """Return for every bounded estimate which intervals hold the true value.
 
     Parameters
     ----------
-    found : Fit
+    found : RecordFit
         A fit to a record of the rig.
     rig : Rig
         The truth.
@@ -98,17 +98,19 @@ def fitted(
     law: type[FrictionLaw] | None = None,
     starts: int = 4,
     route: str = ROUTES[0],
-) -> Fit[Any]:
+) -> RecordFit:
     """Return a fit of a law, the true one if none is given, the inertia looked for too."""
     law = type(rig.law) if law is None else law
-    return fit(
+    found = fit(
         Axis(inertia=1.0),
         law,
         measurement,
         vary=[*FREE.get(law.name, ["friction.*"]), "mechanism.inertia"],
         route=route,
-        settings=RecordSettings(starts=starts) if route == ROUTES[0] else None,
+        settings=RecordSettings(starts=starts),
     )
+    assert isinstance(found, RecordFit)
+    return found
 
 
 def violated(rig: Rig, violation: str, random: Random) -> Rig:
@@ -150,13 +152,10 @@ def judge(
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
             long = fitted(rig, more, law=law, starts=1, route=route)
             limits = {one.path: one.value for one in long.estimates}
-        if isinstance(found, RecordFit):
-            row |= {
-                "over_noise": found.rms / rig.noise,
-                "effective": found.inference.effective,
-                "rows": len(found.residual),
-            }
         row |= {
+            "over_noise": found.rms / rig.noise,
+            "effective": found.inference.effective,
+            "rows": len(found.residual),
             "correlation_time": rig.correlation_time,
             "intervals": coverage(found, rig, limits),
         }
