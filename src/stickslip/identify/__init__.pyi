@@ -8,6 +8,7 @@ from stickslip.identify.bands import PredictionBand as PredictionBand
 from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
+from stickslip.identify.figures import draw_joints as draw_joints
 from stickslip.identify.figures import plot_band as plot_band
 from stickslip.identify.fits import Estimate as Estimate
 from stickslip.identify.fits import Fit as Fit
