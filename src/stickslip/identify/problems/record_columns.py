@@ -432,7 +432,7 @@ class Balance:
         hats = self._hats(piece)
         course = frame.course(piece.record.time)
         through = self.transmitted(piece)
-        x = np.column_stack([law_column(one, v, z, frame.least, through) for one in laws])
+        x = np.column_stack([law_column(one, v, z, frame.low, through) for one in laws])
         groups = {
             "state": z[:, None],
             "common": z[:, None] * hats,
@@ -470,7 +470,7 @@ class Balance:
         load = np.reshape(self.load(piece), (-1, 1))
         speed, through = np.abs(piece.velocity), self.transmitted(piece)
         flat = np.ones(len(speed))
-        levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
+        levels = [law_column(laws[k], speed, flat, self.frame.low, through) for k in lagging]
         length = self.lengths(memory, piece)
         parts = [hats, *(one[:, None] for one in levels)]
         if memory.ratio is not None:
