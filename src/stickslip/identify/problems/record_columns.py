@@ -497,6 +497,8 @@ class Balance:
             found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
         late = [p.late for p in pieces]
         found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
+        if self.driven:
+            found["zone"] = rows.seen([np.sign(self._needed(p))[:, None] for p in pieces])
         if self.given:
             found["given"] = self.errors(which)
         for path in pieces[0].record.unknown:
@@ -504,6 +506,34 @@ class Balance:
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
+
+    @cached_property
+    def driven(self) -> bool:
+        """Whether a force was recorded that a drive gives."""
+        return not self.measured and all(np.any(one.record.force) for one in self.pieces)
+
+    @cached_property
+    def _plainly(self) -> Array:
+        """Inertia, viscous friction and level (3,) by which a plain balance leaves least."""
+        rows = self.rows(MIDDLE)
+        level = rows.seen([p.direction * self.load(p) for p in self.pieces])
+        x = np.column_stack([rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)])
+        size = np.sqrt(np.mean(x * x, axis=0)) + TINY
+        return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)[:3]
+
+    def _needed(self, piece: Piece) -> Array:
+        """Return the force that the motion needs (n,) [N], about.
+
+        That which was recorded has its noise, with which it would explain itself.
+        """
+        inertia, slope, level = self._from._plainly
+        filt, record = piece.filters[MIDDLE], piece.record
+        by_place = record.velocity is None
+        x = record.position if by_place else record.velocity
+        a = filt(x, bent=by_place, slope=1 + by_place, full=True)
+        found = inertia * a + slope * piece.velocity / self.frame.top
+        found = found + level * piece.direction * self.load(piece)
+        return np.asarray(found if record.mechanism is None else found - record.mechanism)
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""

@@ -79,6 +79,7 @@ FINDINGS: Mapping[str, str] = {
     "force": "force that changes with the place or in time",
     "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
+    "zone": "dead zone of the drive",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -659,15 +660,16 @@ class RecordProblem(Problem):
         It takes the force with its sign, beside the best law and all that is always there.
         """
         model, posterior = self.model, self.posterior
-        node, balance = posterior.best, self.model.balance
-        if not any(np.any(one.record.force) for one in balance.pieces):
+        node = posterior.best
+        if "zone" not in model.names:
             return 0.0
         law = posterior.structures[int(np.argmax(posterior.weights[posterior.nodes.index(node)]))]
         which, memory = model.key(node)
-        rows, design = balance.rows(which), model.design(which, memory)
-        column = rows.seen([np.sign(one.record.force) for one in balance.pieces])
+        design = model.design(which, memory)
+        zone, sizes = design.groups == "zone", model.deviations(node)
+        column = design.random[:, zone][:, 0]
         at = [model.columns.index(one) for one in law]
-        beside = [design.random * model.deviations(node), COEFFICIENT * design.law[:, at]]
+        beside = [design.random[:, ~zone] * sizes[~zone], COEFFICIENT * design.law[:, at]]
         weights = model.weights[which] / model.at(node, "noise")
         x, c = np.hstack(beside) * weights[:, None], column * weights
         moment = x.T @ c
@@ -694,6 +696,8 @@ class RecordProblem(Problem):
             if name == "run":
                 level = b.reshape(2, -1, b.shape[1])[0]
                 changes.append(np.std(level, axis=0, ddof=1))
+            elif name == "zone":
+                changes.append(b[0])
             elif name == "drift":
                 ends = model.frame.course(
                     model.frame.start + model.frame.duration * np.array([0.0, 1.0])
@@ -734,6 +738,12 @@ class RecordProblem(Problem):
             return (
                 "A force beside friction follows the past of the motion, as that of a hose, a cable"
                 f" or another spring does, by {percent(size)} of it (standard deviation)."
+            )
+        if name == "zone":
+            part = quantity(size * self.size, unit, 2)
+            return (
+                f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
+                " dead zone of the drive, or friction before the sensor."
             )
         what = {
             "place": "The level of friction changes with the place",
