@@ -64,8 +64,8 @@ SHOWN = 6
 """Laws of the ladder that are shown."""
 MAY_HOLD = 0.05
 """Probability from which a law may hold, however far noise moves the curve from it."""
-OF_FRICTION = ("drift", "place", "run")
-"""Findings that say how friction changes, where there is some."""
+OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "zone")
+"""Findings whose sizes are shares of friction, where there is some."""
 UNSEEN = 0.5
 """Friction over the scatter about its law below which nothing is seen of it."""
 NO_LAW = 0.1

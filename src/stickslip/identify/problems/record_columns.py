@@ -251,10 +251,10 @@ def is_told(column: Array, beside: Sequence[Array]) -> bool:
 def powers_of_load(ratio: Array | float) -> Array:
     """Return what a level over its load changes by with the load over the usual one (n, 2).
 
-    The logarithm and its square: a level of a + b N is no power of the load.
+    As a small power of it, and by a part that no load changes.
     """
-    x = np.log(np.maximum(np.atleast_1d(ratio), 1e-3))
-    return np.column_stack([x, x * x])
+    x = np.maximum(np.atleast_1d(ratio), 1e-3)
+    return np.column_stack([np.log(x), 1.0 / x - 1.0])
 
 
 class Balance:
@@ -432,6 +432,7 @@ class Balance:
         hats = self._hats(piece)
         course = frame.course(piece.record.time)
         through = self.transmitted(piece)
+        # speeds that are passed in a moment of a turn tell no shape but where bristles are seen
         x = np.column_stack([law_column(one, v, z, frame.low, through) for one in laws])
         groups = {
             "state": z[:, None],
@@ -470,7 +471,7 @@ class Balance:
         load = np.reshape(self.load(piece), (-1, 1))
         speed, through = np.abs(piece.velocity), self.transmitted(piece)
         flat = np.ones(len(speed))
-        levels = [law_column(laws[k], speed, flat, self.frame.low, through) for k in lagging]
+        levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
         length = self.lengths(memory, piece)
         parts = [hats, *(one[:, None] for one in levels)]
         if memory.ratio is not None:

@@ -64,6 +64,8 @@ DRAWN = 400
 """Rows that a figure shows."""
 EXACT = 0.02
 """Size of what no law says up to which a law is exact: the usual tolerance."""
+LOAD = "load"
+"""Name of the load beside those of inputs."""
 MEMORIES = ("dahl", "lugre")
 """Laws with bristles."""
 SEEN, SURE, ROWS = 0.05, 20.0, 7
@@ -186,8 +188,28 @@ class RecordProblem(Problem):
         for name in changing:
             mean, size = frame.inputs[name]
             points = [{**one, name: mean + k * size} for one in points for k in (-1.0, 1.0)]
+        if self.adhesive:
+            points = [{**one, LOAD: x} for one in points for x in self._loads]
         each = {name: np.repeat([x[name] for x in points], len(v)) for name in points[0]}
-        return self.at(np.tile(v, len(points)), inputs=each)
+        return self.at(np.tile(v, len(points)), each.pop(LOAD, None), each)
+
+    @cached_property
+    def _loads(self) -> Array:
+        """Loads of a tenth and of nine tenths of the records (2,) [N]."""
+        loads = [one.record.load for one in self.model.balance.pieces]
+        return np.quantile(np.concatenate([x for x in loads if x is not None]), (0.1, 0.9))
+
+    @cached_property
+    def adhesive(self) -> bool:
+        """Whether a part of the level is told that no load changes."""
+        if self.model.frame.load == 1.0 or self.families is not None:
+            return False
+        own = [
+            np.diff(self.model.split(one.node, one.random)["load"][::-1], axis=0)[0]
+            for one in self.posterior.draws(DRAWN, seed=5)
+        ]
+        slope = np.concatenate(own) / self.size
+        return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -248,6 +270,8 @@ class RecordProblem(Problem):
         state, speed = side * rows.ratio, np.abs(rows.velocity)
         if name == "offset":
             return [np.ones(len(speed))]
+        if name == "adhesion":
+            return [side]
         if name in FLOW_DIRECTIONS:
             return [speed ** (shape[0] if shape else 1.0)]
         if name == "stribeck_sides":
@@ -309,6 +333,7 @@ class RecordProblem(Problem):
         if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
             more.append((flow_direction(shapes), shapes.get("power", ())))
         more += [(one, ()) for one in self.changing if one.partition("*")[0] in shapes]
+        more += [("adhesion", ())] * (self.adhesive and "level" in shapes)
         return tuple(sorted([*structure, *more], key=lambda one: one[0]))
 
     @cached_property
@@ -477,9 +502,14 @@ class RecordProblem(Problem):
                 rig[name] = own[:, 0]
             elif name == "offset":
                 rig[self.offset or name] = own[:, 0] + self.records[0].constant
+            elif name == "adhesion":
+                rig[name] = own[:, 0]
             else:
                 flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
                 terms[name] = shape, own if flows else own / normal
+        if "adhesion" in rig:  # part of the level at the usual load
+            shape, own = terms["level"]
+            terms["level"] = shape, own + rig["adhesion"][:, None] / normal
         frame = self.model.frame
         means = {name: mean for name, (mean, _) in frame.inputs.items()}
         means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
