@@ -65,7 +65,8 @@ SIDES_PRIOR = (0.5, 0.25, 0.15, 0.1)
 """What differs by direction."""
 ALIKE, APART = 0.003, 0.25
 """Deviation of a difference between directions where they are alike, and where they are not."""
-DRIFTS, DRIFT_PRIOR, SORTED_PRIOR = (0.002, 0.02, 0.12), (0.85, 0.1, 0.05), (0.985, 0.014, 0.001)
+DRIFTS = (0.002, 0.02, 0.12, 0.4)
+DRIFT_PRIOR, SORTED_PRIOR = (0.85, 0.1, 0.04, 0.01), (0.985, 0.0135, 0.001, 0.0005)
 """Change of friction over the order of the readings. Files are sorted: an order that follows the
 speed says nothing of time (12 tables of joints: bands of 6 to 44 % fell to 1 to 3 %)."""
 FOLLOWS = 0.8
