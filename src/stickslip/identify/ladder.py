@@ -140,7 +140,9 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     elif near:
         said = f"Use {phrase}{beside}: it stays within {how}"
     elif named.excess <= MARGIN:
-        said = f"Use {phrase}{beside}: it stays within {how}, no farther than friction is known there"
+        said = (
+            f"Use {phrase}{beside}: it stays within {how}, no farther than friction is known there"
+        )
     else:
         said = (
             f"{capital(phrase)}{beside} stays within {how}; as measured, friction is known to"

@@ -529,10 +529,11 @@ class Balance:
         """
         inertia, slope, level = self._from._plainly
         filt, record = piece.filters[MIDDLE], piece.record
-        by_place = record.velocity is None
-        x = record.position if by_place else record.velocity
-        a = filt(x, bent=by_place, slope=1 + by_place, full=True)
-        found = inertia * a + slope * piece.velocity / self.frame.top
+        if record.velocity is None:
+            acceleration = filt(record.position, bent=True, slope=2, full=True)
+        else:
+            acceleration = filt(record.velocity, slope=1, full=True)
+        found = inertia * acceleration + slope * piece.velocity / self.frame.top
         found = found + level * piece.direction * self.load(piece)
         return np.asarray(found if record.mechanism is None else found - record.mechanism)
 

@@ -111,8 +111,8 @@ PARTS_OF = {FORCE: "push"}
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
     "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "zone": 0, "load": 1, "input": 1, "push": 0, "run": 1, "noise": 1,
-    "given": 1,
+    "turn": 3, "others": 1, "delay": 0, "zone": 0, "load": 1, "input": 1, "push": 0, "run": 1,
+    "noise": 1, "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {

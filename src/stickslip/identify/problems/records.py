@@ -197,7 +197,8 @@ class RecordProblem(Problem):
     def _loads(self) -> Array:
         """Loads of a tenth and of nine tenths of the records (2,) [N]."""
         loads = [one.record.load for one in self.model.balance.pieces]
-        return np.quantile(np.concatenate([x for x in loads if x is not None]), (0.1, 0.9))
+        every = np.concatenate([x for x in loads if x is not None])
+        return np.asarray(np.quantile(every, (0.1, 0.9)))
 
     @cached_property
     def adhesive(self) -> bool:
