@@ -439,6 +439,9 @@ class Balance:
             "common": z[:, None] * hats,
             "drift": np.hstack([z[:, None] * course, (v / frame.top)[:, None] * course]),
             "place": z[:, None] * frame.places(piece.record.position, self.waves[1]),
+            "slow": (z * (memory.length == 0.0) * np.maximum(1.0 - np.abs(v) / frame.low, 0.0))[
+                :, None
+            ],
         }
         if len(frame.sides) > 1:
             groups["sides"] = np.abs(z)[:, None] * hats

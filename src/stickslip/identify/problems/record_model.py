@@ -118,8 +118,10 @@ USUAL: dict[str, int] = {
 SIZES: dict[str, float] = {
     "offset": 0.3,
     "side": 0.003,
+    "slow": 0.3,
 }
-"""Sizes that are no scales: a constant force, and the least of the slope by direction."""
+"""Sizes that are no scales: a constant force, the least of the slope by direction, and what levels
+change by at speeds below those resolved, which tells no shape of a law."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
 TIMED = 0.1
