@@ -31,6 +31,7 @@ from stickslip.identify.problems.table_model import (
     BEYOND,
     DRIFTS,
     FEW_SPEEDS,
+    FOLLOWS,
     JUMP,
     NEAR,
     RHO,
@@ -73,8 +74,6 @@ MANY = 200
 """Rows from which laws are compared at the rows alone."""
 BELOW_NOISE = 0.7
 """Deviation of what no law says over the noise up to which a law is exact."""
-WITHIN_RUNS = 0.3
-"""Scatter of an input within runs over that of all, below which runs may stand for its effect."""
 NEW = 2.0
 """Degrees of freedom, at least, with which another specimen differs from those measured."""
 REST = 0.8
@@ -628,7 +627,7 @@ class TableProblem(Problem):
         for name in frame.means:
             x = rows.inputs[name]
             within = x - of_runs @ np.linalg.lstsq(of_runs, x, rcond=None)[0]
-            if np.std(within) < WITHIN_RUNS * np.std(x):
+            if 1.0 - np.var(within) / np.var(x) > FOLLOWS:
                 found.append(
                     f"An effect of the {name} is told from differences between the {frame.runs}"
                     f" runs only as far as these are small: it hardly changes within a run. Change"
