@@ -90,8 +90,6 @@ GIVEN: Mapping[str, str] = {
     "body": "rigid body heavier or lighter than given",
 }
 """What may be given wrong."""
-TOLD_ZONE = 0.05
-"""Deviation of a dead zone of the drive over friction, up to which the level is told from it."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -670,7 +668,7 @@ class RecordProblem(Problem):
                 " its interval does not allow for it. Move in the other direction too, or hold the"
                 " offset (fixed)."
             )
-        if not balance.measured and self._spread_of_dead_zone() > TOLD_ZONE:
+        if not balance.measured and self._spread_of_dead_zone() > NEGLIGIBLE:
             found.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
                 " is not told from the level of friction, which is stated without one: a record"
