@@ -31,6 +31,7 @@ from stickslip.identify.fits.estimation.parameters import FreeParameters as Free
 from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
 from stickslip.identify.fits.estimation.parameters import told as told
+from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.problem import Problem as Problem
 from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian

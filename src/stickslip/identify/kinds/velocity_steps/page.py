@@ -14,8 +14,8 @@ from stickslip.identify.kinds.velocity_steps.verdict import (
     COLUMNS,
     RateStateCandidate,
     RateStateVerdict,
-    share_text,
 )
+from stickslip.identify.ladder import probability_text
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
     Scale,
@@ -113,7 +113,7 @@ def _held_text(name: str, value: str) -> str:
 def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
     share = verdict.closest.share
     facts = [
-        Fact(value=share_text(share), what=f"probability among {len(verdict.candidates)} laws")
+        Fact(value=probability_text(share), what=f"probability among {len(verdict.candidates)} laws")
     ] if len(verdict.candidates) > 1 else []  # fmt: skip
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
