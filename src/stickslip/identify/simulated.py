@@ -474,7 +474,7 @@ class SimulatedPosterior:
             return []
         unknowns = self._searches[name].unknowns
         at, found = self._proposed(proposals)[:: self.problem.proposed // self.problem.places], []
-        for last in (False, False, False, True):
+        for last in (False, False, True):
             k, p = at.shape
             nudged = at[:, None, :] + np.diag(1e-3 * unknowns.deviation)[None]
             left = self._runs({name: np.concatenate([at, nudged.reshape(at.size, p)])})[name]

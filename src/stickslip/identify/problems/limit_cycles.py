@@ -32,11 +32,11 @@ from stickslip.identify.bands import Array
 from stickslip.identify.fits import with_arrays
 from stickslip.mechanisms import TowedBlock
 
-STEPS = 80
+STEPS = 60
 """Steps in a natural period: features are right to 1e-4."""
-SWINGS = 12
+SWINGS = 8
 """Natural periods after which a block that has not come to rest is watched for its swing."""
-FADES, SOON = 0.98, 0.8
+FADES, SOON = 0.98, 0.9
 """Variance of a swing over that of the one before, below which the swing fades; and below which it
 is not watched any longer."""
 SLOWEST = 1e-9
@@ -130,8 +130,9 @@ class _Pull:
     def cycles(self) -> Array:
         """Return the features (n, 3)."""
         found = np.full((self.count, 3), np.nan)
-        rows, pull = np.arange(self.count), self
-        z = np.zeros((4, self.count))
+        stopped = np.zeros((6, self.count))  # the state before it stops, the step, and the time
+        rests, live = np.zeros(self.count, dtype=bool), np.ones(self.count, dtype=bool)
+        pull, rows, z = self, np.arange(self.count), np.zeros((4, self.count))
         z[0] = self.holds - self.c * self.V
         time, passed = np.zeros(self.count), np.zeros((3, 3, self.count))
         with np.errstate(all="ignore"):
@@ -141,26 +142,33 @@ class _Pull:
                 if not number:
                     after[1] = np.maximum(after[1], 0.0)
                 rises = (z[1] < pull.V) & (after[1] >= pull.V)
+                ends = live & ((after[1] <= 0.0) | ~np.isfinite(after[1])) & (number > 0)
                 if rises.any():
                     share = (pull.V - z[1]) / np.where(rises, after[1] - z[1], 1.0)
                     now = np.array([time + share * h, *(z[2:] + share * (after - z)[2:])])
                     passed[:, :, rises] = np.concatenate([passed[1:], now[None]])[:, :, rises]
-                stop = (after[1] <= 0.0) | ~np.isfinite(after[1])
-                fades = rises & (_fading(passed) < SOON) if rises.any() else np.zeros_like(stop)
-                if number and (stop | fades).any():
-                    rest, slide, goes = (
-                        np.flatnonzero(x) for x in (stop, fades & ~stop, ~(stop | fades))
-                    )
-                    own = pull.taken(rest)
-                    found[rows[rest]] = own.stuck(z[:, rest], h[rest], time[rest])
-                    found[rows[slide]] = pull.taken(slide).swinging(passed[:, :, slide])
-                    pull, rows = pull.taken(goes), rows[goes]
-                    time, z, after = time[goes], z[:, goes], after[:, goes]
-                    passed, h = passed[:, :, goes], h[goes]
-                    if not len(rows):
-                        return found
+                    fades = live & rises & ~ends & (_fading(passed) < SOON)
+                    if fades.any():
+                        own = pull.taken(np.flatnonzero(fades))
+                        found[rows[fades]] = own.swinging(passed[:, :, fades])
+                        live &= ~fades
+                stopped[:, rows[ends]] = [*z[:, ends], h[ends], time[ends]]
+                rests[rows[ends]] = True
+                live &= ~ends
                 z, time = after, time + h
-            found[rows] = pull.swinging(passed)
+                if 2 * np.count_nonzero(live) <= len(live):
+                    goes = np.flatnonzero(live)
+                    if not len(goes):
+                        break
+                    pull, rows, live = pull.taken(goes), rows[goes], live[goes]
+                    z, time, passed = z[:, goes], time[goes], passed[:, :, goes]
+            if live.any():
+                left = np.flatnonzero(live)
+                found[rows[left]] = pull.taken(left).swinging(passed[:, :, left])
+            last = np.flatnonzero(rests)
+            if len(last):
+                *before, h, time = stopped[:, last]
+                found[last] = self.taken(last).stuck(np.array(before), h, time)
         return found
 
     def stuck(self, z: Array, h: Array, time: Array) -> Array:

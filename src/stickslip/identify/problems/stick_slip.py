@@ -36,7 +36,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import Array
 from stickslip.identify.posterior import Places
 from stickslip.identify.problems.limit_cycles import limit_cycles
-from stickslip.identify.problems.slip_features import StickSlipFeatures
+from stickslip.identify.problems.slip_features import READ, StickSlipFeatures
 from stickslip.identify.simulated import Always, FamilyPosterior, Simulated, Unknowns
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, fields_of, parameters
@@ -60,7 +60,7 @@ PRICE = 0.6
 """Logarithm of the prior odds that each parameter of a law costs beyond those of the simplest."""
 SHRINK = 0.8
 """Part of the covariances of features between stretches that counts: there are few stretches."""
-PLACES, PROPOSED = 200, 2000
+PLACES, PROPOSED = 150, 1200
 """Places along the ridge of all values with the same features, and draws that are proposed about
 them: runs take 50 us."""
 STARTS = (0.3, 3.0)
@@ -84,7 +84,7 @@ class Setting:
         """Covariance of stretches (3, 3)."""
         found = np.cov(self.features.stretches.T)
         return np.asarray(SHRINK * found + (1.0 - SHRINK) * np.diag(np.diag(found))
-                          + 1e-10 * np.eye(3))  # fmt: skip
+                          + READ**2 * np.eye(3))  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -240,7 +240,7 @@ class StickSlip(Simulated):
             if x is not None and kind == "surplus":
                 x = x - values.get(law.above(path), self._held(family, law.above(path)))
             if kind == "slope":
-                point.append(0.3 if x is None else max(x / self._steep, 0.1))
+                point.append(0.02 if x is None else max(x / self._steep, 0.02))
             elif x is None or x <= 0.0:
                 point.append(self._coordinate(family, path)[0])
             else:
