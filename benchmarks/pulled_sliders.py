@@ -103,7 +103,9 @@ def _rated(
     }
 
 
-def _pulled_law(random: Random, truth: str, level: float, speed: float) -> FrictionLaw:
+def _pulled_law(
+    random: Random, truth: str, level: float, speed: float, load: float
+) -> FrictionLaw:
     static = level * float(random.uniform(1.1, 1.6))
     slow = speed * between(random, 0.3, 10.0)
     if truth == "stribeck":
@@ -113,7 +115,7 @@ def _pulled_law(random: Random, truth: str, level: float, speed: float) -> Frict
     if truth == "coulomb-viscous":
         return CoulombViscous(
             kinetic_coefficient=level, static_coefficient=static,
-            viscous_coefficient=float(random.uniform(0.01, 0.05)) * level / speed,
+            viscous_coefficient=float(random.uniform(0.01, 0.05)) * level * load / speed,
         )  # fmt: skip
     if truth == "hess-soom":
         return HessSoom(
@@ -145,7 +147,9 @@ class Rig:
             mass=mass, stiffness=stiffness, speed=rise / between(random, 0.1, 3.0),
             load=9.81 * mass,
         )  # fmt: skip
-        self.law = _pulled_law(random, self.truth, level, self.block.speed)
+        self.law = _pulled_law(
+            random, self.truth, level, self.block.speed, self.block.steady_load
+        )
         off = {name: math.exp(size * random.normal()) for name, size in OFF.items()}
         self.told = self.at(off, self.block)
 
@@ -229,7 +233,8 @@ def pulled(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any]
         held = (band.low <= seen) & (seen <= band.high)
         inside.append(held.tolist())
         # mean and spread, which a slider that slides on has too; of the spread what counts
-        errors.append(float(np.sqrt(np.mean(((band.median - seen)[1:] / seen[1]) ** 2))))
+        same = rig.features(law, rig.at(factors, rig.block))
+        errors.append(float(np.sqrt(np.mean(((band.median - same)[1:] / same[1]) ** 2))))
     row = _rated(
         row, verdict.best.name if verdict.best else "", verdict.rivals,
         hedged=verdict.best is None, error=max(errors), stated=closest.score, intervals=known,
