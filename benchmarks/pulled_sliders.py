@@ -5,8 +5,8 @@
 
 *Features*: a block sticks and slips, or swings, under Coulomb, Coulomb + viscous or Stribeck
 friction, or under friction that no candidate has: that of LuGre, of Hess and Soom, and Coulomb
-friction with a level that varies along the track. Rigs are as rigs are: springs are 8 % and masses 4
-% off as given (one standard deviation), friction differs by 2 % from run to run and drifts by 1 %
+friction with a level that varies along the track. Rigs are as rigs are: springs are 8 % and masses
+4 % off as given (one standard deviation), friction differs by 2 % from run to run and drifts by 1 %
 along each. *Velocity steps*: records of the four usual forms of rate-and-state friction, and of two
 states and Nagata's form, with a machine that is 20 to 40 % off as given.
 
@@ -65,9 +65,7 @@ STEPPED = ("constant-coefficient", "logarithmic", "rate-and-state", "rate-and-st
            "rate-and-two-states", "rate-and-state-nagata")  # fmt: skip
 
 
-def _missed(
-    estimates: Sequence[Estimate], truth: Mapping[str, float]
-) -> Iterator[dict[str, Any]]:
+def _missed(estimates: Sequence[Estimate], truth: Mapping[str, float]) -> Iterator[dict[str, Any]]:
     """Yield for each bounded estimate that the truth has too whether its interval holds it."""
     for one in estimates:
         true = truth.get(one.path)
@@ -103,9 +101,7 @@ def _rated(
     }
 
 
-def _pulled_law(
-    random: Random, truth: str, level: float, speed: float, load: float
-) -> FrictionLaw:
+def _pulled_law(random: Random, truth: str, level: float, speed: float, load: float) -> FrictionLaw:
     static = level * float(random.uniform(1.1, 1.6))
     slow = speed * between(random, 0.3, 10.0)
     if truth == "stribeck":
@@ -147,9 +143,7 @@ class Rig:
             mass=mass, stiffness=stiffness, speed=rise / between(random, 0.1, 3.0),
             load=9.81 * mass,
         )  # fmt: skip
-        self.law = _pulled_law(
-            random, self.truth, level, self.block.speed, self.block.steady_load
-        )
+        self.law = _pulled_law(random, self.truth, level, self.block.speed, self.block.steady_load)
         off = {name: math.exp(size * random.normal()) for name, size in OFF.items()}
         self.told = self.at(off, self.block)
 
@@ -285,8 +279,14 @@ def _rehearsal(rig: Rig, record: Measurement, verdict: FeatureVerdict) -> dict[s
     shrink = math.exp(_widths(after) - _widths(verdict))
     fewer = len(after.rivals) < len(verdict.rivals)
     kept = rig.truth in (after.closest.name, *after.rivals) or rig.truth not in INSIDE
-    return {"advice": shrink <= 0.5 or (fewer and kept), "shrink": shrink, "expected": first.left,
-            "lost": not kept and after.best is not None, "asked": 1, "after": after.sentence}  # fmt: skip
+    return {
+        "advice": shrink <= 0.5 or (fewer and kept),
+        "shrink": shrink,
+        "expected": first.left,
+        "lost": not kept and after.best is not None,
+        "asked": 1,
+        "after": after.sentence,
+    }
 
 
 def _stepped_law(random: Random, truth: str) -> RateState:

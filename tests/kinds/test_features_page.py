@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from stickslip.identify.kinds.features.figures import Excerpt
+from stickslip.identify.kinds.features.problem import WATCHED
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
-from stickslip.identify.kinds.features.figures import Excerpt
 from stickslip.identify.kinds.features.page import _excerpt
-from stickslip.identify.kinds.features.problem import WATCHED
 from stickslip.identify.kinds.report import verdict_page
 from stickslip.show.report import render
 from stickslip.show.report.blocks import Origin

@@ -503,7 +503,7 @@ class SimulatedPosterior:
         off = points - centre
         spread = (off.T * w) @ off
         spread += 1e-6 * np.diag(np.diag(spread)) + 1e-12 * np.eye(len(centre))
-        return [*proposals[:2], (centre, np.linalg.cholesky(spread))]
+        return [*proposals[:2], (centre, np.asarray(np.linalg.cholesky(spread), dtype=float))]
 
     def _family(
         self,
@@ -575,8 +575,14 @@ _Proposal: TypeAlias = tuple[Array, Array]
 
 
 def _root(curvature: Array, deviation: Array) -> Array:
-    """Return a root (p, p) of the covariance of proposals about a mode."""
-    return deviation[:, None] * np.linalg.cholesky(np.linalg.inv(curvature))
+    """Return the lower root (p, p) of the covariance of proposals about a mode.
+
+    Over prior deviations no curvature is below 1, but for rounding where another is large.
+    """
+    size, axes = np.linalg.eigh(curvature)
+    _, upper = np.linalg.qr((axes / np.sqrt(np.maximum(size, 1.0))).T)
+    root = upper.T
+    return np.asarray(deviation[:, None] * root * np.sign(np.diag(root)), dtype=np.float64)
 
 
 def _effective(logarithms: Array) -> float:

@@ -1,6 +1,4 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.identify.problems.slip_features import StickSlipFeatures as StickSlipFeatures
-from stickslip.identify.problems.slip_features import features_of as features_of
 from stickslip.identify.kinds.features.fit import fit_features as fit_features
 from stickslip.identify.kinds.features.result import FeatureFit as FeatureFit
 from stickslip.identify.kinds.features.selection import select_features as select_features
@@ -52,6 +50,8 @@ from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate a
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds.verbs import fit as fit
 from stickslip.identify.kinds.verbs import select as select
+from stickslip.identify.problems.slip_features import StickSlipFeatures as StickSlipFeatures
+from stickslip.identify.problems.slip_features import features_of as features_of
 
 __all__ = [
     "AnyKind",

@@ -5,7 +5,7 @@ from typing import Any
 
 from stickslip.data import Measurement
 from stickslip.identify import JointVerdict, joint_sections, probability_text, select_joints
-from stickslip.identify.candidates import limits_of
+from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
 from stickslip.identify.kinds.records import left_text, restarts_lines

@@ -14,7 +14,7 @@ from stickslip.identify import (
     select_table,
     verdict_sections,
 )
-from stickslip.identify.candidates import limits_of
+from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import (
     LAW,
     ROUTES,

@@ -212,7 +212,7 @@ def _swings(passed: Array) -> tuple[Array, Array, Array]:
 
 
 def _fading(passed: Array) -> Array:
-    """Return the variance of the last swing over that before (n,); infinite before there are two."""
+    """Return the variance of the last swing over that before (n,); infinite without two."""
     variance = _swings(passed)[2]
     return np.where(passed[0, 0] > 0.0, variance[1] / variance[0], np.inf)
 

@@ -6,16 +6,17 @@ together: with the covariance :math:`C = L L^T` of stretches, rows are :math:`L^
 predicts the same for all stretches of a record: the features of its limit cycle (`limit_cycles`).
 
 Priors, with the mean force over the load :math:`\mu`, scatter :math:`s` and the speed
-:math:`v = V + 2 s N/\sqrt{k m}` of a slip; all laws are as probable:
+:math:`v = V + 2 s N/\sqrt{k m}` of a slip:
 
     ln level ~ N(ln mu, .5)             ln surplus ~ N(ln s, 1.2)
-    ln speed ~ N(ln v, 1.5)             slope = .15 mu N/v max(z, 0), z ~ N(0, 1)
+    ln speed ~ N(ln v, 1.5)             slope = .3 mu N/v max(z, 0), z ~ N(0, 1)
     ln mass ~ N(ln as stated, .05)      ln stiffness ~ N(ln as stated, .1)
 
 A body is weighed, but what holds the spring swings with it; springs are calibrated, but what holds
 them gives way: slopes of a public slider between slips are 4 to 9 % off as its springs are given.
 What is stated of the machine replaces these deviations. Where several records are given, the
-machine is the same in all.
+machine is the same in all. A block sticks and slips as friction falls, at once or with the speed:
+laws of either kind are together as probable as those of the other.
 
 Beside every law there always are, in logarithms of the features (of the scatter twice that),
 
@@ -49,7 +50,7 @@ UNKNOWN = math.log(10.0)
 """The same of a parameter that is looked for: what is given is a guess."""
 SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 1.0, "other": 1.5}
 """Prior deviations of coordinates of laws: see above."""
-STEEP = 0.15
+STEEP = 0.3
 """Prior size of what slopes add at the speed of a slip, over the mean force."""
 LACKS = ((0.005, 0.005, 0.45), (0.015, 0.015, 0.35), (0.05, 0.05, 0.2))
 """Sizes of what laws lack and of its change with the setting, with their probability."""
@@ -172,11 +173,11 @@ class StickSlip(Simulated):
             lacks = np.diag(SHARES), (_speed_of(one.block) - self.middle) * np.diag(SHARES)
             rows = root @ np.hstack([*lacks, *([own] if several else [])])
             blocks.append(np.repeat(rows, self._counts[k], axis=0))
-        sizes, chances, self.runs = [], [], []
-        for lacks, slopes, chance in LACKS:
+        sizes, chances, self.runs = list[list[float]](), list[float](), list[float]()
+        for size, more, chance in LACKS:
             for run, also in RUNS if several else [(0.0, 1.0)]:
-                own = [run] * 3 * len(self.settings) * several
-                sizes.append([lacks] * 3 + [slopes] * 3 + own)
+                each = [run] * (3 * len(self.settings) * several)
+                sizes.append([*[size] * 3, *[more] * 3, *each])
                 chances.append(chance * also)
                 self.runs.append(run)
         return Always(
@@ -184,7 +185,13 @@ class StickSlip(Simulated):
         )
 
     def prior(self, family: str) -> float:
-        return 0.0
+        falls = [self._falls(name) for name in self.laws]
+        return -math.log(falls.count(self._falls(family)))
+
+    def _falls(self, family: str) -> bool:
+        """Return whether friction of a family falls with the speed."""
+        law = self.laws[family]
+        return any(law.kind(path) == "speed" for path in law.quantities)
 
     # ------------------------------------------------------------------ coordinates
     def _coordinate(self, family: str, path: str) -> tuple[float, float]:

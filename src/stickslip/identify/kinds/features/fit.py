@@ -227,7 +227,7 @@ def settings_of(block: TowedBlock, measurement: Measurement) -> list[Setting]:
 
 
 def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionLaw:
-    """Return a law with a static level and, of a type with bristles, ones stiffer than the spring."""
+    """Return a law with a static level and, of a type, bristles stiffer than the spring."""
     load = block.steady_load
     start = starting_law(law, float(load)) if isinstance(law, type) else law
     changes: dict[str, float] = {}

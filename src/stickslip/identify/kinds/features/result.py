@@ -113,6 +113,19 @@ class FeatureFit(Fit[Law_co]):
         mode = self.problem.cycles(self.name, self.family.mode[None], [block])[0, 0]
         return dict(zip(COMPARED, (mode / observed - 1.0).tolist(), strict=True))
 
+    def foreseen(self, blocks: Sequence[TowedBlock], count: int) -> Array:
+        """Return draws of the features (k, b, 3) of another run at settings; NaN of failed runs.
+
+        Parameters
+        ----------
+        blocks : sequence of TowedBlock
+            The block as it is set.
+        count : int
+            Draws.
+        """
+        which = np.linspace(0, len(self.family.points) - 1, count).astype(np.intp)
+        return self.problem.foreseen(self.name, self.family, blocks, which)
+
     def limit_cycle(self, t: Array) -> Array:
         """Return the force of the spring in the fitted limit cycle (n,) [N].
 

@@ -1,14 +1,13 @@
-"""Selection by features of stick-slip: all laws weighed by one posterior, the most probable named.
+"""Selection by features of stick-slip: laws weighed by one posterior, the most probable named.
 
-What to measure next is what tells most of what is asked. That is which law holds, where some are not
-told apart: draws of each, as many of one as of another, are run at other settings, and by linear
-regression of which law a draw is of on logarithms of its features, with what differs from run to
-run, a share 1 - R^2 of the variance is left. Else it is the parameters of the law.
+What to measure next is what tells most of what is asked. That is which law holds, where some are
+not told apart: draws of each, as many of one as of another, are run at other settings, and by
+linear regression of which law a draw is of on logarithms of its features, with what differs from
+run to run, a share 1 - R^2 of the variance is left. Else it is the parameters of the law.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -32,15 +31,22 @@ from stickslip.identify.problems.stick_slip import StickSlip
 from stickslip.identify.selection import checked
 from stickslip.identify.simulated import SimulatedPosterior
 from stickslip.mechanisms import Mechanism, TowedBlock
+from stickslip.quantities import vary as with_values
 
 USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, CoulombViscous, Stribeck)
-"""Laws that are compared where none is named. Features hardly tell bristles, which are soft or stiff
-as nobody knows: laws with them are judged where they are named."""
+"""Laws that are compared where none is named. Features hardly tell bristles, whose stiffness nobody
+knows: laws with them are judged where they are named."""
 NO_LEVEL = "it has no friction level that these features could determine"
-OTHERS = {"speed": (0.1, 0.25, 0.5, 2.0, 4.0, 10.0), "stiffness": (0.3, 3.0), "load": (0.5, 2.0)}
+OTHERS = {
+    "speed": (0.03, 0.1, 0.3, 0.5, 2.0, 3.0, 10.0),
+    "stiffness": (0.3, 3.0),
+    "load": (0.5, 2.0),
+}
 """Settings that are looked at as the next, over those of the first record."""
 DRAWS = 120
 """Draws of each law by which settings are compared."""
+CYCLING = 0.8
+"""Part of the draws of each law that stick and slip, or swing, at a setting that is advised."""
 LOWEST = 0.01
 """Features over those of the record, below which they count as this: those of steady sliding."""
 
@@ -155,7 +161,7 @@ def _verdict(
     return FeatureVerdict(
         mechanism=mechanism,
         measurement=measurement,
-        words=feature_wording(told, rivals, problem, checks, others),
+        words=feature_wording(told, rivals, checks, others),
         candidates=tuple(told),
         best=None if closest.fit.missed else told[0],
         ranked=len(told) > 1 and not rivals,
@@ -167,22 +173,25 @@ def _verdict(
 
 
 def other_settings(fits: Sequence[FeatureFit]) -> tuple[OtherSetting, ...]:
-    """Return what the most probable law and its rivals predict elsewhere, the most telling first."""
+    """Return what the closest law and its rivals predict elsewhere, the most telling first."""
     first = fits[0].problem.settings[0]
     asked, blocks = [], []
     for name, factors in OTHERS.items():
         for factor in factors:
             value = factor * float(getattr(first.block, name))
-            block = replace(first.block, **{name: value})
+            block: TowedBlock = with_values(first.block, "mechanism", {f"mechanism.{name}": value})
             if all(block != one.block for one in fits[0].problem.settings):
                 asked.append((name, value))
                 blocks.append(block)
-    drawn = [_drawn(one, blocks) for one in fits]
+    drawn = [one.foreseen(blocks, DRAWS) for one in fits]
+    chosen = np.linspace(0, len(fits[0].family.points) - 1, DRAWS).astype(np.intp)
+    own = fits[0].family.points[chosen, : len(fits[0].problem.laws[fits[0].name].free)]
     found = []
     for k, (name, value) in enumerate(asked):
-        rows = [features[:, k] for features, _ in drawn]
+        rows = [features[:, k] for features in drawn]
         works = [np.isfinite(one).all(axis=1) for one in rows]
-        if not all(one.mean() > 0.5 for one in works):
+        cycles = [float(np.mean(one[:, 0] > 0.0)) for one in rows]  # NaN is no cycle
+        if not min(cycles) > CYCLING:
             continue
         predicted = {
             fit.name: dict(zip(COMPARED, np.median(one[ok], axis=0).tolist(), strict=True))
@@ -191,18 +200,10 @@ def other_settings(fits: Sequence[FeatureFit]) -> tuple[OtherSetting, ...]:
         seen = np.concatenate([one[ok] for one, ok in zip(rows, works, strict=True)])
         label = np.repeat(np.arange(len(fits)), [int(ok.sum()) for ok in works])
         of = (label[:, None] == np.arange(1, len(fits))).astype(float)
-        q = of if len(fits) > 1 else drawn[0][1][works[0]]
+        q = of if len(fits) > 1 else own[works[0]]
         left = _left(q, np.log(np.maximum(seen, LOWEST * first.features.compared)))
         found.append(OtherSetting(name=name, value=value, predicted=predicted, left=left))
     return tuple(sorted(found, key=lambda one: one.left))
-
-
-def _drawn(fit: FeatureFit, blocks: Sequence[TowedBlock]) -> tuple[Array, Array]:
-    """Return draws of features (k, b, 3) of a law, and of its coordinates (k, p)."""
-    own = np.linspace(0, len(fit.family.points) - 1, DRAWS).astype(int)
-    count = len(fit.problem.laws[fit.name].free)
-    features = fit.problem.foreseen(fit.name, fit.family, blocks, own)
-    return features, fit.family.points[own, :count]
 
 
 def _left(q: Array, seen: Array) -> float:

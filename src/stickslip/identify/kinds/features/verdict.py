@@ -1,7 +1,7 @@
 """What a selection on features of stick-slip gives back."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -14,14 +14,13 @@ from stickslip.identify.candidates import Candidate, Verdict, plain
 from stickslip.identify.kinds.features.result import ENDS, FeatureFit
 from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.ladder import probability_text
-from stickslip.identify.posterior import allotted
 from stickslip.identify.problems.slip_features import COMPARED, FEATURES, StickSlipFeatures, towed
 from stickslip.mechanisms import Mechanism
 from stickslip.show.described import Described
 from stickslip.show.formatting import Scale, percent, signed_percent
 
-DRAWS = 400
-"""Draws from which features at other settings are read."""
+DRAWS = 200
+"""Draws of each law from which features at other settings are read."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +124,8 @@ COLUMNS: Final[Columns[FeatureCandidate]] = (
     ),
     Column(
         key="share", title="share", page="share", phone="label", label="share:",
-        value=lambda one: one.share, text=lambda one: probability_text(one.share) if one.fit else None,
+        value=lambda one: one.share,
+        text=lambda one: probability_text(one.share) if one.fit else None,
     ),
     *map(_error_column, COMPARED),
     Column(
@@ -169,18 +169,20 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
     def predict(self, mechanism: Mechanism) -> PredictionBand:
         """Return the band of frequency [Hz], mean and standard deviation of another record (3,).
 
-        It holds whichever law does, and includes what differs from run to run. Frequency and
-        standard deviation are 0 as far as the block may slide steadily.
+        It holds whichever does of the laws that are not told apart, and includes what differs from
+        run to run. Frequency and standard deviation are 0 as far as the block may slide steadily.
 
         Parameters
         ----------
         mechanism : TowedBlock
             The block as it is set for that record.
         """
-        fits = [one.fit for one in self.candidates if one.fit is not None and one.share > 0.0]
-        draws = drawn_at(fits, [towed(mechanism)])[:, 0]
-        low, median, high = np.quantile(draws, (ENDS[0], 0.5, ENDS[1]), axis=0)
-        return PredictionBand(low=low, median=median, high=high)
+        block, ends = towed(mechanism), (ENDS[0], 0.5, ENDS[1])
+        near = [one.fit for one in self.candidates
+                if one.fit and (one is self.closest or one.name in self.rivals)]  # fmt: skip
+        rows = [np.nanquantile(one.foreseen([block], DRAWS)[:, 0], ends, axis=0) for one in near]
+        low, high = np.min([x[0] for x in rows], axis=0), np.max([x[2] for x in rows], axis=0)
+        return PredictionBand(low=low, median=rows[0][1], high=high)
 
     def _basis(self) -> str:
         return " to features of stick-slip"
@@ -192,16 +194,3 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
             "checks": self.checks.to_dict(),
             "next_measurements": [one.to_dict() for one in self.settings],
         }
-
-
-def drawn_at(fits: Sequence[FeatureFit], blocks: Sequence[Any]) -> Any:
-    """Return draws of features (k, b, 3) of another run at settings, of laws by their shares."""
-    shares = np.array([one.posterior.shares[one.name] for one in fits])
-    found = []
-    for one, count in zip(fits, allotted(shares, DRAWS), strict=True):
-        if not count:
-            continue
-        chosen = np.linspace(0, len(one.family.points) - 1, count).astype(int)
-        found.append(one.problem.foreseen(one.name, one.family, blocks, chosen))
-    draws = np.concatenate(found)
-    return draws[np.isfinite(draws).all(axis=(1, 2))]

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from stickslip.data import Checks, sentences_of
+from stickslip.identify import THRESHOLDS
 from stickslip.identify.candidates import (
     MOST,
     NOT_DISTINGUISHED,
@@ -20,11 +21,12 @@ from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.features.result import FeatureFit, pooled
 from stickslip.identify.kinds.features.verdict import FeatureCandidate, OtherSetting
 from stickslip.identify.ladder import probability_text
-from stickslip.identify.problems.stick_slip import MASS, STIFFNESS, UNKNOWN, StickSlip
+from stickslip.identify.problems.stick_slip import MASS, STIFFNESS, UNKNOWN
 from stickslip.identify.simulated import ENOUGH
 from stickslip.show.formatting import (
     joined,
     number,
+    percent,
     quantity,
     signed_percent,
     significant,
@@ -37,7 +39,7 @@ BIASED = (
 )
 UNITS = {"speed": "m/s", "stiffness": "N/m", "load": "N"}
 TELLING = 0.9
-"""Expected width of what is asked, over that of now, up to which another setting is advised first."""
+"""Expected width of what is asked, over that of now, up to which another setting tells much."""
 
 
 def outcomes(
@@ -63,7 +65,6 @@ def outcomes(
 def feature_wording(
     ordered: Sequence[FeatureCandidate],
     rivals: Sequence[FeatureCandidate],
-    problem: StickSlip,
     checks: Checks,
     others: Sequence[OtherSetting],
 ) -> Wording:
@@ -111,6 +112,10 @@ def errors_text(errors: Mapping[str, float]) -> str:
 
 def _lede(ordered: Sequence[FeatureCandidate], fit: FeatureFit) -> str:
     text = f"Its limit cycle is off by {errors_text(fit.errors)}."
+    if fit.rms < THRESHOLDS.negligible:
+        text = (
+            f"Its limit cycle has frequency, mean and scatter to {percent(THRESHOLDS.negligible)}."
+        )
     fitted = sum(one.fit is not None for one in ordered)
     if fitted > 1:
         share = probability_text(ordered[0].share)

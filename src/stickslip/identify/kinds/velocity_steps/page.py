@@ -112,9 +112,10 @@ def _held_text(name: str, value: str) -> str:
 
 def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
     share = verdict.closest.share
-    facts = [
-        Fact(value=probability_text(share), what=f"probability among {len(verdict.candidates)} laws")
-    ] if len(verdict.candidates) > 1 else []  # fmt: skip
+    facts = []
+    if len(verdict.candidates) > 1:
+        what = f"probability among {len(verdict.candidates)} laws"
+        facts.append(Fact(value=probability_text(share), what=what))
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
         symbols = " − ".join(f"${symbol}$" for symbol in fit.rate_symbols)

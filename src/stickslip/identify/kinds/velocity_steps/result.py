@@ -266,10 +266,21 @@ class RateStateFit(Fit[RateState]):
         return sentences_of(self.findings)
 
     def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.identify.kinds.velocity_steps.figures import draw_coefficient
-        from stickslip.show.plots import MAP_SIZES, on_axes
+        from stickslip.show.plots import C1, DATA, MAP_SIZES, on_axes, sampled
 
-        draw = draw_coefficient(self.time, self.measured, self.fitted, self.law.title)
+        shown = sampled(len(self.time))
+
+        def draw(figure: Any, narrow: bool) -> None:  # noqa: ARG001
+            axes = figure.subplots()
+            axes.plot(
+                self.time[shown], self.measured[shown], "o", color=DATA, markersize=2.2, alpha=0.6,
+                markeredgewidth=0, label="measured",
+            )  # fmt: skip
+            axes.plot(self.time, self.fitted, color=C1, label=self.law.title)
+            axes.set_xlabel("time, s")
+            axes.set_ylabel("coefficient of friction")
+            axes.legend()
+
         return on_axes(draw, ax, MAP_SIZES["wide"])
 
     def __str__(self) -> str:

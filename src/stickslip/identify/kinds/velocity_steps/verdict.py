@@ -71,7 +71,8 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
     ),
     Column(
         key="share", title="share", page="share", phone="label", label="share:",
-        value=lambda one: one.share, text=lambda one: probability_text(one.share) if one.fit else None,
+        value=lambda one: one.share,
+        text=lambda one: probability_text(one.share) if one.fit else None,
     ),
     Column(
         key="leaves", title="leaves", page="leaves",

@@ -182,8 +182,8 @@ def _cannot_tell(
     near = [one for one in ordered[1:] if one.share * RIVAL > ordered[0].share]
     richer = [one for one in near if rival is None or one.name != rival.name]
     if richer:
-        lines.append(f"Whether there is more: {_law(richer[0])} is {probability_text(richer[0].share)}"
-                     " probable.")  # fmt: skip
+        share = probability_text(richer[0].share)
+        lines.append(f"Whether there is more: {_law(richer[0])} is {share} probable.")
     if len(fit.problem.record.path.steps) == 1:
         lines.append("How well the law predicts another step: there is only one.")
     if fit.misses:
