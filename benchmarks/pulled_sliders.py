@@ -1,7 +1,7 @@
 """Sliders that a spring pulls: what is said of stick-slip and of steps with known friction.
 
 ``python -m benchmarks.studies --only features "velocity steps" --seed 1`` judges 20 of each, and
-``python -m benchmarks posterior features --seed 1`` prints what 36 rigs of the first are worth.
+``python -m benchmarks posterior features --seed 1`` prints what 24 rigs of the first are worth.
 
 *Features*: a block sticks and slips, or swings, under Coulomb, Coulomb + viscous or Stribeck
 friction, or under friction that no candidate has: that of LuGre, of Hess and Soom, and Coulomb

@@ -36,8 +36,8 @@ WEAK = 60
 """Tables with much noise, and of noise alone."""
 SPECIAL = 10
 """Tables of each special kind."""
-PULLED = 36
-"""Blocks that a spring pulls: 18 inside the vocabulary, and as many outside."""
+PULLED = 24
+"""Blocks that a spring pulls: 12 inside the vocabulary, and as many outside."""
 AXES = 10
 """Axes with LuGre friction."""
 HELD = (0.93, 0.99)

@@ -221,7 +221,8 @@ class SimulatedPosterior:
         evidence = np.array([one.evidence + problem.prior(name)
                              for name, one in self.families.items()])  # fmt: skip
         works = np.isfinite(evidence)
-        chances = np.exp(np.where(works, evidence - logsumexp(evidence[works]), -np.inf))
+        total = logsumexp(evidence[works]) if works.any() else 0.0
+        chances = np.exp(np.where(works, evidence - total, -np.inf))
         self.shares = dict(zip(self.families, chances.tolist(), strict=True))
         """Posterior probabilities of the families, by name, in sum 1; 0 where no run works."""
 

@@ -3,7 +3,6 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Literal, TypeAlias
@@ -213,8 +212,6 @@ class Request:
     """Time after which a body counts as stopped [s]."""
     tolerance: float | None = None
     """Share of friction by which a law that is named may be off."""
-    executor: Executor | None = None
-    """Processes that fit laws at the same time; one after the other if None."""
 
     def arguments(self, *names: str) -> dict[str, Any]:
         """Return arguments of a function that fits or selects: those that all take, and more."""
@@ -232,9 +229,7 @@ class Request:
         return replace(self, **nothing)
 
 
-OPTIONS = (
-    "route", "settings", "horizon", "validate", "assumed", "t_end", "tolerance", "executor",
-)  # fmt: skip
+OPTIONS = ("route", "settings", "horizon", "validate", "assumed", "t_end", "tolerance")
 """What may be said of how; each kind uses some of it."""
 
 

@@ -9,7 +9,7 @@ Priors, with the mean force over the load :math:`\mu`, scatter :math:`s` and the
 :math:`v = V + 2 s N/\sqrt{k m}` of a slip:
 
     ln level ~ N(ln mu, .5)             ln surplus ~ N(ln s, 1.2)
-    ln speed ~ N(ln v, 1.5)             slope = .3 mu N/v max(z, 0), z ~ N(0, 1)
+    ln speed ~ N(ln v, 1.5)             slope = .5 mu N/v max(z, 0), z ~ N(0, 1)
     ln mass ~ N(ln as stated, .05)      ln stiffness ~ N(ln as stated, .1)
 
 A body is weighed, but what holds the spring swings with it; springs are calibrated, but what holds
@@ -50,7 +50,7 @@ UNKNOWN = math.log(10.0)
 """The same of a parameter that is looked for: what is given is a guess."""
 SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 1.0, "other": 1.5}
 """Prior deviations of coordinates of laws: see above."""
-STEEP = 0.3
+STEEP = 0.5
 """Prior size of what slopes add at the speed of a slip, over the mean force."""
 LACKS = ((0.005, 0.005, 0.45), (0.015, 0.015, 0.35), (0.05, 0.05, 0.2))
 """Sizes of what laws lack and of its change with the setting, with their probability."""

@@ -20,7 +20,7 @@ from stickslip.identify.problems.stick_slip import (
 )
 from stickslip.identify.simulated import SimulatedPosterior
 from stickslip.mechanisms import Mechanism, TowedBlock
-from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.quantities import Quantity, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import number
 
@@ -186,7 +186,8 @@ def _doubts(
 ) -> dict[str, float]:
     """Return prior deviations of logarithms of parameters of the block."""
     known = {path: value for path, _, value in parameters(block, "mechanism")}
-    stated = dict(measurement.parameter_uncertainties)
+    stated = {full_path(name, known): error
+              for name, error in measurement.parameter_uncertainties.items()}  # fmt: skip
     own = [path for one in measurement.trials for path in one.parameter_uncertainties]
     if own:
         raise InputError(
