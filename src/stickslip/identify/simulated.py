@@ -62,8 +62,6 @@ AGAIN = 6
 """Rounds of draws at most."""
 TAILS = THRESHOLDS.freedom
 """Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
-LOCAL = 0.6
-"""Size of proposals along a ridge over that of the posterior where it is linearised."""
 WHITE = 0.7
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
@@ -487,7 +485,8 @@ class SimulatedPosterior:
                 which = int(i) % len(self._inverses)
                 gradient, curvature = self._newton(unknowns, at[i], left[:, i], slopes, which)
                 if last:
-                    found.append((at[i], LOCAL * _root(curvature, unknowns.deviation)))
+                    # a ridge bends within the spread of the posterior that is linearised
+                    found.append((at[i], 0.6 * _root(curvature, unknowns.deviation)))
                     continue
                 away = (at[i] - unknowns.mean) / unknowns.deviation
                 step = np.linalg.solve(curvature, gradient + away)

@@ -36,11 +36,8 @@ STEPS = 60
 """Steps in a natural period: features are right to 1e-4."""
 SWINGS = 8
 """Natural periods after which a block that has not come to rest is watched for its swing."""
-FADES, SOON = 0.98, 0.9
-"""Variance of a swing over that of the one before, below which the swing fades; and below which it
-is not watched any longer."""
-SLOWEST = 1e-9
-"""Speed over that of the pull at which friction is that of the first motion."""
+FADES = 0.95
+"""Variance of a swing over that of the one before, below which the swing fades."""
 OWN = ("mass", "stiffness", "speed", "damping")
 SETTLING, WATCHED, SAMPLES = 12, 10, 64
 """Of the engine: cycles before the motion has settled, cycles watched, samples in a cycle."""
@@ -114,7 +111,7 @@ class _Pull:
     def rates(self, z: Array) -> Array:
         """Return the rates (4, n) of force, speed, and integrals of the force less `holds`."""
         y, v = z[0], z[1]
-        friction = self.law.force(np.maximum(v, SLOWEST * self.V), self.N)
+        friction = self.law.force(np.maximum(v, 1e-9 * self.V), self.N)
         pulled = y + self.c * (self.V - v)
         off = pulled - self.holds
         return np.array([self.k * (self.V - v), (pulled - friction) / self.m, off, off**2])
@@ -147,7 +144,7 @@ class _Pull:
                     share = (pull.V - z[1]) / np.where(rises, after[1] - z[1], 1.0)
                     now = np.array([time + share * h, *(z[2:] + share * (after - z)[2:])])
                     passed[:, :, rises] = np.concatenate([passed[1:], now[None]])[:, :, rises]
-                    fades = live & rises & ~ends & (_fading(passed) < SOON)
+                    fades = live & rises & ~ends & (_fading(passed) < FADES)
                     if fades.any():
                         own = pull.taken(np.flatnonzero(fades))
                         found[rows[fades]] = own.swinging(passed[:, :, fades])

@@ -9,7 +9,7 @@ Priors, with the mean force over the load :math:`\mu`, scatter :math:`s` and the
 :math:`v = V + 2 s N/\sqrt{k m}` of a slip:
 
     ln level ~ N(ln mu, .5)             ln surplus ~ N(ln s, 1.2)
-    ln speed ~ N(ln v, 1.5)             slope = .5 mu N/v max(z, 0), z ~ N(0, 1)
+    ln speed ~ N(ln v, 1.5)             slope = mu N/v max(z, 0), z ~ N(0, .5)
     ln mass ~ N(ln as stated, .05)      ln stiffness ~ N(ln as stated, .1)
 
 A body is weighed, but what holds the spring swings with it; springs are calibrated, but what holds
@@ -22,8 +22,8 @@ Beside every law there always are, in logarithms of the features (of the scatter
 
 * what the law lacks, alike in all records: .005, .015 or .05 (.45 .35 .2);
 * as much for each e-fold of :math:`V \sqrt{k m}/N`, by which settings differ;
-* what differs from run to run of one setting: .003, .015 or .05 (.4 .4 .2), of which several
-  records tell the size. One record is its own run, and other runs are predicted with it.
+* what differs from run to run of one setting, of the same sizes, of which several records tell the
+  one. One record is its own run, and other runs are predicted with it.
 
 Laws of friction are right to some per cent, and never better than half of one.
 """
@@ -46,25 +46,12 @@ from stickslip.quantities import Quantity, fields_of, parameters
 MASS, STIFFNESS = "mechanism.mass", "mechanism.stiffness"
 DOUBTS = {MASS: 0.05, STIFFNESS: 0.1}
 """Prior deviations of logarithms of what nobody states an uncertainty of: see above."""
-UNKNOWN = math.log(10.0)
-"""The same of a parameter that is looked for: what is given is a guess."""
-SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 1.0, "other": 1.5}
+SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 0.5, "other": 1.5}
 """Prior deviations of coordinates of laws: see above."""
-STEEP = 0.5
-"""Prior size of what slopes add at the speed of a slip, over the mean force."""
-LACKS = ((0.005, 0.005, 0.45), (0.015, 0.015, 0.35), (0.05, 0.05, 0.2))
-"""Sizes of what laws lack and of its change with the setting, with their probability."""
-RUNS = ((0.003, 0.4), (0.015, 0.4), (0.05, 0.2))
-"""Sizes of what differs from run to run, with their probability."""
+LACKS = ((0.005, 0.45), (0.015, 0.35), (0.05, 0.2))
+"""Sizes of what laws lack and of what differs from run to run, with their probability: see above."""
 SHARES = np.array([1.0, 1.0, 2.0])
 """Sizes for frequency, mean and scatter over these: scatter is a difference of levels."""
-SHRINK = 0.8
-"""Part of the covariances of features between stretches that counts: there are few stretches."""
-PLACES, PROPOSED = 150, 1200
-"""Places along the ridge of all values with the same features, and draws that are proposed about
-them: runs take 50 us."""
-STARTS = (0.3, 3.0)
-"""Speeds of laws at which searches begin, over their prior median."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,10 +68,8 @@ class Setting:
 
     @property
     def covariance(self) -> Array:
-        """Covariance of stretches (3, 3)."""
-        found = np.cov(self.features.stretches.T)
-        return np.asarray(SHRINK * found + (1.0 - SHRINK) * np.diag(np.diag(found))
-                          + READ**2 * np.eye(3))  # fmt: skip
+        """Covariance of stretches (3, 3), which are read to a share at best."""
+        return np.asarray(np.cov(self.features.stretches.T) + READ**2 * np.eye(3))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -132,7 +117,8 @@ class StickSlip(Simulated):
         Prior deviations of logarithms of parameters of the block, by path.
     """
 
-    places, proposed = PLACES, PROPOSED
+    places, proposed = 150, 1200
+    """Three features leave a ridge of values; runs take 30 us."""
 
     def __init__(
         self,
@@ -174,10 +160,10 @@ class StickSlip(Simulated):
             rows = root @ np.hstack([*lacks, *([own] if several else [])])
             blocks.append(np.repeat(rows, self._counts[k], axis=0))
         sizes, chances, self.runs = list[list[float]](), list[float](), list[float]()
-        for size, more, chance in LACKS:
-            for run, also in RUNS if several else [(0.0, 1.0)]:
+        for size, chance in LACKS:
+            for run, also in LACKS if several else [(0.0, 1.0)]:
                 each = [run] * (3 * len(self.settings) * several)
-                sizes.append([*[size] * 3, *[more] * 3, *each])
+                sizes.append([*[size] * 6, *each])
                 chances.append(chance * also)
                 self.runs.append(run)
         return Always(
@@ -214,7 +200,7 @@ class StickSlip(Simulated):
 
     @property
     def _steep(self) -> float:
-        return STEEP * self.mean * self.block.steady_load / self.slip
+        return self.mean * self.block.steady_load / self.slip
 
     def paths(self, family: str) -> tuple[str, ...]:
         """Return the paths of what is unknown of a family: those of the law, then the block's."""
@@ -245,7 +231,7 @@ class StickSlip(Simulated):
             if x is not None and kind == "surplus":
                 x = x - values.get(law.above(path), self._held(family, law.above(path)))
             if kind == "slope":
-                point.append(0.02 if x is None else max(x / self._steep, 0.02))
+                point.append(0.01 if x is None else max(x / self._steep, 0.01))
             elif x is None or x <= 0.0:
                 point.append(self._coordinate(family, path)[0])
             else:
@@ -269,7 +255,7 @@ class StickSlip(Simulated):
                 above = {
                     path: self.mean + surplus for path in law.free if law.kind(path) == "surplus"
                 }
-                for share in STARTS:
+                for share in (0.3, 3.0):
                     speeds = {
                         path: share * self.slip for path in law.free if law.kind(path) == "speed"
                     }
@@ -331,7 +317,7 @@ class StickSlip(Simulated):
         away = np.array([_speed_of(one) for one in blocks]) - self.middle
         logs = lacks[:, None] + away[None, :, None] * slopes[:, None]
         runs = np.array(self.runs)[family.sets[which]]
-        sizes, chances = np.array(RUNS).T
+        sizes, chances = np.array(LACKS).T
         runs = np.where(runs > 0.0, runs, rng.choice(sizes, len(runs), p=chances))
         logs = logs + runs[:, None, None] * rng.normal(size=logs.shape)
         return np.asarray(features * np.exp(SHARES * logs))

@@ -11,24 +11,13 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.fits import LAW, Parameters, Watch, starting_law, with_known
 from stickslip.identify.kinds.features.result import FeatureFit, result_of
 from stickslip.identify.problems.slip_features import features_of, towed
-from stickslip.identify.problems.stick_slip import (
-    DOUBTS,
-    UNKNOWN,
-    PulledLaw,
-    Setting,
-    StickSlip,
-)
+from stickslip.identify.problems.stick_slip import DOUBTS, PulledLaw, Setting, StickSlip
+from stickslip.identify.problems.velocity_steps import UNKNOWN
 from stickslip.identify.simulated import SimulatedPosterior
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
-from stickslip.show.formatting import number
-
-STATIC = 1.2
-"""Static over kinetic level of a law without either, at which a search begins."""
-BRISTLES = 30.0
-"""Stiffness of bristles over that of the spring where nobody gave it: softer ones would oscillate
-in place of the spring."""
+from stickslip.show.formatting import number, percent, quantity
 
 
 def fit_features(
@@ -223,6 +212,14 @@ def settings_of(block: TowedBlock, measurement: Measurement) -> list[Setting]:
                 " 0: count force and speed positive in the direction of the pull, with a gain such"
                 ' as gain={"spring_force": -1}, or correct the offset of the force.'
             )
+        if features.regime == "steady sliding":
+            raise InputError(
+                "the force is that of steady sliding: its standard deviation is"
+                f" {percent(features.standard_deviation / features.mean)} of its mean, so there is"
+                " no stick-slip to compare. Its mean is friction at"
+                f" {quantity(own.speed, 'm/s')}: pull at several speeds, and give velocity and"
+                " friction as a table."
+            )
         found.append(Setting(block=own, features=features))
     return found
 
@@ -232,18 +229,18 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
     load = block.steady_load
     start = starting_law(law, float(load)) if isinstance(law, type) else law
     changes: dict[str, float] = {}
-    stiffness = BRISTLES * block.stiffness / load
+    stiffness = 30.0 * block.stiffness / load  # softer bristles would swing instead of the spring
     sizes = {
         "stiffness": stiffness,
         "damping": math.sqrt(stiffness * block.mass / load),
         "slope": 0.0,
     }
     known = fields_of(type(start))
-    for name, quantity in known.items():
-        base, size = quantity.at_least, sizes.get(quantity.scale)
-        if base is not None and not _stands_on_top(known, quantity):
+    for name, one in known.items():
+        base, size = one.at_least, sizes.get(one.scale)
+        if base is not None and not _stands_on_top(known, one):
             if getattr(start, name) is None:
-                changes[f"friction.{name}"] = STATIC * getattr(start, base)
-        elif isinstance(law, type) and size is not None and quantity.allows(size):
+                changes[f"friction.{name}"] = 1.2 * getattr(start, base)
+        elif isinstance(law, type) and size is not None and one.allows(size):
             changes[f"friction.{name}"] = size
     return with_values(start, "friction", changes) if changes else start

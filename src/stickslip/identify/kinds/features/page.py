@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.identify.bands import Array
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.features.result import ENDS, FeatureFit
+from stickslip.identify.kinds.features.result import FeatureFit
 from stickslip.identify.kinds.features.verdict import (
     COLUMNS,
     PERCENT,
@@ -314,7 +314,7 @@ def parameters_section(verdict: FeatureVerdict) -> Section:
         fit.estimates,
         ("given", given),
         heading=heading,
-        caption=f"{percent(ENDS[1] - ENDS[0])} intervals: quantiles of the draws of the posterior."
+        caption="95 % intervals: quantiles of the draws of the posterior."
         " Given: the value in the rig, if any.",
         remarks=("Remarks", typeset_lines(fit.sentences, verdict)),
     )

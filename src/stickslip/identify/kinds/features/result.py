@@ -12,7 +12,7 @@ from stickslip.data import Finding, LawEstimates, Measurement, levels_at, senten
 from stickslip.engine.simulation import simulate
 from stickslip.errors import ConvergenceError
 from stickslip.identify import THRESHOLDS
-from stickslip.identify.bands import LEVEL, Array, correlation_of
+from stickslip.identify.bands import ENDS, Array, correlation_of
 from stickslip.identify.fits import Estimate, Fit, Law_co, estimates_for
 from stickslip.identify.problems.limit_cycles import SETTLING
 from stickslip.identify.problems.slip_features import (
@@ -32,8 +32,6 @@ from stickslip.show.formatting import joined, percent, signed_percent
 if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
-ENDS = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
-"""Quantiles of draws between which 95 % lie."""
 ALIKE = "other values give the same features"
 
 

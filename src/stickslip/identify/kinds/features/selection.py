@@ -26,10 +26,10 @@ from stickslip.identify.kinds.features.verdict import (
     OtherSetting,
 )
 from stickslip.identify.kinds.features.wording import feature_wording, outcomes
-from stickslip.identify.problems.slip_features import COMPARED
+from stickslip.identify.problems.slip_features import COMPARED, READ
 from stickslip.identify.problems.stick_slip import StickSlip
 from stickslip.identify.selection import checked
-from stickslip.identify.simulated import SimulatedPosterior
+from stickslip.identify.simulated import ENOUGH, SimulatedPosterior
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import vary as with_values
 
@@ -43,12 +43,6 @@ OTHERS = {
     "load": (0.5, 2.0),
 }
 """Settings that are looked at as the next, over those of the first record."""
-DRAWS = 120
-"""Draws of each law by which settings are compared."""
-CYCLING = 0.8
-"""Part of the draws of each law that stick and slip, or swing, at a setting that is advised."""
-LOWEST = 0.01
-"""Features over those of the record, below which they count as this: those of steady sliding."""
 
 
 def feature_laws(
@@ -183,16 +177,15 @@ def other_settings(fits: Sequence[FeatureFit]) -> tuple[OtherSetting, ...]:
             if all(block != one.block for one in fits[0].problem.settings):
                 asked.append((name, value))
                 blocks.append(block)
-    drawn = [one.foreseen(blocks, DRAWS) for one in fits]
-    chosen = np.linspace(0, len(fits[0].family.points) - 1, DRAWS).astype(np.intp)
+    drawn = [one.foreseen(blocks, int(ENOUGH)) for one in fits]
+    chosen = np.linspace(0, len(fits[0].family.points) - 1, int(ENOUGH)).astype(np.intp)
     own = fits[0].family.points[chosen, : len(fits[0].problem.laws[fits[0].name].free)]
     found = []
     for k, (name, value) in enumerate(asked):
         rows = [features[:, k] for features in drawn]
         works = [np.isfinite(one).all(axis=1) for one in rows]
-        cycles = [float(np.mean(one[:, 0] > 0.0)) for one in rows]  # NaN is no cycle
-        if not min(cycles) > CYCLING:
-            continue
+        if not min(float(np.mean(one[:, 0] > 0.0)) for one in rows) > 0.8:  # NaN is no cycle
+            continue  # a record of steady sliding has no features
         predicted = {
             fit.name: dict(zip(COMPARED, np.median(one[ok], axis=0).tolist(), strict=True))
             for fit, one, ok in zip(fits, rows, works, strict=True)
@@ -201,7 +194,7 @@ def other_settings(fits: Sequence[FeatureFit]) -> tuple[OtherSetting, ...]:
         label = np.repeat(np.arange(len(fits)), [int(ok.sum()) for ok in works])
         of = (label[:, None] == np.arange(1, len(fits))).astype(float)
         q = of if len(fits) > 1 else own[works[0]]
-        left = _left(q, np.log(np.maximum(seen, LOWEST * first.features.compared)))
+        left = _left(q, np.log(np.maximum(seen, READ * first.features.compared)))
         found.append(OtherSetting(name=name, value=value, predicted=predicted, left=left))
     return tuple(sorted(found, key=lambda one: one.left))
 

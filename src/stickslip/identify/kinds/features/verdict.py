@@ -9,18 +9,16 @@ import numpy as np
 
 from stickslip.data import Checks
 from stickslip.friction import FrictionLaw
-from stickslip.identify.bands import PredictionBand
+from stickslip.identify.bands import ENDS, PredictionBand
 from stickslip.identify.candidates import Candidate, Verdict, plain
-from stickslip.identify.kinds.features.result import ENDS, FeatureFit
+from stickslip.identify.kinds.features.result import FeatureFit
 from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.ladder import probability_text
 from stickslip.identify.problems.slip_features import COMPARED, FEATURES, StickSlipFeatures, towed
+from stickslip.identify.simulated import ENOUGH
 from stickslip.mechanisms import Mechanism
 from stickslip.show.described import Described
 from stickslip.show.formatting import Scale, percent, signed_percent
-
-DRAWS = 200
-"""Draws of each law from which features at other settings are read."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +178,10 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
         block, ends = towed(mechanism), (ENDS[0], 0.5, ENDS[1])
         near = [one.fit for one in self.candidates
                 if one.fit and (one is self.closest or one.name in self.rivals)]  # fmt: skip
-        rows = [np.nanquantile(one.foreseen([block], DRAWS)[:, 0], ends, axis=0) for one in near]
+        rows = [
+            np.nanquantile(one.foreseen([block], 2 * int(ENOUGH))[:, 0], ends, axis=0)
+            for one in near
+        ]
         low, high = np.min([x[0] for x in rows], axis=0), np.max([x[2] for x in rows], axis=0)
         return PredictionBand(low=low, median=rows[0][1], high=high)
 

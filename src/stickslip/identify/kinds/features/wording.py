@@ -21,7 +21,8 @@ from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.features.result import FeatureFit, pooled
 from stickslip.identify.kinds.features.verdict import FeatureCandidate, OtherSetting
 from stickslip.identify.ladder import probability_text
-from stickslip.identify.problems.stick_slip import MASS, STIFFNESS, UNKNOWN
+from stickslip.identify.problems.stick_slip import MASS
+from stickslip.identify.problems.velocity_steps import UNKNOWN
 from stickslip.identify.simulated import ENOUGH
 from stickslip.show.formatting import (
     joined,
@@ -38,8 +39,6 @@ BIASED = (
     " not reverse."
 )
 UNITS = {"speed": "m/s", "stiffness": "N/m", "load": "N"}
-TELLING = 0.9
-"""Expected width of what is asked, over that of now, up to which another setting tells much."""
 
 
 def outcomes(
@@ -200,7 +199,6 @@ def _measure_next(
             "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
             " 'friction.*,mass'. The nominal mass cannot oscillate as fast as measured."
         )
-    telling = [one for one in others if one.left < TELLING]
     if others:
         lines.append(setting_line(others[0], fit, rivals))
     if doubts.get(MASS, 0.0) >= UNKNOWN:
@@ -209,8 +207,6 @@ def _measure_next(
             " implies that the mass or the stiffness is not as stated, or that the body is not"
             " rigid."
         )
-    elif STIFFNESS in doubts and not telling:
-        lines.append("Load the spring with a known weight: its stiffness is in all that is told.")
     if fit.observed.drifts:
         lines.append("Repeat the pull after further passes, until the mean no longer drifts.")
     lines += [*corrections(checks, but=("drift",)), *longer(checks)]

@@ -12,8 +12,7 @@ from stickslip.data import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import RateState
 from stickslip.identify import THRESHOLDS
-from stickslip.identify.bands import LEVEL as PROBABILITY
-from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.bands import ENDS, Array, PredictionBand
 from stickslip.identify.fits import Estimate, Fit, estimates_for
 from stickslip.identify.judgement import ASSERTED
 from stickslip.identify.kinds.velocity_steps.slider import SliderHistory, simulate_velocity_steps
@@ -45,8 +44,6 @@ TOLD = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
 SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
-ENDS = (0.5 * (1.0 - PROBABILITY), 0.5 * (1.0 + PROBABILITY))
-"""Quantiles of draws between which 95 % lie."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
