@@ -18,6 +18,9 @@ What is stated of the machine replaces these deviations. Where several records a
 machine is the same in all. A block sticks and slips as friction falls, at once or with the speed:
 laws of either kind are together as probable as those of the other.
 
+Of a record of steady sliding the rows are the logarithm of the mean, and the scatter over the mean,
+which is 0 to 1 %.
+
 Beside every law there always are, in logarithms of the features (of the scatter twice that),
 
 * what the law lacks, alike in all records: .005, .015 or .05 (.45 .35 .2);
@@ -40,6 +43,7 @@ from stickslip.identify.posterior import Places
 from stickslip.identify.problems.limit_cycles import limit_cycles
 from stickslip.identify.problems.slip_features import READ, StickSlipFeatures
 from stickslip.identify.simulated import Always, FamilyPosterior, Simulated, Unknowns
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, fields_of, parameters
 
@@ -49,7 +53,7 @@ DOUBTS = {MASS: 0.05, STIFFNESS: 0.1}
 SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 0.5, "other": 1.5}
 """Prior deviations of coordinates of laws: see above."""
 LACKS = ((0.005, 0.45), (0.015, 0.35), (0.05, 0.2))
-"""Sizes of what laws lack and of what differs from run to run, with their probability: see above."""
+"""Sizes of what laws lack and of what differs from run to run, with their probability."""
 SHARES = np.array([1.0, 1.0, 2.0])
 """Sizes for frequency, mean and scatter over these: scatter is a difference of levels."""
 
@@ -62,14 +66,41 @@ class Setting:
     features: StickSlipFeatures
 
     @property
+    def slides(self) -> bool:
+        """Whether the block slides steadily: then frequency and scatter have no logarithms."""
+        return self.features.regime == "steady sliding"
+
+    @property
+    def lacking(self) -> Array:
+        """What features change in rows (r, 3) by a unit of what laws lack."""
+        every = np.diag(SHARES)
+        return np.array([every[1], np.zeros(3)]) if self.slides else every
+
+    def rows(self, features: Array) -> Array:
+        """Return features (k, 3) as rows (k, r): logarithms, or those of mean, and the scatter.
+
+        They are NaN for a block that slides steadily, unless that was measured.
+        """
+        _, mean, scatter = features.T
+        if self.slides:
+            return np.column_stack([np.log(mean), scatter / mean])
+        return np.log(np.where(features > 0.0, features, np.nan))
+
+    @property
+    def stretches(self) -> Array:
+        """Rows of stretches (s, r)."""
+        return self.rows(np.exp(self.features.stretches))
+
+    @property
     def centre(self) -> Array:
-        """Mean logarithms (3,)."""
-        return np.asarray(self.features.stretches.mean(axis=0))
+        """Means of rows (r,)."""
+        return np.asarray(self.stretches.mean(axis=0))
 
     @property
     def covariance(self) -> Array:
-        """Covariance of stretches (3, 3), which are read to a share at best."""
-        return np.asarray(np.cov(self.features.stretches.T) + READ**2 * np.eye(3))
+        """Covariance of rows of stretches (r, r), which are read to a share at best."""
+        read = [READ, THRESHOLDS.pattern] if self.slides else [READ] * 3
+        return np.asarray(np.cov(self.stretches.T) + np.diag(np.square(read)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,14 +164,14 @@ class StickSlip(Simulated):
         self._roots = [np.linalg.inv(np.linalg.cholesky(one.covariance)) for one in settings]
         self._counts = [len(one.features.stretches) for one in settings]
         self.measured = np.concatenate([
-            (root @ (one.features.stretches - one.centre).T).ravel()
+            (root @ (one.stretches - one.centre).T).ravel()
             for one, root in zip(settings, self._roots, strict=True)
         ])  # fmt: skip
         self.weights = np.ones(len(self.measured))
-        self.mean = math.exp(float(np.mean([one.centre[1] for one in settings])))
-        self.scatter = math.exp(float(np.mean([one.centre[2] for one in settings])))
+        logs = [one.features.stretches.mean(axis=0) for one in settings if not one.slides]
+        _, self.mean, self.scatter = np.exp(np.mean(logs, axis=0)).tolist()
         self.middle = float(np.mean([_speed_of(one.block) for one in settings]))
-        first = settings[0].block
+        first = self.first.block
         self.slip = first.speed + 2.0 * self.scatter * first.steady_load / math.sqrt(
             first.stiffness * first.mass
         )
@@ -150,13 +181,18 @@ class StickSlip(Simulated):
         stages = simple, [name for name in laws if name not in simple]
         self.stages = tuple(stage for stage in stages if stage)
 
+    @property
+    def first(self) -> Setting:
+        """The first record of stick-slip."""
+        return next(one for one in self.settings if not one.slides)
+
     def _always(self) -> Always:
         several = len(self.settings) > 1
         blocks = []
         for k, (one, root) in enumerate(zip(self.settings, self._roots, strict=True)):
-            own = np.zeros((3, 3 * len(self.settings)))
-            own[:, 3 * k : 3 * k + 3] = np.diag(SHARES)
-            lacks = np.diag(SHARES), (_speed_of(one.block) - self.middle) * np.diag(SHARES)
+            own = np.zeros((len(one.lacking), 3 * len(self.settings)))
+            own[:, 3 * k : 3 * k + 3] = one.lacking
+            lacks = one.lacking, (_speed_of(one.block) - self.middle) * one.lacking
             rows = root @ np.hstack([*lacks, *([own] if several else [])])
             blocks.append(np.repeat(rows, self._counts[k], axis=0))
         sizes, chances, self.runs = list[list[float]](), list[float](), list[float]()
@@ -200,7 +236,7 @@ class StickSlip(Simulated):
 
     @property
     def _steep(self) -> float:
-        return self.mean * self.block.steady_load / self.slip
+        return float(self.mean * self.block.steady_load / self.slip)
 
     def paths(self, family: str) -> tuple[str, ...]:
         """Return the paths of what is unknown of a family: those of the law, then the block's."""
@@ -239,8 +275,8 @@ class StickSlip(Simulated):
         return np.array(point)
 
     def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
-        law, first = self.laws[family], self.settings[0]
-        swing = math.exp(first.centre[0]) * 2.0 * math.pi
+        law, first = self.laws[family], self.first
+        swing = first.features.frequency * 2.0 * math.pi
         block = first.block
         rigid = block.speed * math.sqrt(block.stiffness * block.mass) / block.steady_load
         swung = math.sqrt(max(2.0 * self.scatter**2 - rigid**2, 0.01 * self.scatter**2))
@@ -285,20 +321,19 @@ class StickSlip(Simulated):
     def _period(self, block: TowedBlock) -> float:
         """Return a guess of the period of a block [s]: that of a swing, and the time it sticks."""
         for one in self.settings:
-            if one.block == block:
+            if one.block == block and not one.slides:
                 return 1.0 / one.features.frequency
         natural = 2.0 * math.pi * math.sqrt(block.mass / block.stiffness)
-        return natural + 4.0 * self.scatter * block.steady_load / (block.stiffness * block.speed)
+        sticks = 4.0 * self.scatter * block.steady_load / (block.stiffness * block.speed)
+        return float(natural + sticks)
 
     def simulate(self, asked: Mapping[str, Array]) -> dict[str, Array]:
         blocks, found = [one.block for one in self.settings], dict[str, Array]()
         for family, points in asked.items():
             features = self.cycles(family, points, blocks)
-            # a block that slides steadily has no features
-            logs = np.log(np.where(features > 0.0, features, np.nan))
             parts = []
             for k, (one, root) in enumerate(zip(self.settings, self._roots, strict=True)):
-                own = root @ (logs[:, k] - one.centre).T
+                own = root @ (one.rows(features[:, k]) - one.centre).T
                 parts.append(np.repeat(own, self._counts[k], axis=0))
             rows = np.concatenate(parts)
             found[family] = np.where(np.isfinite(rows), rows, np.nan)

@@ -212,15 +212,15 @@ def settings_of(block: TowedBlock, measurement: Measurement) -> list[Setting]:
                 " 0: count force and speed positive in the direction of the pull, with a gain such"
                 ' as gain={"spring_force": -1}, or correct the offset of the force.'
             )
-        if features.regime == "steady sliding":
-            raise InputError(
-                "the force is that of steady sliding: its standard deviation is"
-                f" {percent(features.standard_deviation / features.mean)} of its mean, so there is"
-                " no stick-slip to compare. Its mean is friction at"
-                f" {quantity(own.speed, 'm/s')}: pull at several speeds, and give velocity and"
-                " friction as a table."
-            )
         found.append(Setting(block=own, features=features))
+    if all(one.slides for one in found):
+        features = found[0].features
+        raise InputError(
+            "the force is that of steady sliding: its standard deviation is"
+            f" {percent(features.standard_deviation / features.mean)} of its mean, so there is"
+            f" no stick-slip to compare. Its mean is friction at {quantity(block.speed, 'm/s')}:"
+            " pull at several speeds, and give velocity and friction as a table."
+        )
     return found
 
 

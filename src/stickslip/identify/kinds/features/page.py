@@ -275,6 +275,8 @@ def _features(fit: FeatureFit) -> Table:
         several = len(blocks) > 1
         at = f", {quantity(setting.block.speed, 'm/s')}" if several else ""
         for i, name in enumerate(COMPARED):
+            if setting.slides and i != 1:
+                continue
             value = float(setting.features.compared[i])
             half = 2.0 * float(np.sqrt(setting.features.covariance[i, i])) * abs(value)
             shown, doubt = estimate_text(value, half)

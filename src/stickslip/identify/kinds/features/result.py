@@ -66,7 +66,7 @@ class FeatureFit(Fit[Law_co]):
     @property
     def observed(self) -> StickSlipFeatures:
         """Features of the first record."""
-        return self.problem.settings[0].features
+        return self.problem.first.features
 
     @cached_property
     def draws(self) -> Mapping[str, Array]:
@@ -229,9 +229,11 @@ def result_of(
     others = {path: x for path, x in values.items() if path not in own}
     blocks = [one.block for one in problem.settings]
     mode = problem.cycles(name, family.mode[None], blocks)[0]
-    observed = np.exp([one.centre for one in problem.settings])
-    off = mode / observed - 1.0
-    errors = np.sqrt(np.mean(off**2, axis=0)) * np.sign(off.sum(axis=0) + 1e-300)
+    off = np.array([
+        one.rows(features[None])[0] - one.centre
+        for one, features in zip(problem.settings, mode, strict=True) if not one.slides
+    ])  # fmt: skip
+    errors = np.sqrt(np.mean(np.expm1(off) ** 2, axis=0)) * np.sign(off.sum(axis=0) + 1e-300)
     block = replace(problem.block, load=problem.block.steady_load)
     fit = FeatureFit(
         law=with_values(problem.laws[name].law, "friction", others),
@@ -240,7 +242,9 @@ def result_of(
         cancelled=posterior.cancelled,
         measurement=measurement,
         name=name,
-        predicted=dict(zip(COMPARED, mode[0].tolist(), strict=True)),
+        predicted=dict(
+            zip(COMPARED, mode[problem.settings.index(problem.first)].tolist(), strict=True)
+        ),
         errors=dict(zip(COMPARED, errors.tolist(), strict=True)),
         problem=problem,
         posterior=posterior,

@@ -159,7 +159,7 @@ def _verdict(
         candidates=tuple(told),
         best=None if closest.fit.missed else told[0],
         ranked=len(told) > 1 and not rivals,
-        features=problem.settings[0].features,
+        features=problem.first.features,
         checks=checks,
         rivals=tuple(one.name for one in rivals),
         settings=others,
@@ -168,7 +168,7 @@ def _verdict(
 
 def other_settings(fits: Sequence[FeatureFit]) -> tuple[OtherSetting, ...]:
     """Return what the closest law and its rivals predict elsewhere, the most telling first."""
-    first = fits[0].problem.settings[0]
+    first = fits[0].problem.first
     asked, blocks = [], []
     for name, factors in OTHERS.items():
         for factor in factors:

@@ -178,10 +178,8 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
         block, ends = towed(mechanism), (ENDS[0], 0.5, ENDS[1])
         near = [one.fit for one in self.candidates
                 if one.fit and (one is self.closest or one.name in self.rivals)]  # fmt: skip
-        rows = [
-            np.nanquantile(one.foreseen([block], 2 * int(ENOUGH))[:, 0], ends, axis=0)
-            for one in near
-        ]
+        draws = [one.foreseen([block], 2 * int(ENOUGH))[:, 0] for one in near]
+        rows = [np.nanquantile(one, ends, axis=0) for one in draws]
         low, high = np.min([x[0] for x in rows], axis=0), np.max([x[2] for x in rows], axis=0)
         return PredictionBand(low=low, median=rows[0][1], high=high)
 
