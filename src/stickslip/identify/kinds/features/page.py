@@ -191,7 +191,7 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
     """Return the section with the measured and the simulated force."""
     fit = _fit(verdict)
     record, load = fit.measurement.records()[0], fit.problem.settings[0].block.steady_load
-    if fit.problem.settings[0].block != fit.problem.block and len(fit.problem.settings) > 1:
+    if len(fit.problem.settings) > 1:
         return None  # the limit cycle is that of the block as it is stated
     time, force = np.asarray(record.time), np.asarray(record.values("spring_force")) / load
     excerpt = _excerpt(fit, time, force)
@@ -284,7 +284,7 @@ def _features(fit: FeatureFit) -> Table:
                 f"{LABELS[name]}{at}",
                 Number(value=shown, doubt=doubt, unit=UNITS.get(name, "")),
                 _sized(name, float(mode[i])),
-                signed_percent(float(mode[i]) / value - 1.0),
+                signed_percent(round(float(mode[i]) / value - 1.0, 4)),
             ]
             rows.append(Row(cells=tuple(cells)))
     caption = "Measured: with two standard errors, by how stretches of whole cycles scatter."

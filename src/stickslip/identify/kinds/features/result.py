@@ -21,7 +21,7 @@ from stickslip.identify.problems.slip_features import (
     StickSlipFeatures,
     features_of,
 )
-from stickslip.identify.problems.stick_slip import MASS, SHARES, StickSlip
+from stickslip.identify.problems.stick_slip import MASS, SHARES, SPREADS, StickSlip
 from stickslip.identify.problems.travels import UNTOLD
 from stickslip.identify.simulated import FamilyPosterior, SimulatedPosterior
 from stickslip.mechanisms import TowedBlock
@@ -274,9 +274,11 @@ def _estimates(fit: FeatureFit, values: Mapping[str, float]) -> list[Estimate]:
 
 
 def _is_prior(fit: FeatureFit, path: str) -> bool:
-    """Whether draws of a coordinate are as wide as its prior."""
-    unknowns = fit.family.unknowns
+    """Whether draws are as wide as the prior; of a level above another, as that of levels."""
+    unknowns, laws = fit.family.unknowns, fit.problem.laws
     at = unknowns.names.index(path)
+    if path not in fit.problem.doubts and laws[fit.name].kind(path) == "surplus":
+        return float(np.std(np.log(fit.draws[path]))) > UNTOLD * SPREADS["level"]
     return float(np.std(fit.family.points[:, at])) > UNTOLD * float(unknowns.deviation[at])
 
 

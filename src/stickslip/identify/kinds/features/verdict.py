@@ -106,7 +106,7 @@ def _error_column(name: str) -> Column[FeatureCandidate]:
     return Column(
         key=f"{name}_error", title=SHORT.get(name, name), page=name.replace("_", "\n"),
         phone="label", label=name.replace("_", " "), value=error,
-        text=lambda one: signed_percent(error(one)) if one.fit else None,
+        text=lambda one: signed_percent(round(error(one), 4)) if one.fit else None,
     )  # fmt: skip
 
 
