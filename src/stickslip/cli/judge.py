@@ -17,8 +17,7 @@ from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
-from stickslip.identify import kinds
-from stickslip.identify.candidates import Verdict
+from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
 from stickslip.quantities import Quantity, parameters
 from stickslip.show import documents

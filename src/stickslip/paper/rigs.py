@@ -16,7 +16,7 @@ from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven, FixedStep
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError
-from stickslip.identify.criteria import Criteria, criteria_of
+from stickslip.identify import Criteria, criteria_of
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds import TravelVerdict
 from stickslip.mechanisms import PendulumCart, Prescribed, SpringBlock, TowedBlock

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
-from stickslip.identify.candidates import Verdict
+from stickslip.identify import Verdict
 from stickslip.identify.fits import Fit, Prediction, RecordFit, inverse_dynamics, load_of
 from stickslip.quantities import turned
 from stickslip.show.formatting import Scale, scale_of
