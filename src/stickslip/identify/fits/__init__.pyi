@@ -21,12 +21,9 @@ from stickslip.identify.fits.estimation.jackknife import effective_size as effec
 from stickslip.identify.fits.estimation.jackknife import infer as infer
 from stickslip.identify.fits.estimation.jackknife import quantile_of as quantile_of
 from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
-from stickslip.identify.fits.estimation.levenberg_marquardt import Counter as Counter
 from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult
 from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch
-from stickslip.identify.fits.estimation.levenberg_marquardt import improve as improve
 from stickslip.identify.fits.estimation.levenberg_marquardt import search as search
-from stickslip.identify.fits.estimation.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
