@@ -50,21 +50,9 @@ def limit_cycles(
 ) -> Array:
     """Return frequency [Hz], mean and scatter of the force over the load (n, 3).
 
-    Parameters
-    ----------
-    block : TowedBlock
-        The block; its load stays the same whatever its mass.
-    law : FrictionLaw
-        Holds what is not in `values`.
-    values : mapping of str to array (n,)
-        Values by path.
-    period : array (n,)
-        Periods that are expected [s], for runs of the engine.
-
-    Returns
-    -------
-    array (n, 3)
-        Frequency and scatter are 0 where the block slides steadily; NaN where a run fails.
+    `values` has arrays (n,) by path, `law` what is not in it, and `period` the periods that are
+    expected [s], for runs of the engine. Frequency and scatter are 0 where a block slides steadily;
+    features are NaN where a run fails. The load stays the same whatever the mass.
 
     Examples
     --------

@@ -120,6 +120,11 @@ class FeatureFit(Fit[Law_co]):
             The block as it is set.
         count : int
             Draws.
+
+        Returns
+        -------
+        array (k, b, 3)
+            Frequency [Hz], mean and standard deviation of the force over the load.
         """
         which = np.linspace(0, len(self.family.points) - 1, count).astype(np.intp)
         return self.problem.foreseen(self.name, self.family, blocks, which)

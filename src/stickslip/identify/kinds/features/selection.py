@@ -95,6 +95,11 @@ def select_features(
     -------
     FeatureVerdict
         Candidates, the law to use, what to measure next, and sentences.
+
+    Raises
+    ------
+    InputError
+        If no law has a level, or a record or the mechanism will not do.
     """
     chosen = feature_laws(laws)
     checks = checked(mechanism, measurement, validate)
