@@ -44,6 +44,7 @@ from stickslip.identify.bands import Array
 from stickslip.identify.fits import BLOCKS, effective_size
 from stickslip.identify.posterior import allotted
 from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.show.formatting import significant
 
 ROUNDS = 40
 """Steps of the search from a start at most."""
@@ -178,6 +179,16 @@ class FamilyPosterior:
     """Quantiles of 2.5, 50 and 97.5 % of the rows (3, n), without their noise."""
     rms: float
     """Root mean square of what the mode leaves; infinite where no run works."""
+
+    @property
+    def few_draws(self) -> tuple[str, ...]:
+        """What is not told where few draws count, as a sentence; empty where enough do."""
+        if self.effective >= ENOUGH / 3.0:
+            return ()
+        return (
+            "The intervals to better than a third: the effective number of draws is"
+            f" {significant(self.effective, 2)}.",
+        )
 
 
 class SimulatedPosterior:

@@ -23,6 +23,7 @@ from stickslip.identify.fits import (
     known_inputs,
     names_of,
 )
+from stickslip.identify.ladder import probability_text
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import (
     NO_VALUE,
@@ -37,6 +38,7 @@ from stickslip.show.report import (
     Axis,
     Cell,
     Colour,
+    Fact,
     Number,
     Origin,
     Row,
@@ -431,6 +433,17 @@ class Kind(ABC, Generic[F, V]):
         be said.
         """
         return ""
+
+
+def probable_text(share: float, laws: int) -> str:
+    """Return how probable the closest of several laws is, as a sentence; empty if there is one."""
+    return f"{probability_text(share)} probable among {laws} laws. " if laws > 1 else ""
+
+
+def share_fact(share: float, laws: int) -> tuple[Fact, ...]:
+    """Return how probable the closest of several laws is, for a page; nothing if there is one."""
+    fact = Fact(value=probability_text(share), what=f"probability among {laws} laws")
+    return (fact,) if laws > 1 else ()
 
 
 def restarts_text(agreeing: int, starts: int) -> str:

@@ -165,9 +165,13 @@ def asked_of(
 def _check_start(path: str, law: FrictionLaw) -> None:
     name = path.partition(".")[2]
     one = fields_of(type(law))[name]
-    if one.scale in ("level", "force", "speed", "slope") or (getattr(law, name) or 0.0) > 0.0:
-        return
-    raise InputError(f"a fit to features needs a start value above 0 for {path}, got 0.")
+    if one.scale not in ("level", "force", "speed", "slope"):
+        _check_above_zero(path, getattr(law, name) or 0.0)
+
+
+def _check_above_zero(path: str, value: float) -> None:
+    if not value > 0.0:
+        raise InputError(f"a fit to features needs a start value above 0 for {path}, got 0.")
 
 
 def _doubts(
@@ -187,8 +191,7 @@ def _doubts(
     found |= {path: math.log1p(error / known[path]) for path, error in stated.items()
               if known[path] > 0.0}  # fmt: skip
     for path in chosen.unknown:
-        if not known[path] > 0.0:
-            raise InputError(f"a fit to features needs a start value above 0 for {path}, got 0.")
+        _check_above_zero(path, known[path])
         found[path] = UNKNOWN
     return found
 

@@ -16,8 +16,7 @@ from stickslip.identify.kinds.features.verdict import (
     OtherSetting,
 )
 from stickslip.identify.kinds.features.wording import UNITS as SETTING_UNITS
-from stickslip.identify.kinds.kind import page_table
-from stickslip.identify.ladder import probability_text
+from stickslip.identify.kinds.kind import page_table, share_fact
 from stickslip.identify.problems.limit_cycles import SAMPLES, WATCHED
 from stickslip.identify.problems.slip_features import COMPARED, StickSlipFeatures
 from stickslip.quantities import fields_of
@@ -122,10 +121,8 @@ def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
 
 
 def _facts(verdict: FeatureVerdict) -> tuple[Fact, ...]:
-    facts, fit = [], _fit(verdict)
-    if len(verdict.candidates) > 1:
-        what = f"probability among {len(verdict.candidates)} laws"
-        facts.append(Fact(value=probability_text(verdict.closest.share), what=what))
+    fit = _fit(verdict)
+    facts = [*share_fact(verdict.closest.share, len(verdict.candidates))]
     what = "error of frequency, mean and standard deviation of its limit cycle, root mean square"
     facts += [Fact(value=percent(fit.rms), what=what), _motion(verdict.features)]
     return tuple(facts[:3])

@@ -20,10 +20,10 @@ from stickslip.identify.candidates import (
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.features.result import FeatureFit, pooled
 from stickslip.identify.kinds.features.verdict import FeatureCandidate, OtherSetting
+from stickslip.identify.kinds.kind import probable_text
 from stickslip.identify.ladder import probability_text
 from stickslip.identify.problems.stick_slip import MASS
 from stickslip.identify.problems.velocity_steps import UNKNOWN
-from stickslip.identify.simulated import ENOUGH
 from stickslip.show.formatting import (
     joined,
     number,
@@ -116,9 +116,7 @@ def _lede(ordered: Sequence[FeatureCandidate], fit: FeatureFit) -> str:
             f"Its limit cycle has frequency, mean and scatter to {percent(THRESHOLDS.negligible)}."
         )
     fitted = sum(one.fit is not None for one in ordered)
-    if fitted > 1:
-        share = probability_text(ordered[0].share)
-        text = f"{share} probable among {fitted} laws. {text}"
+    text = probable_text(ordered[0].share, fitted) + text
     records = len(fit.problem.settings)
     if records > 1:
         text += f" {records} records tell it."
@@ -167,11 +165,7 @@ def _cannot_tell(fit: FeatureFit, rivals: Sequence[FeatureCandidate]) -> tuple[s
             f"{in_sentence(one.title)} is {probability_text(one.share)} probable" for one in rivals
         ])  # fmt: skip
         lines.append(f"Which law: {shares}.")
-    if fit.family.effective < ENOUGH / 3.0:
-        lines.append(
-            "The intervals to better than a third: the effective number of draws is"
-            f" {significant(fit.family.effective, 2)}."
-        )
+    lines += fit.family.few_draws
     lines += [f"${one.quantity.symbol}$: {one.reason}." for one in fit.estimates if one.reason]
     lines += sentences_of(fit.findings, "scatter", "drift", "machine")
     if fit.problem.doubts.get(MASS, 0.0) >= UNKNOWN:

@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.kind import page_table
+from stickslip.identify.kinds.kind import page_table, share_fact
 from stickslip.identify.kinds.velocity_steps.result import SETTLED, RateStateFit
 from stickslip.identify.kinds.velocity_steps.verdict import (
     COEFFICIENT,
@@ -15,7 +15,6 @@ from stickslip.identify.kinds.velocity_steps.verdict import (
     RateStateCandidate,
     RateStateVerdict,
 )
-from stickslip.identify.ladder import probability_text
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
     Scale,
@@ -111,11 +110,7 @@ def _held_text(name: str, value: str) -> str:
 
 
 def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
-    share = verdict.closest.share
-    facts = []
-    if len(verdict.candidates) > 1:
-        what = f"probability among {len(verdict.candidates)} laws"
-        facts.append(Fact(value=probability_text(share), what=what))
+    facts = [*share_fact(verdict.closest.share, len(verdict.candidates))]
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
         symbols = " − ".join(f"${symbol}$" for symbol in fit.rate_symbols)

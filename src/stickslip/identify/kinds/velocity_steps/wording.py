@@ -10,11 +10,11 @@ from stickslip.friction import RATE_STATE_FORMS, RateStateForm
 from stickslip.identify import THRESHOLDS
 from stickslip.identify.candidates import MOST, ONE_LAW, Wording, corrections
 from stickslip.identify.judgement import RIVAL
+from stickslip.identify.kinds.kind import probable_text
 from stickslip.identify.kinds.velocity_steps.result import RateStateFit
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate
 from stickslip.identify.ladder import probability_text
 from stickslip.identify.problems.velocity_step_paths import SHORTEST
-from stickslip.identify.simulated import ENOUGH
 from stickslip.show.formatting import capital, joined, number, quantity, ratio, significant, span
 
 OWN = ("a", "b", "D_c", "b_2", "D_2", "c")
@@ -114,8 +114,7 @@ def _verdict(fit: RateStateFit, rival: RateStateCandidate | None, fault: str) ->
 
 def _lede(ordered: Sequence[RateStateCandidate], fit: RateStateFit, fault: str) -> str:
     text = f"It leaves {number(fit.rms, 2)} of the coefficient of friction, root mean square"
-    if len(ordered) > 1:
-        text = f"{probability_text(ordered[0].share)} probable among {len(ordered)} laws. {text}"
+    text = probable_text(ordered[0].share, len(ordered)) + text
     text += f": {fault}." if fault else "."
     if fit.rate.interval != "known":
         text += f" {_about_rate(fit)}"
@@ -170,11 +169,7 @@ def _cannot_tell(
     lines = []
     if rival is not None:
         lines.append(f"Which law: {_law(rival)} is {probability_text(rival.share)} probable.")
-    if fit.family.effective < ENOUGH / 3.0:
-        lines.append(
-            "The intervals to better than a third: the effective number of draws is"
-            f" {significant(fit.family.effective, 2)}."
-        )
+    lines += fit.family.few_draws
     if fit.law.evolution != "none" and not fit.separable:
         lines.append("$a$ and $b$: larger and smaller ones of the same difference fit as well.")
     lines += [f"${e.quantity.symbol}$: {e.reason}." for e in fit.estimates if e.reason]
