@@ -1,8 +1,8 @@
 """Random rigs with known friction: do intervals cover the truth?
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
-file line by line, and a run that was killed goes on where it was. ``--variant clean`` asks it
-of axes with Coulomb and viscous friction whose records have the noise of an encoder and nothing else;
+file line by line, and a run that was killed goes on where it was. ``--variant clean`` asks it of
+axes with Coulomb and viscous friction whose records have the noise of an encoder and nothing else;
 ``--variant drag`` leaves a drag term out of the law that is fitted, and ``--variant drift`` lets
 friction levels grow by 5 % over a record: what do intervals cover then?
 """

@@ -58,7 +58,6 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
             ("select", "map.toml", "--starts", "2"),
             "--starts applies to `fit` of tables of friction",
         ),
-        (("select", "map.toml", "--workers", "2"), "it has no effect on tables of friction"),
         (("select", "map.toml", "--route", "force-map"), "--route 'force-map' applies to `fit`"),
         (("fit", "axis.toml", "--segment", "-1"), "stickslip: --segment must be a time above 0 s"),
     ],

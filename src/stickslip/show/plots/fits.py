@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
-from stickslip.identify import JointLawFit, JointVerdict, draw_joints
-from stickslip.identify.candidates import Verdict
+from stickslip.identify import JointLawFit, JointVerdict, Verdict, draw_joints
 from stickslip.identify.fits import Fit, RecordFit, inverse_dynamics, load_of
 from stickslip.show.formatting import scale_of
 from stickslip.show.plots import axes as drawing
