@@ -12,6 +12,7 @@ from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_i
 from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import unvaried as unvaried
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
+from stickslip.identify.fits.estimation.estimates import TOGETHER as TOGETHER
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
 from stickslip.identify.fits.estimation.estimates import estimates_of as estimates_of
 from stickslip.identify.fits.estimation.estimates import offset_left_out as offset_left_out

@@ -57,8 +57,6 @@ MOST_CONDITIONS = 4
 DRAWS = 4000
 BROAD = 10.0
 """Deviation of the mean of all trials over its value."""
-TOGETHER = 0.9
-"""Correlation from which two conditions say the same."""
 NOT_ALONE = (
     "only trials that can be fitted individually are compared: records in time or measured"
     " friction, not travels or the force of a spring."
