@@ -41,6 +41,8 @@ DEVIATIONS = 2.0
 """Deviations of the posterior by which a law may be off."""
 SMALL = 0.3
 """Least size of friction, over its root mean square, by which distances are taken."""
+EXACT = 0.5
+"""Probability that what no law says is below the noise, from which the evidence names."""
 COST = 0.15
 """Part of its distance that a parameter must save, or a place from usual to unusual, where no law
 is exact."""

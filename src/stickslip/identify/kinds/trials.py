@@ -29,7 +29,13 @@ from stickslip.engine.solver import notice
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import ASSERTED, INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
-from stickslip.identify.fits import Estimate, RecordSettings, check_given, uncertainties_of
+from stickslip.identify.fits import (
+    TOGETHER,
+    Estimate,
+    RecordSettings,
+    check_given,
+    uncertainties_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table

@@ -83,8 +83,8 @@ LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
 """Powers of the load with their priors: in proportion, adhesive, elastic contact."""
 RULES = {"own": 0.5, "all": 0.4, "hersey": 0.1}
 """Whether dry parts alone, all parts, or a surplus over speed / load follow the load."""
-NOISES, NOISES_PRIOR = ("even", "force"), (0.6, 0.4)
-"""What noise grows with."""
+NOISES_PRIOR = (0.6, 0.4)
+"""Whether noise is even, or grows with the force."""
 NOISE, NOISE_FACTOR = 0.02, 1.2
 """Median of the noise, and the deviation of its logarithm: readings of a careful experiment."""
 NOISE_RANGE = (1e-4, 1.3)
