@@ -261,10 +261,6 @@ class EstimationOptions:
     """Whether positions of each record count from an unknown place, as where encoders were set to 0
     at rest. Default: yes for a body that swings or slides freely, no for records of several
     joints."""
-    friction_delay: float | None = None
-    """For measured friction: how long after the motion it is recorded [s] (default 0)."""
-    friction_lag: float | None = None
-    """For measured friction: time constant of a first-order filter of it [s] (default 0)."""
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from stickslip.engine.trajectory import Trajectory
 from stickslip.identify.fits.estimation.parameters import FreeParameters
-from stickslip.identify.fits.settings import PROMPT, SensorResponse
 
 Array = NDArray[np.float64]
 
@@ -166,11 +165,6 @@ class RecordProblem(Problem):
     def samples(self) -> tuple[FrictionSamples, ...]:
         """Friction along the measured motion, by stretch; empty where motion is simulated."""
         return ()
-
-    @property
-    def response(self) -> SensorResponse:
-        """How the channel of measured friction shows a force."""
-        return PROMPT
 
     @property
     def joints(self) -> NDArray[np.str_] | None:

@@ -20,11 +20,11 @@ from stickslip.errors import InputError, check_even_times
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import inputs_along
 from stickslip.identify.fits.estimation.bristle_integration import Path
-from stickslip.identify.fits.settings import LEAST, PROMPT, SensorResponse
+from stickslip.identify.fits.settings import LEAST
 from stickslip.identify.fits.signals import GAP, LowPass, low_pass
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
-from stickslip.show.formatting import joined, number, quantity
+from stickslip.show.formatting import joined, number
 
 Array = NDArray[np.float64]
 
@@ -98,8 +98,6 @@ class MotionSegment:
     None where positions count from where the mechanism's do."""
     weighed: bool = False
     """Whether the load is the weight of the mechanism's mass."""
-    response: SensorResponse = PROMPT
-    """How the sensor shows friction that was measured; the motion is moved by its delay."""
 
     def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
         """Return which samples (n,) are of some segments; all if none are given."""
@@ -109,8 +107,6 @@ class MotionSegment:
 
     def seen(self, force: Array) -> Array:
         """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
-        if self.response.lag:
-            return self.response.filtered(self.path.time, force)
         if not self.passed:
             return force
         padded = np.concatenate([force[:1], force, force[-1:]])
@@ -185,7 +181,6 @@ def stretches_of(
     *,
     segment: float | None = None,
     samples: float = np.inf,
-    response: SensorResponse = PROMPT,
 ) -> tuple[MotionSegment, ...]:
     """Return the stretches of a measurement of friction.
 
@@ -205,14 +200,13 @@ def stretches_of(
     found: list[MotionSegment] = []
     for index, record in enumerate(measurement.records()):
         _check(record)
-        _check_response(record, response)
         set_up = vary(mechanism, "mechanism", record.overrides)
         load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
             found.append(_table(index, set_up, record, load, count))
         else:
-            own = _series(index, record, load, count, segment, samples, response)
+            own = _series(index, record, load, count, segment, samples)
             found.extend(_informed(one, set_up, record) for one in own)
     return tuple(found)
 
@@ -242,24 +236,6 @@ def _check(record: Measurement) -> None:
         )
     if record.time is not None and size < LEAST:
         raise InputError(f"a force map needs at least {LEAST} samples, and {label} has {size}.")
-
-
-def _check_response(record: Measurement, response: SensorResponse) -> None:
-    """Refuse a delay of what has no time, or one that is as long as the record."""
-    if response == PROMPT:
-        return
-    if record.time is None:
-        raise InputError(
-            "friction_delay and friction_lag need friction in time; a table of friction against"
-            " velocity has none: leave them out."
-        )
-    span = float(np.ptp(record.time))
-    for name, value in (("friction_delay", response.delay), ("friction_lag", response.lag)):
-        if abs(value) >= span:
-            raise InputError(
-                f"{name} must be shorter than the record of {quantity(span, 's')}, got"
-                f" {quantity(value, 's')}: give it in seconds."
-            )
 
 
 def _other_way(record: Measurement) -> str:
@@ -338,8 +314,8 @@ def _own_load(mechanism: Mechanism) -> float:
 
 
 def _informed(one: MotionSegment, mechanism: Mechanism, record: Measurement) -> MotionSegment:
-    """Return a stretch with its contact inputs, at the times that its forces came with."""
-    time, times = one.path.time - one.response.delay, np.asarray(record.time, dtype=float)
+    """Return a stretch with its contact inputs."""
+    time, times = one.path.time, np.asarray(record.time, dtype=float)
     signals: dict[str, Any] = {
         name: np.interp(time, times, np.asarray(record.values(name)))
         for name in ("position", "force")
@@ -388,7 +364,6 @@ def _series(
     first: int,
     segment: float | None,
     samples: float,
-    response: SensorResponse,
 ) -> Iterator[MotionSegment]:
     """Yield the stretches of a record in time, leaving out those too short to use."""
     time = np.asarray(record.time, dtype=float)
@@ -397,11 +372,10 @@ def _series(
     every = max(1, int(np.ceil(len(time) / samples)))
     steps = np.diff(time)
     cuts = np.flatnonzero(steps > GAP * np.median(steps)) + 1
-    for every_row in np.split(np.arange(len(time)), cuts):
-        rows = every_row[response.known(time[every_row])]
+    for rows in np.split(np.arange(len(time)), cuts):
         if len(rows) < LEAST:
             continue
-        position, velocity, slowness = _motion(record, time, every_row, response)
+        position, velocity, slowness = _motion(record, time, rows)
         picked = slice(None, None, every)
         t = time[rows][picked]
         span = float(t[-1] - t[0])
@@ -418,21 +392,15 @@ def _series(
             friction=friction[rows][picked],
             segment=first + share,
             resting=velocity[picked] == 0.0,
-            # what held the body is shown late
-            held=np.interp(t + response.lag, time[rows], friction[rows]),
+            held=friction[rows][picked],
             slack=BEYOND * noise_of(friction[rows]),
             slowness=slowness,
-            response=response,
         )
         first += count
 
 
-def _motion(
-    record: Measurement, time: Array, rows: NDArray[np.intp], response: SensorResponse
-) -> tuple[Array, Array, float]:
+def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array, float]:
     """Return position and velocity of a stretch, each measured or from the other one.
-
-    They are those that the force of a sample came with, earlier by its delay.
 
     Velocities are 0 where none is resolved (`_resolved`). The third value is the speed [m/s] that
     they may have there.
@@ -440,12 +408,11 @@ def _motion(
     Positions are not filtered, but held while nothing moves: bristles see displacement, which noise
     changes least, and on measured loops every filter that was tried made the prediction worse.
     """
-    known, times = record.quantities(), time[rows]
-    t = times[response.known(times)]
+    known, t = record.quantities(), time[rows]
     if "velocity" in known:
         recorded = np.asarray(record.values("velocity"), dtype=float)[rows]
         doubt = _noise_beside_motion(recorded)
-        velocity = response.moved(times, recorded)
+        velocity = recorded
         fast = usual_top_speed(velocity)
     if "position" not in known:
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
@@ -453,9 +420,9 @@ def _motion(
         unsure = min(BEYOND * doubt, SLOWEST * fast)
         return position, np.where(np.abs(velocity) <= unsure, 0.0, velocity), unsure
     recorded = np.asarray(record.values("position"), dtype=float)[rows]
-    step = step_of(recorded)  # between samples, where a delay may lead, there are no steps
+    step = step_of(recorded)
     reach = reach_of(recorded, _noise_beside_motion(recorded, step))
-    position = response.moved(times, recorded)
+    position = recorded
     derived = "velocity" not in known
     if derived:
         velocity, doubt = _velocity(t, position, step)
