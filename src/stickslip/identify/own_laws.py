@@ -285,11 +285,13 @@ def own_composition(
         for at, (name, _) in enumerate(structure)
         if is_slope(name) and name.place >= 0
     }
-    still = {
-        name: np.full(len(coefficients), getattr(first.own.law, name))
-        for name in first.own.untold
-        if name not in values
-    }
+    law, still = first.own.law, dict[str, Array]()
+    for name in {*first.own.untold} - {*values}:
+        base = fields_of(type(law))[name].at_least
+        if base in values and getattr(law, name) == getattr(law, base):
+            still[name] = values[base]  # nothing tells that it is above
+        else:
+            still[name] = np.full(len(coefficients), getattr(law, name))
     return Composition(text="", values=values | still, own=first.own)
 
 
