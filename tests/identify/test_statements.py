@@ -457,12 +457,10 @@ def test_a_body_without_friction_has_no_law_of_that_name():
 
 def test_a_parameter_that_is_not_identified_has_no_number():
     v = np.linspace(0.3, 1.0, 8)
-    noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=(3, v.size))[2]
-    found = fit(
-        Axis(inertia=1.0), Stribeck, Measurement(velocity=v, friction=(4.0 + 3.0 * v) * noise)
-    )
+    noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=v.size)
+    table = Measurement(velocity=v, friction=(4.0 + 3.0 * v) * noise)
+    found = fit(Axis(inertia=1.0), CoulombViscousStatic, table)
     left = [estimate for estimate in found.estimates if not estimate.bounded]
     assert left
     assert all("not identified" in str(one) and "N" not in str(one) for one in left)
-    said = " ".join(found.sentences)
-    assert not re.search(r"correlated \(.?\d{2,}", said)  # a correlation is at most 1
+    assert any(said.startswith("$mu_s$ is not told") for said in found.sentences)

@@ -415,11 +415,11 @@ def test_a_verdict_of_a_record_is_plotted_as_its_band_with_the_law(results):
 
 
 def test_residuals_of_a_fit_have_a_panel_for_what_is_known(results):
-    panels = plots.plot_residuals(results["record fit"], Figure())
-    assert [axes.get_xlabel() for axes in panels] == ["velocity, m/s"]
-    few = Measurement(velocity=V[::20], friction=TABLE.friction[::20])
+    found = simulated()
+    panels = plots.plot_residuals(found, Figure())
+    assert [axes.get_xlabel() for axes in panels] == ["time, s", "velocity, m/s", "position, m"]
     with pytest.raises(InputError, match="has 20 residuals, too few"):
-        plots.plot_residuals(fit(Axis(inertia=1.0), Coulomb, few))
+        plots.plot_residuals(simulated(20))
 
 
 def test_estimates_are_a_table_with_a_row_each(results):
