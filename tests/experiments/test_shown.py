@@ -112,6 +112,8 @@ def test_no_public_result_prints_its_arrays():
     along = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED) + 0.01 * np.sin(SPEED))
     fitted = fit(Axis(inertia=1.0), Coulomb, along)
     again = Measurement(velocity=SPEED, friction=2.02 * np.sign(SPEED))
-    assert repr(fitted.predict(again)).startswith("<Foreseen: 0 % of the 40 readings lie in the band;")
+    assert repr(fitted.predict(again)).startswith(
+        "<Foreseen: 0 % of the 40 readings lie in the band;"
+    )
     assert "array" not in repr(fitted.predict(again))
     assert "array" not in repr(fitted)

@@ -16,7 +16,6 @@ from stickslip import (
     Pendulum,
     RecordSettings,
     SpringBlock,
-    Stribeck,
     Viscous,
     check,
     fit,
