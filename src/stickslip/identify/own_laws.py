@@ -107,7 +107,7 @@ class OwnLaw:
         One that is no larger stays so.
         """
         own, base = getattr(self.law, name), fields_of(type(self.law))[name].at_least
-        if base not in found:
+        if base is None or base not in found:
             return own
         return found[base] if own == getattr(self.law, base) else np.maximum(own, found[base])
 

@@ -500,7 +500,8 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Targ
     Parameters
     ----------
     fit : RecordFit or mapping of str to RecordFit
-        A fit to records by simulated segments, or several of the same records by name, the first of which stands out.
+        A fit to records by simulated segments, or several of the same records by name, the first of
+        which stands out.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
