@@ -46,6 +46,7 @@ from benchmarks.synthetic_truth import judged, run, share
 from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, law
+from stickslip.identify.fits import RecordFit
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.mechanisms import DCMotor, PositionLoop
 from stickslip.mechanisms.drives import Sampled
@@ -185,19 +186,20 @@ def rate(
     except StickslipError as error:
         return row | {"error": str(error), "seconds": time.process_time() - began}
     estimates = {one.path: one for one in found.estimates}
-    table = found.inference.of_record.correlation
-    paths = found.free_parameters.paths
+    by_runs = isinstance(found, RecordFit)
+    table = found.inference.of_record.correlation if by_runs else found.correlation
+    paths = found.free_parameters.paths if by_runs else tuple(estimates)
     pairs = [
         (i, j)
         for i in range(len(paths))
         for j in range(i)
         if np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER
     ]
-    symbols = [item.quantity.symbol for item in found.free_parameters.items]
+    symbols = [estimates[path].quantity.symbol for path in paths if path in estimates]
     said = " ".join(found.sentences)
     return row | {
         "seconds": time.process_time() - began,
-        "residual": found.rms,
+        "residual": found.rms if by_runs else found.verdict.closest.left,
         "true": {path: true[path] for path in paths if path in true},
         "found": {
             path: [one.value, one.low, one.high, one.reason] for path, one in estimates.items()
@@ -309,7 +311,6 @@ def of_servo(folder: Path, name: str) -> dict[str, Any]:
             kind,
             joined(chosen, loop=settings is WHOLE),
             unknown=free,
-            route="shooting",
             settings=settings,
         )
         fits[part] = {
@@ -498,7 +499,7 @@ def interval(name: str, found: Sequence[Any]) -> str:
     return f"{symbol + ' = ' if name else ''}{value:.3g} ({ends})"
 
 
-ROUTES = ("inverse-dynamics", "shooting")
+ROUTES = ("shooting", "balance")
 
 
 def main() -> None:

@@ -36,7 +36,6 @@ PACKAGES = (
     "stickslip.exports.adapters",
     "stickslip.friction",
     "stickslip.identify",
-    "stickslip.identify.candidates",
     "stickslip.identify.fits",
     "stickslip.identify.kinds",
     "stickslip.mechanisms",

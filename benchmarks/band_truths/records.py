@@ -148,7 +148,7 @@ WRONG: Mapping[str, Wrong] = {
 }  # fmt: skip
 NAMES = {"level_dir": "level_direction", "viscous_dir": "viscous_direction",
          "stribeck_dir": "stribeck_direction", "quadratic": "drag",
-         "temperature": "level*temperature"}  # fmt: skip
+         "temperature": "level*temperature", "load": "adhesion"}  # fmt: skip
 """Terms, where `axis_records` calls them otherwise."""
 SOUND = [one for one in (*TRUTHS, *FURTHER) if one.name != "quiet"]
 ALLOWED = {

@@ -17,6 +17,7 @@ from stickslip.data.catalogue import Dataset, dataset
 from stickslip.data.differentiation import rows_of
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
+from stickslip.identify import Foreseen, JointLawFit, LawFit
 from stickslip.identify.fits import RecordFit, RecordSettings
 from stickslip.identify.kinds import FeatureFit, RateStateFit
 from stickslip.mechanisms import DCMotor, Mechanism, PositionLoop
@@ -86,6 +87,10 @@ class Metric(ABC, metaclass=Described):
         """
 
 
+BLOCKS = 8
+"""Parts of a record by which the error of a force has a standard error."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class PositionError(Metric):
     """Root mean square of the position in simulated segments, each from its own fitted state.
@@ -132,17 +137,15 @@ class ForceError(Metric):
     text: str = "rms error of the force along the measured motion, over its spread"
     """What it is, in words."""
 
-    def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        seen = fit.predict(record)
-        joints = [seen] if seen.joint is None else [seen.of(x) for x in dict.fromkeys(seen.joint)]
-        squares: dict[tuple[int, int], list[float]] = {}
+    def of(self, fit: LawFit | JointLawFit, record: Measurement) -> Error:
+        found = fit.predict(record)
+        joints = [found] if isinstance(found, Foreseen) else [*found.values()]
+        squares = np.zeros(BLOCKS)
         for own in joints:
-            scale = float(np.var(own.measured))
-            for place in {*zip(own.record.tolist(), own.segment.tolist(), strict=True)}:
-                rows = (own.record == place[0]) & (own.segment == place[1])
-                share = float(np.sum(own.residual[rows] ** 2)) / scale / len(own.residual)
-                squares.setdefault(place, []).append(share / len(joints))
-        return _of_blocks([len(squares) * sum(square) for square in squares.values()])
+            left = (own.measured - own.band.median) ** 2 / np.var(own.measured)
+            parts = [float(np.mean(x)) for x in np.array_split(left, BLOCKS)]
+            squares += np.array(parts) / len(joints)
+        return _of_blocks(squares.tolist())
 
 
 @dataclass(frozen=True, kw_only=True)

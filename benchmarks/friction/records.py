@@ -325,7 +325,7 @@ ROBOT_TASKS = (
         ),
         laws=LAWS,
         selects=False,
-        settings=RecordSettings(hold="first", starts=1),
+        settings=RecordSettings(hold="first"),
         cutoff=6.0,
         published=(
             definition.Published(

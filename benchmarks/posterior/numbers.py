@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from tools.budget import BUDGET, counted
 
-from benchmarks import bands, real_records
+from benchmarks import bands, pulled_sliders, real_records
 from benchmarks.band_truths import travels as truths
 from benchmarks.closed_loop_axes import fast_lugre
 from benchmarks.posterior import costs, study
@@ -39,6 +39,8 @@ WEAK = 60
 """Tables with much noise, and of noise alone."""
 SPECIAL = 10
 """Tables of each special kind."""
+PULLED = 24
+"""Blocks that a spring pulls: 12 inside the vocabulary, and as many outside."""
 AXES = 10
 """Axes with LuGre friction."""
 HELD = (0.93, 0.99)
@@ -326,6 +328,40 @@ def swings(asked: Asked) -> Iterator[Number]:
         yield least(f"swings, {where}: length inside", 0.93, lengths)
 
 
+# ---- stick-slip
+
+
+def features(asked: Asked) -> Iterator[Number]:
+    """Yield what features of stick-slip show."""
+    rows = []
+    for k in range(asked.count(PULLED)):
+        rows.append(pulled_sliders.pulled(asked.seed, k, rehearsed=True))
+        print(rows[-1], file=sys.stderr, flush=True)
+    judged = [row for row in rows if "refused" not in row]
+    refused = f", {len(rows) - len(judged)} of {len(rows)} refused"
+    yield most("features: false statements", 0.02, float(np.mean([x["false"] for x in judged])))
+    for inside, where in ((True, "inside"), (False, "outside")):
+        own = [*set_of(judged, inside)]
+        told = [held for row in own for each in row["predicted"] for held in each]
+        share = float(np.mean(told))
+        yield held(f"features, {where}: at other settings", share, f" of {len(told)}", 0.93)
+        yield least(f"features, {where}: name right or equal", 0.93, _mean(own, "right"), refused)
+    for key, words in (("lawful", "law right"), ("intervals", "whichever law")):
+        every = [one["held"] for row in judged for one in row[key]]
+        yield held(f"features: intervals, {words}", float(np.mean(every)), f" of {len(every)}")
+    doubt = [row for row in judged if row["doubt"]]
+    without = sum(not row["advised"] for row in doubt)
+    yield Number(
+        what=f"features: verdicts in doubt without advice, {len(doubt)}", asked="0",
+        measured=str(without), met=not without,
+    )  # fmt: skip
+    yield from _advice("features", judged)
+    yield most("features: true law lost by the advised record", 0.02, _mean(judged, "lost"))
+    seconds = [row["seconds"] for row in judged]
+    yield most("features: processor time, median", 5.0, float(np.median(seconds)), " s")
+    yield most("features: processor time, most", 5.0, max(seconds), " s")
+
+
 # ---- measured records
 
 
@@ -423,6 +459,7 @@ PARTS: Mapping[str, Callable[[Asked], Iterator[Number]]] = {
     "odds": odds,
     "lugre": lugre,
     "swings": swings,
+    "features": features,
     "real": real,
     "costs": times,
     "sizes": sizes,

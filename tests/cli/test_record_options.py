@@ -51,7 +51,6 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
         (("select", "axis.toml", "--segment", "1"), "it has no effect on `select`"),
         (("select", "axis.toml", "--horizon", "1"), "it has no effect on `select`"),
         (("select", "map.toml", "--starts", "2"), "it has no effect on tables of friction"),
-        (("select", "map.toml", "--workers", "2"), "it has no effect on tables of friction"),
         (("select", "map.toml", "--route", "balance"), "give arrays with time [s]"),
         (("fit", "axis.toml", "--route", "force-map"), "unknown route 'force-map'"),
         (("fit", "axis.toml", "--segment", "-1"), "stickslip: --segment must be a time above 0 s"),

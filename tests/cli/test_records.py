@@ -319,10 +319,6 @@ BAD = [
     (("fit", "axis.toml", "--fixed", "inertia=5 m"), "--fixed mechanism.inertia"),
     (("fit", "axis.toml", "--fixed", "inertias=5"), "Did you mean 'inertia'"),
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
-    (
-        ("select", "demo", "--workers", "2"),
-        "--workers applies to the force of a spring",
-    ),
     (("select", "axis.toml", "--starts", "2"), "it has no effect on `select`: leave it out"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
     (("fit", "demo", "--segment", "1"), "--segment applies to records"),

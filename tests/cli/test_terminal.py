@@ -287,7 +287,7 @@ def test_init_overwrites_nothing_and_takes_what_is_known(run, tmp_path, measured
 @pytest.mark.slow
 def test_completion_is_offered_by_the_shell():
     environment = {**os.environ, "_STICKSLIP_COMPLETE": "complete_bash"}
-    line = {"COMP_WORDS": "stickslip select --wo", "COMP_CWORD": "2"}
+    line = {"COMP_WORDS": "stickslip sweep --wo", "COMP_CWORD": "2"}
     done = subprocess.run(
         [sys.executable, "-c", "from stickslip.cli import main; main()"],
         env={**environment, **line}, capture_output=True, text=True, check=False,

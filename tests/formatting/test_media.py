@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from stickslip.cli.console import plain, show_table
 from stickslip.identify import Estimate
-from stickslip.identify.candidates.verdict import score_text
+from stickslip.identify.candidates import score_text
 from stickslip.quantities import Quantity
 from stickslip.show.documents import json_text
 from stickslip.show.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit

@@ -19,10 +19,8 @@ from stickslip import (
     PendulumCart,
     RecordSettings,
     SpringBlock,
-    TowedBlock,
     compare_trials,
     fit,
-    select,
     simulate,
 )
 from stickslip.errors import InputError
@@ -242,11 +240,3 @@ def test_uncertainties_without_effect_are_refused():
     weighed = replace(rubbed(), load=20.0, parameter_uncertainties={N: 0.4})
     with pytest.raises(InputError, match="measured load replaces"):
         fit(AXIS, CoulombViscous, weighed)
-    t = np.linspace(0.0, 10.0, 2000)
-    towed = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
-    pull = Measurement(
-        time=t, spring_force=0.08 + 0.01 * (t % 0.1), parameter_uncertainties={"mass": 1e-3}
-    )
-    for verb, law in ((fit, Coulomb), (select, [Coulomb])):
-        with pytest.raises(InputError, match="fits to features do not propagate"):
-            verb(towed, law, pull)

@@ -19,7 +19,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.identify.fits.validation import LAW, Parameters
-from stickslip.identify.kinds import compare_features, fit_features
+from stickslip.identify.kinds import fit_features
 from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)
@@ -191,17 +191,15 @@ def pulled():
 
 
 @pytest.mark.slow
-def test_features_hold_the_mass_unless_it_is_varied_as_fit_does(pulled):
+def test_features_know_the_mass_to_what_is_stated_unless_it_is_varied(pulled):
     heavy = TowedBlock(mass=0.036, stiffness=1000.0, speed=4e-3, load=0.03 * 9.81)
-    for verb in (fit_features, fit):
-        held = verb(heavy, Coulomb, pulled)
-        assert held.mechanism.mass == 0.036
-        assert any("The mass was fixed" in line for line in held.sentences)
-    (compared,) = compare_features(heavy, [Coulomb], pulled)
-    assert compared.mechanism.mass == 0.036
+    held = fit(heavy, Coulomb, pulled)
+    # 20 % too heavy by a mass that is known to 5 %, and a stiffness to 10 %
+    assert 0.03 < held.mechanism.mass < 0.036
     freed = fit_features(heavy, Coulomb, pulled, vary=[LAW, "mechanism.mass"])
-    assert freed.mechanism.mass == pytest.approx(0.03, rel=0.03)
+    assert freed.mechanism.mass == pytest.approx(0.03, rel=0.05)
     fixed = fit_features(heavy, Coulomb, pulled, fixed={"mass": 0.03, "static_coefficient": 0.32})
     assert fixed.mechanism.mass == 0.03
     assert fixed.law.static_coefficient == 0.32
-    assert [estimate.path for estimate in fixed.estimates] == ["friction.kinetic_coefficient"]
+    paths = ["friction.kinetic_coefficient", "mechanism.stiffness"]
+    assert [estimate.path for estimate in fixed.estimates] == paths

@@ -33,8 +33,11 @@ from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
 
 
-def driven(*, level: float = LEVEL, noise: float = 1.0, seconds: float = 8.0) -> Record:
-    """Return a record at 500 Hz of an axis with level and viscous friction."""
+def driven(
+    *, level: float = LEVEL, noise: float = 1.0, seconds: float = 8.0, inertia: float = INERTIA,
+    zone: float = 0.0,
+) -> Record:  # fmt: skip
+    """Return a record at 500 Hz of an axis with level and viscous friction, and a dead zone."""
     rng = np.random.default_rng(1)
     t = np.arange(0.0, seconds, 0.002)
     x, v, a = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
@@ -43,7 +46,8 @@ def driven(*, level: float = LEVEL, noise: float = 1.0, seconds: float = 8.0) ->
         x += size * np.sin(w * t + phase)
         v += size * w * np.cos(w * t + phase)
         a -= size * w * w * np.sin(w * t + phase)
-    force = INERTIA * a + level * np.sign(v) + VISCOUS * v
+    force = inertia * a + level * np.sign(v) + VISCOUS * v
+    force += zone * np.sign(force)
     return Record(
         time=t,
         position=x + noise * 1e-6 * rng.normal(size=len(t)),
@@ -386,3 +390,41 @@ def test_a_record_that_never_rests_has_no_rows_at_rest() -> None:
     problem = RecordProblem([driven()])
     judgement = Judgement(problem)
     assert judgement.reading_band(problem.at_rest([driven()])).low.shape == (0,)
+
+
+# ---- drives and loads
+
+
+def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:
+    judgement = judged(driven(inertia=40.0, zone=3.0))
+    assert judgement.named.family == ("level", "viscous")
+    found = {one.term: one for one in judgement.findings}["zone"]
+    assert found.asserted
+    assert found.size * judgement.problem.size == pytest.approx(3.0, rel=0.1)
+    assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.05)
+    assert "zone" not in [one.term for one in judged(driven(inertia=40.0)).findings]
+
+
+def test_a_dead_zone_that_no_acceleration_shows_is_said_not_to_be_told_from_the_level() -> None:
+    judgement = judged(driven(inertia=1.0, zone=3.0))
+    assert "zone" not in [one.term for one in judgement.findings]
+    assert any("dead zone of the drive" in one for one in judgement.problem.untold())
+
+
+def test_a_part_of_the_level_that_no_load_changes_is_told() -> None:
+    record = driven()
+    load = 10.0 + 6.0 * np.sin(0.9 * record.time)
+    loaded = replace(
+        record,
+        force=record.force + (0.4 * (load - 10.0)) * np.sign(np.gradient(record.position)),
+        load=load,
+    )
+    problem = RecordProblem([loaded], normal=10.0)
+    judgement = Judgement(problem)
+    assert judgement.named.family == ("adhesion", "level", "viscous")
+    # 8 N at 10 N, of which 4 N change with the load
+    rows = problem.at(np.full(2, 0.05), load=np.array([5.0, 15.0]))
+    expected = LEVEL + 0.4 * np.array([-5.0, 5.0]) + VISCOUS * 0.05
+    assert judgement.acting(rows) == pytest.approx(expected, rel=0.02)
+    band = judgement.band(rows)
+    assert np.all((band.low - 0.02 < expected) & (expected < band.high + 0.02))

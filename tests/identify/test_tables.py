@@ -343,7 +343,7 @@ def test_given_laws_are_compared_alone_and_no_law_is_said_to_explain_where_none_
     found = select(AXIS, ["coulomb", "coulomb-viscous"], read)
     assert set(found.set) <= {("level",), ("level", "viscous")}
     assert not found.explained
-    assert found.sentence.startswith("None of the laws compared describes the readings")
+    assert found.sentence.startswith("None of the laws compared describes friction to 10 %")
     assert found.best.distance > 0.1
     assert select(AXIS, [Coulomb, Stribeck], read).family == ("level", "stribeck", "viscous")
 
@@ -607,3 +607,34 @@ def test_stated_errors_of_readings_are_in_the_band(share, half):
     band = select(AXIS, None, stated).band(v)
     own = float(np.median((band.high - band.low) / band.median)) / 2.0
     assert own == pytest.approx(half, rel=0.5)
+
+
+def test_an_input_that_changes_from_run_to_run_only_is_not_told_from_runs():
+    rng = np.random.default_rng(5)
+    v = np.geomspace(0.01, 1.0, 10)
+
+    def runs(warm):
+        return Measurement(
+            trials=tuple(
+                Measurement(
+                    velocity=v,
+                    friction=(4.0 + 2.0 * v) * (1.0 + 0.01 * rng.normal(size=10)),
+                    inputs={"temperature": x + np.zeros(10)},
+                )
+                for x in warm
+            )
+        )
+
+    said = " ".join(select(AXIS, None, runs((15.0, 25.0, 45.0))).words.cannot_tell)
+    assert "An effect of the temperature is told from differences between the 3 runs only" in said
+    told = " ".join(select(AXIS, None, runs((15.0 + v, 15.5 - v, 15.2 + v))).words.cannot_tell)
+    assert "An effect of the temperature" not in told
+
+
+def test_another_table_may_be_off_by_as_much_as_friction_drifts():
+    v = np.random.default_rng(3).permutation(np.tile(np.geomspace(0.02, 1.0, 20), 2))
+    drifting = 1.0 + 0.3 * np.arange(40) / 39.0
+    measured = Measurement(velocity=v, friction=(4.0 + 2.0 * v) * drifting)
+    later = Measurement(velocity=v[:20], friction=(4.0 + 2.0 * v[:20]) * 1.35)
+    found = select(AXIS, None, measured, validate=later)
+    assert found.inside > 0.9

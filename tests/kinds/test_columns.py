@@ -115,19 +115,18 @@ def test_a_terminal_shows_the_share_of_a_law_on_velocity_steps_and_its_second_re
     assert (free, share, leaves, rate, second) == ("—", "—", "no score", "—", "0.00200")
 
 
-def test_a_law_on_features_shows_what_it_misses_and_says_why_it_has_no_score():
-    fit = SimpleNamespace(
-        estimates=(1, 2), score=0.05, held_out_errors={"frequency": -0.03, "mean": 0.04}
-    )
+def test_a_law_on_features_shows_its_share_and_what_it_misses():
+    errors = {"frequency": -0.03, "mean": 0.04, "standard_deviation": 0.0}
+    fit = SimpleNamespace(estimates=(1, 2), rms=0.05, errors=errors)
     candidate = FeatureCandidate(
-        name="coulomb", title="Coulomb", fit=fit, score_error=0.01, second={"mean": 0.08}
+        name="coulomb", title="Coulomb", fit=fit, share=0.9, second={"mean": 0.08}
     )
     heads, (row,) = terminal_table(OF_FEATURES, [candidate])
-    assert heads == ["law", "free", "held-out, %", "frequency", "mean", "deviation", "second"]
-    assert row == ["coulomb", "2", "5.0 ± 1.0", "−3 %", "+4 %", "—", "8 %"]
+    assert heads == ["law", "free", "share", "frequency", "mean", "deviation", "second"]
+    assert row == ["coulomb", "2", "90 %", "−3 %", "+4 %", "0 %", "8 %"]
     without = FeatureCandidate(name="dahl", title="Dahl", fit=None, dropped="not fitted")
-    score = next(column for column in OF_FEATURES if column.key == "score")
-    assert score.on_page(without) == "no score"
+    _, (row,) = terminal_table(OF_FEATURES, [without])
+    assert row == ["dahl", "—", "—", "—", "—", "—"]
 
 
 @pytest.mark.parametrize("columns", [OF_FEATURES, OF_STEPS])

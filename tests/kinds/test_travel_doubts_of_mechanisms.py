@@ -22,7 +22,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identify.candidates.criteria import limits_of
+from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits.travel_model import trials_of
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

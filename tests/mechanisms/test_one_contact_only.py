@@ -17,7 +17,7 @@ from stickslip import (
 )
 from stickslip.data import LawEstimates
 from stickslip.errors import InputError
-from stickslip.identify.candidates import criteria_of
+from stickslip.identify.criteria import criteria_of
 from stickslip.mechanisms import PendulumCart
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.control import PartialLinearisation, closed_loop

@@ -34,8 +34,7 @@ from stickslip.engine.solver import Max, Samples
 from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.identify import kinds
-from stickslip.identify.candidates import Verdict
-from stickslip.identify.candidates.verdict import Candidate, Wording
+from stickslip.identify.candidates import Candidate, Verdict, Wording
 from stickslip.identify.fits import Fit
 from stickslip.mechanisms.drives import Sampled, Sine
 from stickslip.show import plots

@@ -19,7 +19,7 @@ from stickslip import (
 )
 from stickslip.engine import Status
 from stickslip.errors import InputError
-from stickslip.identify.candidates import criteria_of
+from stickslip.identify.criteria import criteria_of
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Pulse, Sine, SineSwing, ThreePhase, TimedThreePhase
 from stickslip.study.sweep import VelocityMap, average_velocity, basins, cycle_of, velocity_band

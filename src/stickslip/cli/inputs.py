@@ -40,8 +40,7 @@ from stickslip.friction import (
     listed,
     specification,
 )
-from stickslip.identify import fits
-from stickslip.identify.candidates import Wording
+from stickslip.identify import Wording, fits
 from stickslip.identify.kinds import (
     AnyKind,
     Law,

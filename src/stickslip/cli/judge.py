@@ -14,12 +14,10 @@ import typer
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
-from stickslip.cli.progress import workers
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
-from stickslip.identify import kinds
-from stickslip.identify.candidates import Verdict
+from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
 from stickslip.quantities import Quantity, parameters
 from stickslip.show import documents
@@ -47,14 +45,11 @@ def run_select(options: SelectOptions) -> None:
     kind, request, files = inputs.measured(rig, options)
     request = replace(request, tolerance=_tolerance(kind, rig, options.tolerance))
     rig = replace(rig, digest=documents.with_files(rig.digest, files))
-    for option, value in (("--workers", options.count), ("--executor", options.executor)):
-        if value is not None:
-            kinds.refuse_unused(kind, {"executor": option}, request)
     if options.enforce and not kind.has_criteria:
         users = [family for family in kinds.kinds() if family.has_criteria]
         raise InputError(f"--enforce {kinds.unused_text(kind, users)}")
     request = replace(request, laws=laws_of(rig, options.laws))
-    verdict = _selected(kind, request, options.count or 1, options.executor)
+    verdict = _selected(kind, request)
     content = documents.document(
         "select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()}
     )
@@ -116,9 +111,7 @@ def laws_of(
     return [rig.laws.get(name) or name for name in map(rig.name_of, wanted)]
 
 
-def _selected(
-    kind: kinds.AnyKind, request: kinds.Request, count: int, address: str | None
-) -> Verdict:
+def _selected(kind: kinds.AnyKind, request: kinds.Request) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
     laws = request.laws
     for measurement in (request.measurement, request.validate):
@@ -126,11 +119,8 @@ def _selected(
             given = laws.values() if isinstance(laws, Mapping) else laws or ()
             kinds.refuse_uninformed(kind, given, request.mechanism, measurement)
     names = kind.candidates(laws, request.measurement)
-    with (
-        inputs.watching(names, kind, request) as watch,
-        workers(min(count, len(names)), address) as executor,
-    ):
-        verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))
+    with inputs.watching(names, kind, request) as watch:
+        verdict: Verdict = kind.select(replace(request, progress=watch))
         return verdict
 
 

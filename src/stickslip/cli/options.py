@@ -291,7 +291,7 @@ class MeasuredOptions(RigOptions, DataOptions, EstimationOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DemoOptions(LawsOption, WorkerOptions, ReportOptions, EnforceOption):
+class DemoOptions(LawsOption, ReportOptions, EnforceOption):
     """Options of `stickslip demo`."""
 
 

@@ -32,7 +32,7 @@ from stickslip.engine.solver import FixedStep, Solver
 from stickslip.engine.trajectory import Event, Status, Trajectory
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
-from stickslip.identify.candidates import criteria_of
+from stickslip.identify import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
 from stickslip.show.display import require_library

@@ -16,7 +16,7 @@ from stickslip.exports.joints import Mjcf, Urdf
 from stickslip.exports.program import Export, Subject, Target, identifier
 from stickslip.exports.targets import CCode, CsvTable, JsonDocument, Matlab
 from stickslip.friction import FrictionLaw, Laws, bound
-from stickslip.identify.candidates import Verdict
+from stickslip.identify import Verdict
 from stickslip.identify.fits import Fit
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.mechanisms.drives import Drive

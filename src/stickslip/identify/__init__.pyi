@@ -1,13 +1,19 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.identify import candidates as candidates
 from stickslip.identify import fits as fits
 from stickslip.identify import kinds as kinds
 from stickslip.identify.bands import Foreseen as Foreseen
 from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import PredictionBand as PredictionBand
 from stickslip.identify.candidates import Verdict as Verdict
+from stickslip.identify.candidates import Wording as Wording
+from stickslip.identify.criteria import Criteria as Criteria
+from stickslip.identify.criteria import FixedStepRow as FixedStepRow
+from stickslip.identify.criteria import compare_fixed_steps as compare_fixed_steps
+from stickslip.identify.criteria import criteria_of as criteria_of
+from stickslip.identify.criteria import largest_step as largest_step
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
+from stickslip.identify.figures import draw_joints as draw_joints
 from stickslip.identify.figures import plot_band as plot_band
 from stickslip.identify.fits import Estimate as Estimate
 from stickslip.identify.fits import Fit as Fit
@@ -61,6 +67,10 @@ from stickslip.identify.verdict import importance as importance
 from stickslip.identify.wording import parameter_sentence as parameter_sentence
 
 __all__ = [
+    "Criteria",
+    "FixedStepRow",
+    "compare_fixed_steps",
+    "criteria_of",
     "BandVerdict",
     "Estimate",
     "FeatureFit",
@@ -80,7 +90,6 @@ __all__ = [
     "TravelVerdict",
     "TrialComparison",
     "Verdict",
-    "candidates",
     "fits",
     "kinds",
 ]

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 LEVEL = 0.95
 """Probability of a band, and of an interval."""
+ENDS = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
+"""Quantiles of draws between which an interval lies."""
 ALIKE = 0.02
 """Difference of logarithms up to which speeds, or loads, are the same."""
 

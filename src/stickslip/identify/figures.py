@@ -59,6 +59,27 @@ class BandDrawing:
 
 def draw_band(what: BandDrawing) -> "Draw":
     """Return a drawing of readings, the band of friction, the named law and proposed readings."""
+
+    def draw(figure: "Figure", narrow: bool) -> None:
+        _draw_on(figure.add_subplot(), what, narrow)
+
+    return draw
+
+
+def draw_joints(drawings: Mapping[str, BandDrawing]) -> "Draw":
+    """Return a drawing with a panel for each of several joints."""
+
+    def draw(figure: "Figure", narrow: bool) -> None:
+        panels = figure.subplots(len(drawings), 1, squeeze=False)[:, 0]
+        for axes, (name, what) in zip(panels, drawings.items(), strict=True):
+            _draw_on(axes, what, narrow)
+            axes.set_ylabel(f"{name}: {axes.get_ylabel()}")
+
+    return draw
+
+
+def _draw_on(axes: "Axes", what: BandDrawing, narrow: bool) -> None:
+    """Draw on axes."""
     v, friction = what.velocity, what.friction
     sizes = np.abs(v[v != 0.0])
     logarithmic = _by_ratios(np.unique(sizes)) and v.min() > 0.0
@@ -66,59 +87,55 @@ def draw_band(what: BandDrawing) -> "Draw":
     force, force_unit = scale_of(np.abs(friction).tolist(), what.units[1])
     light = what.weights < 0.3 * float(np.median(what.weights))
 
-    def draw(figure: "Figure", narrow: bool) -> None:
-        axes = figure.add_subplot()
-        x = factor * what.speeds
-        # a law of many terms would leave no room for the axes
-        labels: dict[str, Any] = {
-            "band": "95 % band, whichever law holds", "law": textwrap.fill(what.title, LETTERS),
-            "other": "95 % band of another run or specimen",
-        }  # fmt: skip
-        for band, law in what.by_load.values() or [(what.band, what.law)]:
-            for part in _directions(what.speeds):
-                axes.fill_between(
+    x = factor * what.speeds
+    # a law of many terms would leave no room for the axes
+    labels: dict[str, Any] = {
+        "band": "95 % band, whichever law holds", "law": textwrap.fill(what.title, LETTERS),
+        "other": "95 % band of another run or specimen",
+    }  # fmt: skip
+    for band, law in what.by_load.values() or [(what.band, what.law)]:
+        for part in _directions(what.speeds):
+            axes.fill_between(
+                x[part],
+                force * band.low[part],
+                force * band.high[part],
+                color=C1,
+                alpha=0.18,
+                linewidth=0,
+                label=labels.pop("band", None),
+            )
+            axes.plot(x[part], force * law[part], color=C1, label=labels.pop("law", None))
+    if what.other is not None and not what.by_load:
+        for part in _directions(what.speeds):
+            for end in (what.other.low, what.other.high):
+                axes.plot(
                     x[part],
-                    force * band.low[part],
-                    force * band.high[part],
+                    force * end[part],
                     color=C1,
-                    alpha=0.18,
-                    linewidth=0,
-                    label=labels.pop("band", None),
+                    linewidth=0.9,
+                    linestyle=(0, (4, 3)),
+                    label=labels.pop("other", None),
                 )
-                axes.plot(x[part], force * law[part], color=C1, label=labels.pop("law", None))
-        if what.other is not None and not what.by_load:
-            for part in _directions(what.speeds):
-                for end in (what.other.low, what.other.high):
-                    axes.plot(
-                        x[part],
-                        force * end[part],
-                        color=C1,
-                        linewidth=0.9,
-                        linestyle=(0, (4, 3)),
-                        label=labels.pop("other", None),
-                    )
-        for k, load in enumerate(loads_apart(what.load)):
-            at = np.isclose(what.load, load, rtol=ALIKE) if load else np.ones(len(v), dtype=bool)
-            look: dict[str, Any] = {"color": DATA, "markersize": 4.5, "linestyle": "none"}
-            marker = MARKERS[k % len(MARKERS)]
-            label = f"readings at {number(load)} N" if load else "readings"
-            kept = at & ~light
-            axes.plot(factor * v[kept], force * friction[kept], marker, label=label, **look)
-            kept = at & light
-            axes.plot(factor * v[kept], force * friction[kept], marker, fillstyle="none", **look)
-        for place in dict.fromkeys(what.places):
-            axes.axvline(factor * place, color=C3, linewidth=0.8, linestyle=(0, (2, 3)))
-        if logarithmic:
-            axes.set_xscale("log")
-            _label_speeds(axes)
-        axes.grid(axis="y")
-        axes.set_xlabel(f"{what.names[0]}, {unit}")
-        axes.set_ylabel(f"{what.names[1]}, {force_unit}")
-        # above the axes, where no reading lies beneath it
-        look = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
-        axes.legend(ncols=1 if narrow else 3, fontsize="small" if narrow else None, **look)
-
-    return draw
+    for k, load in enumerate(loads_apart(what.load)):
+        at = np.isclose(what.load, load, rtol=ALIKE) if load else np.ones(len(v), dtype=bool)
+        look: dict[str, Any] = {"color": DATA, "markersize": 4.5, "linestyle": "none"}
+        marker = MARKERS[k % len(MARKERS)]
+        label = f"readings at {number(load)} N" if load else "readings"
+        kept = at & ~light
+        axes.plot(factor * v[kept], force * friction[kept], marker, label=label, **look)
+        kept = at & light
+        axes.plot(factor * v[kept], force * friction[kept], marker, fillstyle="none", **look)
+    for place in dict.fromkeys(what.places):
+        axes.axvline(factor * place, color=C3, linewidth=0.8, linestyle=(0, (2, 3)))
+    if logarithmic:
+        axes.set_xscale("log")
+        _label_speeds(axes)
+    axes.grid(axis="y")
+    axes.set_xlabel(f"{what.names[0]}, {unit}")
+    axes.set_ylabel(f"{what.names[1]}, {force_unit}")
+    # above the axes, where no reading lies beneath it
+    look = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
+    axes.legend(ncols=1 if narrow else 3, fontsize="small" if narrow else None, **look)
 
 
 def _label_speeds(axes: "Axes") -> None:

@@ -36,6 +36,8 @@ from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
 from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure
 from stickslip.identify.projection import (
+    EXACT,
+    MARGIN,
     PLACES,
     TOLERANCE,
     Free,
@@ -44,8 +46,9 @@ from stickslip.identify.projection import (
     Rung,
     Shaped,
     Target,
-    chosen,
+    cheapest,
     is_signed,
+    most_probable,
     names_of,
 )
 from stickslip.show.formatting import joined
@@ -64,8 +67,8 @@ SHOWN = 6
 """Laws of the ladder that are shown."""
 MAY_HOLD = 0.05
 """Probability from which a law may hold, however far noise moves the curve from it."""
-OF_FRICTION = ("drift", "place", "run")
-"""Findings that say how friction changes, where there is some."""
+OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "zone")
+"""Findings whose sizes are shares of friction, where there is some."""
 UNSEEN = 0.5
 """Friction over the scatter about its law below which nothing is seen of it."""
 NO_LAW = 0.1
@@ -362,9 +365,16 @@ class Judgement:
     @cached_property
     def named(self) -> Rung:
         """The named law, with shapes between those of the grid."""
-        rung = chosen(self.rungs, self.problem.exact(), self.tolerance)
-        if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(rung):
-            rung = next((one for one in self.rungs if not one.structure), rung)
+        likely = most_probable(self.rungs) if self.problem.exact() >= EXACT else None
+        found = self._shaped(likely) if likely else None
+        if found is None or (found.structure and found.excess > MARGIN):
+            found = self._shaped(cheapest(self.rungs, self.tolerance))
+        if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(found):
+            found = next((one for one in self.rungs if not one.structure), found)
+        return found
+
+    def _shaped(self, rung: Rung) -> Rung:
+        """Return a law of the ladder with shapes between those of the grid."""
         if not rung.structure:
             return rung
         coefficients, shaped = self._projected(rung, self.target.middle[None])
@@ -447,7 +457,8 @@ class Judgement:
     @property
     def is_explained(self) -> bool:
         """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold."""
-        near = self.named.distance <= max(NO_LAW, self.known)
+        every = (self.named, *self.rungs)
+        near = any(one.distance <= NO_LAW or one.excess <= MARGIN for one in every)
         return near or self.named.adequate >= MAY_HOLD
 
     @property

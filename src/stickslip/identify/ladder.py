@@ -27,7 +27,7 @@ from stickslip.identify.candidates import (
     score_text,
 )
 from stickslip.identify.fits import VARIES, measured_loads, unvaried
-from stickslip.identify.judgement import Finding, Judgement
+from stickslip.identify.judgement import NO_LAW, Finding, Judgement
 from stickslip.identify.laws import TITLES
 from stickslip.identify.projection import MARGIN, Rung, names_of
 from stickslip.identify.propose import Proposal
@@ -128,8 +128,8 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     if not judgement.is_explained:
         none = none_text(restricted=judgement.problem.restricted)
         return (
-            f"{none} describes the {words.measured}: {phrase}{beside} is the closest, and at 95 %"
-            f" of the places stays within {how}."
+            f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
+            f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
         )
     near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
     if near and judgement.known > max(named.distance, judgement.tolerance):
@@ -139,6 +139,10 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
         )
     elif near:
         said = f"Use {phrase}{beside}: it stays within {how}"
+    elif named.excess <= MARGIN:
+        said = (
+            f"Use {phrase}{beside}: it stays within {how}, no farther than friction is known there"
+        )
     else:
         said = (
             f"{capital(phrase)}{beside} stays within {how}; as measured, friction is known to"

@@ -8,9 +8,10 @@ no law says). Let :math:`m` be their median, :math:`\sigma` half their range fro
    :math:`1/\max(2\sigma, \tau g)`, :math:`\tau` the tolerance. Its *distance* is the 95 % quantile
    of what is left over :math:`g`: "stays within x % of friction at 95 % of the places".
 2. **The name**, where what no law says is below the noise, is the family with the most weight
-   among nodes at which it is below the tolerance: a level with 10 % of something else says that a
-   level does not describe it. Real friction leaves something to every law, which further terms only
-   follow: there it is the law of the least :math:`\log d + \kappa (p + r)`, with the distance
+   among nodes at which it is below the tolerance, if that stays within the posterior: a level with
+   10 % of something else, such as an effect of the pressure that it lacks, says that a level does
+   not describe it. Real friction leaves something to every law, which further terms only follow:
+   there it is the law of the least :math:`\log d + \kappa (p + r)`, with the distance
    :math:`d` or a little more than the tolerance, the number of parameters :math:`p`, and the place
    from usual to unusual :math:`r`.
 3. **Parameters** are those of all draws, each projected on the named family with its own best
@@ -210,16 +211,17 @@ def names_of(structure: Sequence[tuple[str, Any]]) -> list[str]:
     return [name for name, _ in structure for _ in range(2 if name == "stribeck_sides" else 1)]
 
 
-def chosen(rungs: Sequence[Rung], exact: float, tolerance: float) -> Rung:
-    """Return the named law of the closest of each family.
+def most_probable(rungs: Sequence[Rung]) -> Rung | None:
+    """Return the law with the most weight where what no law says is below the tolerance, or None.
 
-    `exact` is the probability that what no law says is below the noise, and the tolerance the share
-    of friction by which a law may be off.
+    None where there is no such place.
     """
     adequate = [one for one in rungs if one.adequate > 0.0]
-    if exact >= EXACT and adequate:
-        return max(adequate, key=lambda one: one.adequate)
-    # friction leaves something to every law: more terms only follow what is left
+    return max(adequate, key=lambda one: one.adequate) if adequate else None
+
+
+def cheapest(rungs: Sequence[Rung], tolerance: float) -> Rung:
+    """Return the law of the least cost: further terms only follow what no law says."""
     return min(rungs, key=lambda one: cost_of(one, tolerance))
 
 

@@ -20,8 +20,11 @@ the autocorrelation of what the best law leaves. Then for kappa n rows in effect
 3. *Laplace*. Families far below the best by Laplace's approximation keep that evidence.
 4. *Draws weighed by exact runs*. Of the others, draws from Student's t about the modes have the
    weights w = p(y | theta) p(theta) / q(theta) of their own runs. The next proposals are t about
-   the weighted draws, until `ENOUGH` are effective. The evidence of a family is the mean weight of
-   its draws of the last round, and their effective number, (sum w)^2 / sum w^2, is told.
+   the weighted draws, until `ENOUGH` are effective. Where rows tell less than there are unknowns,
+   the posterior is a curved ridge: then some proposals are led to it by Newton's method, and
+   others made about them, each with the second derivatives there. The evidence of a family is the
+   mean weight of its draws of the last round, and their effective number, (sum w)^2 / sum w^2, is
+   told.
 
 Sources: R. E. Kass and A. E. Raftery, "Bayes factors", JASA 90 (1995) 773-795; O. Cappé and others,
 "Population Monte Carlo", Journal of Computational and Graphical Statistics 13 (2004) 907-929.
@@ -41,6 +44,7 @@ from stickslip.identify.bands import Array
 from stickslip.identify.fits import BLOCKS, effective_size
 from stickslip.identify.posterior import allotted
 from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.show.formatting import significant
 
 ROUNDS = 40
 """Steps of the search from a start at most."""
@@ -50,7 +54,8 @@ FAR = -math.log(THRESHOLDS.rounding)
 """Logarithm of the evidence by Laplace below the best from which a family needs no runs: its share
 would be one in a million."""
 PROPOSED = 400
-"""Draws of a family in each round, and those that are kept, each with the same weight."""
+"""Draws of a family in each round, if a problem asks for no more, and those that are kept, each
+with the same weight."""
 ENOUGH = 150.0
 """Effective draws of a family, or of all together, from which no further round is made: quantiles
 of 95 % are then known to a fifth of the half width."""
@@ -99,6 +104,10 @@ class Simulated(ABC):
     """What every experiment may have."""
     stages: Sequence[Sequence[str]]
     """Names of the families; those of a stage begin where those of the earlier ones ended."""
+    places: int = 0
+    """Draws about which proposals are made with derivatives of their own; 0 for none."""
+    proposed: int = PROPOSED
+    """Draws of a family in each round."""
 
     @abstractmethod
     def prior(self, family: str) -> float:
@@ -171,6 +180,16 @@ class FamilyPosterior:
     rms: float
     """Root mean square of what the mode leaves; infinite where no run works."""
 
+    @property
+    def few_draws(self) -> tuple[str, ...]:
+        """What is not told where few draws count, as a sentence; empty where enough do."""
+        if self.effective >= ENOUGH / 3.0:
+            return ()
+        return (
+            "The intervals to better than a third: the effective number of draws is"
+            f" {significant(self.effective, 2)}.",
+        )
+
 
 class SimulatedPosterior:
     """The posterior of a simulated measurement.
@@ -211,7 +230,8 @@ class SimulatedPosterior:
         evidence = np.array([one.evidence + problem.prior(name)
                              for name, one in self.families.items()])  # fmt: skip
         works = np.isfinite(evidence)
-        chances = np.exp(np.where(works, evidence - logsumexp(evidence[works]), -np.inf))
+        total = logsumexp(evidence[works]) if works.any() else 0.0
+        chances = np.exp(np.where(works, evidence - total, -np.inf))
         self.shares = dict(zip(self.families, chances.tolist(), strict=True))
         """Posterior probabilities of the families, by name, in sum 1; 0 where no run works."""
 
@@ -341,11 +361,15 @@ class SimulatedPosterior:
                 one.live[place] = first or gain > SETTLED
 
     def _newton(
-        self, unknowns: Unknowns, at: Array, left: Array, slopes: Array
+        self, unknowns: Unknowns, at: Array, left: Array, slopes: Array, which: int | None = None
     ) -> tuple[Array, Array]:
-        """Return gradient (p,) and minus the second derivative (p, p), over prior deviations."""
+        """Return gradient (p,) and minus the second derivative (p, p), over prior deviations.
+
+        They are those for a set of sizes of what is always there, the likeliest if none is asked.
+        """
         squares = self._squares(left[:, None])
-        which = int(np.argmax(self._likelihoods(squares)[:, 0]))
+        if which is None:
+            which = int(np.argmax(self._likelihoods(squares)[:, 0]))
         inverse, scale = self._inverses[which], self.counted / float(squares[which, 0])
         back = self._zw @ slopes
         plain = slopes.T * self._w[:, 0]
@@ -409,9 +433,10 @@ class SimulatedPosterior:
                     if name not in weighed or _effective(weighed[name][1]) < ENOUGH]  # fmt: skip
             if not todo:
                 break
-            if number:
-                for name in todo:
+            for name in todo:
+                if number:
                     proposals[name] = self._closer(*weighed[name][:2], proposals[name])
+                proposals[name] = [*proposals[name], *self._along(name, proposals[name])]
             points = {name: self._proposed(proposals[name]) for name in todo}
             left = self._runs(points)
             for name in todo:
@@ -440,28 +465,56 @@ class SimulatedPosterior:
         return float(one.value[k] + 0.5 * p * math.log(2.0 * math.pi) + volume)
 
     def _proposed(self, proposals: "Sequence[_Proposal]") -> Array:
-        """Return draws from proposals (PROPOSED, p), as many from each."""
+        """Return draws from proposals (k, p), as many from each."""
         found = []
-        counts = allotted(np.ones(len(proposals)), PROPOSED)
+        counts = allotted(np.ones(len(proposals)), self.problem.proposed)
         for (centre, root), count in zip(proposals, counts, strict=True):
             z = self._rng.normal(size=(count, len(centre)))
             t = np.sqrt(TAILS / self._rng.chisquare(TAILS, size=(count, 1)))
             found.append(centre + (z * t) @ root.T)
         return np.concatenate(found)
 
+    def _along(self, name: str, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
+        """Return proposals along the ridge on which draws of some proposals come to lie.
+
+        Each draw takes the shortest steps, in prior deviations, by which its rows meet the measured
+        ones; the sets of sizes of what is always there take turns.
+        """
+        if not self.problem.places:
+            return []
+        unknowns = self._searches[name].unknowns
+        at, found = self._proposed(proposals)[:: self.problem.proposed // self.problem.places], []
+        for last in (False, False, True):
+            k, p = at.shape
+            nudged = at[:, None, :] + np.diag(1e-3 * unknowns.deviation)[None]
+            left = self._runs({name: np.concatenate([at, nudged.reshape(at.size, p)])})[name]
+            moved, left = left[:, k:].reshape(-1, k, p), left[:, :k]
+            works = np.flatnonzero(np.isfinite(left).all(axis=0))
+            for i in works:
+                slopes = (left[:, i, None] - moved[:, i]) / 1e-3
+                slopes = np.where(np.isfinite(slopes), slopes, 0.0)
+                which = int(i) % len(self._inverses)
+                gradient, curvature = self._newton(unknowns, at[i], left[:, i], slopes, which)
+                if last:
+                    # a ridge bends within the spread of the posterior that is linearised
+                    found.append((at[i], 0.6 * _root(curvature, unknowns.deviation)))
+                    continue
+                away = (at[i] - unknowns.mean) / unknowns.deviation
+                step = np.linalg.solve(curvature, gradient + away)
+                step *= min(1.0, 2.0 / max(float(np.abs(step).max()), 1e-300))
+                at[i] = at[i] + step * unknowns.deviation
+            at = at[works]
+        return found
+
     @staticmethod
     def _closer(points: Array, value: Array, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
         """Return proposals with one about the weighed draws beside the former ones."""
-        # weights to a power at which a tenth of the draws is effective
-        power = next((x for x in (1.0, 0.7, 0.5, 0.35, 0.25, 0.15) if _effective(x * value)
-                      > 0.1 * len(value)), 0.1)  # fmt: skip
-        w = np.exp(power * (value - value.max()))
-        w /= w.sum()
+        w = _tempered(value)
         centre = w @ points
         off = points - centre
         spread = (off.T * w) @ off
         spread += 1e-6 * np.diag(np.diag(spread)) + 1e-12 * np.eye(len(centre))
-        return [*proposals[:2], (centre, np.linalg.cholesky(spread))]
+        return [*proposals[:2], (centre, np.asarray(np.linalg.cholesky(spread), dtype=float))]
 
     def _family(
         self,
@@ -479,7 +532,7 @@ class SimulatedPosterior:
         elif weighed is None:
             evidence, effective = laplace, 0.0
             points = mode[None] if name not in proposals else np.concatenate(
-                [mode[None], self._proposed(proposals[name])[: PROPOSED // 10]]
+                [mode[None], self._proposed(proposals[name])[:: 10]]
             )  # fmt: skip
             residual = self._runs({name: points})[name]
             finite = np.isfinite(residual).all(axis=0)
@@ -533,8 +586,14 @@ _Proposal: TypeAlias = tuple[Array, Array]
 
 
 def _root(curvature: Array, deviation: Array) -> Array:
-    """Return a root (p, p) of the covariance of proposals about a mode."""
-    return deviation[:, None] * np.linalg.cholesky(np.linalg.inv(curvature))
+    """Return the lower root (p, p) of the covariance of proposals about a mode.
+
+    Over prior deviations no curvature is below 1, but for rounding where another is large.
+    """
+    size, axes = np.linalg.eigh(curvature)
+    _, upper = np.linalg.qr((axes / np.sqrt(np.maximum(size, 1.0))).T)
+    root = upper.T
+    return np.asarray(deviation[:, None] * root * np.sign(np.diag(root)), dtype=np.float64)
 
 
 def _effective(logarithms: Array) -> float:
@@ -542,6 +601,14 @@ def _effective(logarithms: Array) -> float:
     if not np.isfinite(logarithms).any():
         return 0.0
     return float(np.exp(2.0 * logsumexp(logarithms) - logsumexp(2.0 * logarithms)))
+
+
+def _tempered(value: Array) -> Array:
+    """Return weights (k,), in sum 1, to a power at which a tenth of the draws is effective."""
+    power = next((x for x in (1.0, 0.7, 0.5, 0.35, 0.25, 0.15) if _effective(x * value)
+                  > 0.1 * len(value)), 0.1)  # fmt: skip
+    w = np.exp(power * (value - value.max()))
+    return np.asarray(w / w.sum())
 
 
 def _density(points: Array, proposals: Sequence[_Proposal]) -> Array:

@@ -23,11 +23,7 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.identify.bands import Foreseen, Interval, PredictionBand
-from stickslip.identify.candidates import (
-    Candidate,
-    Verdict,
-    score_scale,
-)
+from stickslip.identify.candidates import Candidate, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
     Fit,

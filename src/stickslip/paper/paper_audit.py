@@ -9,7 +9,7 @@ from stickslip.data import Published, Rig, load_rig
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import BreakAway, FixedStep
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
-from stickslip.identify.candidates import FixedStepRow, compare_fixed_steps, largest_step
+from stickslip.identify import FixedStepRow, compare_fixed_steps, largest_step
 from stickslip.identify.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
 from stickslip.paper import printed, rigs

@@ -29,7 +29,7 @@ from stickslip.friction import (
     Stribeck,
     Viscous,
 )
-from stickslip.identify.candidates import Criteria, criteria_of
+from stickslip.identify import Criteria, criteria_of
 from stickslip.mechanisms import SpringBlock
 from stickslip.mechanisms.drives import Pulse
 from stickslip.paper.rigs import PUSH_DURATION, PaperValues, rigs

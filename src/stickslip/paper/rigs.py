@@ -15,7 +15,7 @@ from stickslip.data import Rig
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven, FixedStep
 from stickslip.engine.trajectory import Trajectory
-from stickslip.identify.candidates import Criteria, criteria_of
+from stickslip.identify import Criteria, criteria_of
 from stickslip.mechanisms import PendulumCart, Prescribed, SpringBlock, TowedBlock
 from stickslip.mechanisms.drives import Pulse, ThreePhase
 from stickslip.study.sweep import DrivenCycle, cycles_in

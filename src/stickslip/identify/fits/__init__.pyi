@@ -12,6 +12,7 @@ from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_i
 from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import unvaried as unvaried
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
+from stickslip.identify.fits.estimation.estimates import TOGETHER as TOGETHER
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
 from stickslip.identify.fits.estimation.estimates import estimates_of as estimates_of
 from stickslip.identify.fits.estimation.estimates import offset_left_out as offset_left_out
@@ -22,12 +23,9 @@ from stickslip.identify.fits.estimation.jackknife import effective_size as effec
 from stickslip.identify.fits.estimation.jackknife import infer as infer
 from stickslip.identify.fits.estimation.jackknife import quantile_of as quantile_of
 from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
-from stickslip.identify.fits.estimation.levenberg_marquardt import Counter as Counter
 from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult
 from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch
-from stickslip.identify.fits.estimation.levenberg_marquardt import improve as improve
 from stickslip.identify.fits.estimation.levenberg_marquardt import search as search
-from stickslip.identify.fits.estimation.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.estimation.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.estimation.parameters import Sizes as Sizes
@@ -35,6 +33,7 @@ from stickslip.identify.fits.estimation.parameters import refuse_open as refuse_
 from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
 from stickslip.identify.fits.estimation.parameters import told as told
+from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
 from stickslip.identify.fits.estimation.problem import Problem as Problem

@@ -357,12 +357,8 @@ def estimates_for(
     *,
     levels: Levels,
     largest_speed: float | Mapping[str, float] | None,
-    alone: Sequence[Estimate] = (),
 ) -> LawEstimates:
     """Return what estimates say of a law; those of the mechanism are left out.
-
-    `alone` are the same as they are if this law holds, which other laws may leave open: these keep
-    their row of the covariance.
 
     Examples
     --------
@@ -381,12 +377,9 @@ def estimates_for(
     ({'kinetic_coefficient': (0.24, 0.26)}, ('static_coefficient',))
     """
     own = {e.path: e for e in estimates if e.path.startswith(FRICTION)}
-    spreads_of = [
-        e if e.bounded else if_so for e, if_so in zip(estimates, alone or estimates, strict=True)
-    ]
-    told = [i for i, e in enumerate(spreads_of) if e.path in own and e.bounded]
-    names = {i: e.path.removeprefix(FRICTION) for i, e in enumerate(spreads_of) if i in told}
-    shown = [spreads_of[i] for i in told]
+    told = [i for i, e in enumerate(estimates) if e.path in own and e.bounded]
+    names = {i: e.path.removeprefix(FRICTION) for i, e in enumerate(estimates) if i in told}
+    shown = [estimates[i] for i in told]
     spreads = np.array([spread_of(e.value, e.low, e.high) for e in shown])
     table = np.asarray(correlation)[np.ix_(told, told)] * np.outer(spreads, spreads)
     table = 0.5 * (table + table.T)

@@ -1,13 +1,10 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.identify.kinds.features.features import StickSlipFeatures as StickSlipFeatures
-from stickslip.identify.kinds.features.features import features_of as features_of
-from stickslip.identify.kinds.features.fit import compare_features as compare_features
 from stickslip.identify.kinds.features.fit import fit_features as fit_features
 from stickslip.identify.kinds.features.result import FeatureFit as FeatureFit
 from stickslip.identify.kinds.features.selection import select_features as select_features
 from stickslip.identify.kinds.features.verdict import FeatureCandidate as FeatureCandidate
 from stickslip.identify.kinds.features.verdict import FeatureVerdict as FeatureVerdict
-from stickslip.identify.kinds.features.verdict import OtherSpeed as OtherSpeed
+from stickslip.identify.kinds.features.verdict import OtherSetting as OtherSetting
 from stickslip.identify.kinds.kind import Column as Column
 from stickslip.identify.kinds.kind import Comparison as Comparison
 from stickslip.identify.kinds.kind import FitSummary as FitSummary
@@ -56,6 +53,8 @@ from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate a
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds.verbs import fit as fit
 from stickslip.identify.kinds.verbs import select as select
+from stickslip.identify.problems.slip_features import StickSlipFeatures as StickSlipFeatures
+from stickslip.identify.problems.slip_features import features_of as features_of
 
 __all__ = [
     "AnyKind",
@@ -67,7 +66,7 @@ __all__ = [
     "FitSummary",
     "Kind",
     "Law",
-    "OtherSpeed",
+    "OtherSetting",
     "Plan",
     "RateStateCandidate",
     "RateStateFit",
@@ -78,7 +77,6 @@ __all__ = [
     "TravelCandidate",
     "TravelFit",
     "TravelVerdict",
-    "compare_features",
     "data_row",
     "features_of",
     "fit",

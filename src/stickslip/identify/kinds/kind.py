@@ -3,7 +3,6 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Literal, TypeAlias
@@ -24,6 +23,7 @@ from stickslip.identify.fits import (
     names_of,
 )
 from stickslip.identify.kinds.trials import TrialComparison
+from stickslip.identify.ladder import probability_text
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import (
     NO_VALUE,
@@ -38,6 +38,7 @@ from stickslip.show.report import (
     Axis,
     Cell,
     Colour,
+    Fact,
     Number,
     Origin,
     Row,
@@ -213,8 +214,6 @@ class Request:
     """Time after which a body counts as stopped [s]."""
     tolerance: float | None = None
     """Share of friction by which a law that is named may be off."""
-    executor: Executor | None = None
-    """Processes that fit laws at the same time; one after the other if None."""
 
     def arguments(self, *names: str) -> dict[str, Any]:
         """Return arguments of a function that fits or selects: those that all take, and more."""
@@ -232,9 +231,7 @@ class Request:
         return replace(self, **nothing)
 
 
-OPTIONS = (
-    "route", "settings", "horizon", "validate", "assumed", "t_end", "tolerance", "executor",
-)  # fmt: skip
+OPTIONS = ("route", "settings", "horizon", "validate", "assumed", "t_end", "tolerance")
 """What may be said of how; each kind uses some of it."""
 
 
@@ -436,6 +433,17 @@ class Kind(ABC, Generic[F, V]):
         be said.
         """
         return ""
+
+
+def probable_text(share: float, laws: int) -> str:
+    """Return how probable the closest of several laws is, as a sentence; empty if there is one."""
+    return f"{probability_text(share)} probable among {laws} laws. " if laws > 1 else ""
+
+
+def share_fact(share: float, laws: int) -> tuple[Fact, ...]:
+    """Return how probable the closest of several laws is, for a page; nothing if there is one."""
+    fact = Fact(value=probability_text(share), what=f"probability among {laws} laws")
+    return (fact,) if laws > 1 else ()
 
 
 def restarts_text(agreeing: int, starts: int) -> str:

@@ -22,7 +22,8 @@ from stickslip.identify import (
     select_table,
     verdict_sections,
 )
-from stickslip.identify.candidates import in_sentence, limits_of
+from stickslip.identify.candidates import in_sentence
+from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import (
     LAW,
     Laws,

@@ -29,7 +29,13 @@ from stickslip.engine.solver import notice
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import ASSERTED, INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
-from stickslip.identify.fits import Estimate, RecordSettings, check_given, uncertainties_of
+from stickslip.identify.fits import (
+    TOGETHER,
+    Estimate,
+    RecordSettings,
+    check_given,
+    uncertainties_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table
@@ -57,8 +63,6 @@ MOST_CONDITIONS = 4
 DRAWS = 4000
 BROAD = 10.0
 """Deviation of the mean of all trials over its value."""
-TOGETHER = 0.9
-"""Correlation from which two conditions say the same."""
 NOT_ALONE = (
     "only trials that can be fitted individually are compared: records in time or measured"
     " friction, not travels or the force of a spring."

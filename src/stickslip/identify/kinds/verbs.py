@@ -1,7 +1,6 @@
 """The verbs `fit` and `select`: each asks the kind of the measurement once."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any, TypeAlias, overload
@@ -184,7 +183,6 @@ def select(
     t_end: float | None = None,
     tolerance: float | None = None,
     progress: Callable[[str, float], object] | None = None,
-    executor: Executor | None = None,
 ) -> Verdict:
     """Fit every law to a measurement, compare them on what they have not seen, and name one.
 
@@ -196,8 +194,8 @@ def select(
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
         Stribeck, Dahl and LuGre; for records and tables all sums of the parts that explain them;
-        for several joints what their force balances ask for; for features of stick-slip those with
-        a step above sliding; for velocity steps four forms of rate-and-state friction.
+        for several joints what their force balances ask for; for features of stick-slip Coulomb,
+        with viscous too, and Stribeck; for velocity steps forms of rate-and-state friction.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly; or one record of the force of a spring that pulls a block, or
@@ -228,10 +226,6 @@ def select(
     progress : callable, optional
         Called with the name of a law and the number of its runs, or the least residual so far. For
         joints, False ends the search with the best so far; what was fitted is still judged.
-    executor : concurrent.futures.Executor, optional
-        Fits laws at the same time, with the same result; processes, since threads gain nothing. A
-        law's residual is then reported only when its search ends. Not for travels, whose laws are
-        fitted one after the other.
 
     Returns
     -------
@@ -277,7 +271,6 @@ def select(
         assumed=assumed or None,
         t_end=t_end,
         tolerance=None if tolerance is None else as_tolerance(tolerance),
-        executor=executor,
     )
     refuse_unused(kind, {name: name for name in request.given}, request)
     given = several.values() if isinstance(several, Mapping) else several or ()

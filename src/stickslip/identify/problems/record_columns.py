@@ -265,10 +265,10 @@ def is_told(column: Array, beside: Sequence[Array]) -> bool:
 def powers_of_load(ratio: Array | float) -> Array:
     """Return what a level over its load changes by with the load over the usual one (n, 2).
 
-    The logarithm and its square: a level of a + b N is no power of the load.
+    As a small power of it, and by a part that no load changes.
     """
-    x = np.log(np.maximum(np.atleast_1d(ratio), 1e-3))
-    return np.column_stack([x, x * x])
+    x = np.maximum(np.atleast_1d(ratio), 1e-3)
+    return np.column_stack([np.log(x), 1.0 / x - 1.0])
 
 
 class Balance:
@@ -446,11 +446,12 @@ class Balance:
         hats = self._hats(piece)
         course = frame.course(piece.record.time)
         through = self.transmitted(piece)
+        # speeds that are passed in a moment of a turn tell no shape but where bristles are seen
         x = np.column_stack(
             [
                 self._slope(one, piece, state)
                 if is_slope(one[0])
-                else law_column(one, v, z, frame.least, through)
+                else law_column(one, v, z, frame.low, through)
                 for one in laws
             ]
         )
@@ -459,6 +460,9 @@ class Balance:
             "common": z[:, None] * hats,
             "drift": np.hstack([z[:, None] * course, (v / frame.top)[:, None] * course]),
             "place": z[:, None] * frame.places(piece.record.position, self.waves[1]),
+            "slow": (z * (memory.length == 0.0) * np.maximum(1.0 - np.abs(v) / frame.low, 0.0))[
+                :, None
+            ],
         }
         if len(frame.sides) > 1:
             groups["sides"] = np.abs(z)[:, None] * hats
@@ -531,6 +535,8 @@ class Balance:
             found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
         late = [p.late for p in pieces]
         found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
+        if self.driven:
+            found["zone"] = rows.seen([np.sign(self._needed(p))[:, None] for p in pieces])
         if self.given:
             found["given"] = self.errors(which)
         for path in pieces[0].record.unknown:
@@ -538,6 +544,35 @@ class Balance:
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
+
+    @cached_property
+    def driven(self) -> bool:
+        """Whether a force was recorded that a drive gives."""
+        return not self.measured and all(np.any(one.record.force) for one in self.pieces)
+
+    @cached_property
+    def _plainly(self) -> Array:
+        """Inertia, viscous friction and level (3,) by which a plain balance leaves least."""
+        rows = self.rows(MIDDLE)
+        level = rows.seen([p.direction * self.load(p) for p in self.pieces])
+        x = np.column_stack([rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)])
+        size = np.sqrt(np.mean(x * x, axis=0)) + TINY
+        return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)[:3]
+
+    def _needed(self, piece: Piece) -> Array:
+        """Return the force that the motion needs (n,) [N], about.
+
+        That which was recorded has its noise, with which it would explain itself.
+        """
+        inertia, slope, level = self._from._plainly
+        filt, record = piece.filters[MIDDLE], piece.record
+        if record.velocity is None:
+            acceleration = filt(record.position, bent=True, slope=2, full=True)
+        else:
+            acceleration = filt(record.velocity, slope=1, full=True)
+        found = inertia * acceleration + slope * piece.velocity / self.frame.top
+        found = found + level * piece.direction * self.load(piece)
+        return np.asarray(found if record.mechanism is None else found - record.mechanism)
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""

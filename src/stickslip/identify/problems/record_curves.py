@@ -30,8 +30,9 @@ RESOLVED_ROWS = 20
 """Rows of a direction with a resolved speed that tell its range."""
 STUDENT = 6.0
 """Degrees of freedom of the noise of readings."""
-BRISTLES = ("others", "damping")
-"""What bristles do beside their level, which at rest says nothing of what they can hold."""
+BRISTLES = ("others", "damping", "slow")
+"""What bristles do beside their level, and levels while a turn is passed, which at rest says
+nothing of what they can hold."""
 AT_LEVEL = 1.25
 """Range of friction at rest in draws over its level, at which what is above it ends."""
 COURSES = ("drift", "stretch", "zero")

@@ -88,6 +88,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "turn": ((0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0), (1 / 7,) * 7),
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
+    "zone": ((0.0005, 0.03, 0.1, 0.4), (0.9, 0.05, 0.03, 0.02)),
     "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "push": ((0.003, 0.05, 0.3), (0.7, 0.2, 0.1)),
@@ -98,7 +99,8 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place; of springs that relax; of the level and viscous friction of a twentieth of the
-record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the change with
+record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the dead zone of
+a drive; the change with
 an e-fold of the load that is not in proportion, and with an input by its standard deviation; level
 and viscous friction of another run; noise over what the last round left, which a fit that follows
 the noise makes too small; errors of the inertia and of the forces that are given, over these, of
@@ -111,15 +113,17 @@ PARTS_OF = {FORCE: "push"}
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
     "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "load": 1, "input": 1, "push": 0, "run": 1, "noise": 1,
-    "given": 1,
+    "turn": 3, "others": 1, "delay": 0, "zone": 0, "load": 1, "input": 1, "push": 0, "run": 1,
+    "noise": 1, "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
     "offset": 0.3,
     "side": 0.003,
+    "slow": 0.3,
 }
-"""Sizes that are no scales: a constant force, and the least of the slope by direction."""
+"""Sizes that are no scales: a constant force, the least of the slope by direction, and what levels
+change by at speeds below those resolved, which tells no shape of a law."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
 TIMED = 0.1
@@ -378,6 +382,7 @@ class RecordModel(Model):
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
             "relaxing": not balance.measured,
+            "zone": balance.driven,
             "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,
@@ -648,7 +653,7 @@ class RecordModel(Model):
         """
         most = {name: len(SCALES[name][0]) - 1 for name in self.names}
         found, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
-        for other in (still, {"relaxing": 2}, WRONG, PUSHED):
+        for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
             found += [(*sizes, k, 0) for k in range(len(self.memories))]
         return found

@@ -75,6 +75,8 @@ DRAWN = 400
 """Rows that a figure shows."""
 EXACT = 0.02
 """Size of what no law says up to which a law is exact: the usual tolerance."""
+LOAD = "load"
+"""Name of the load beside those of inputs."""
 MEMORIES = ("dahl", "lugre")
 """Laws with bristles."""
 SEEN, SURE, ROWS = 0.05, 20.0, 7
@@ -90,6 +92,7 @@ FINDINGS: Mapping[str, str] = {
     "force": "force that changes with the place or in time",
     "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
+    "zone": "dead zone of the drive",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -98,8 +101,6 @@ GIVEN: Mapping[str, str] = {
     "body": "rigid body heavier or lighter than given",
 }
 """What may be given wrong."""
-TOLD_ZONE = 0.05
-"""Deviation of a dead zone of the drive over friction, up to which the level is told from it."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -210,8 +211,29 @@ class RecordProblem(Problem):
         for name in changing:
             mean, size = frame.inputs[name]
             points = [{**one, name: mean + k * size} for one in points for k in (-1.0, 1.0)]
+        if self.adhesive:
+            points = [{**one, LOAD: x} for one in points for x in self._loads]
         each = {name: np.repeat([x[name] for x in points], len(v)) for name in points[0]}
-        return self.at(np.tile(v, len(points)), inputs=each)
+        return self.at(np.tile(v, len(points)), each.pop(LOAD, None), each)
+
+    @cached_property
+    def _loads(self) -> Array:
+        """Loads of a tenth and of nine tenths of the records (2,) [N]."""
+        loads = [one.record.load for one in self.model.balance.pieces]
+        every = np.concatenate([x for x in loads if x is not None])
+        return np.asarray(np.quantile(every, (0.1, 0.9)))
+
+    @cached_property
+    def adhesive(self) -> bool:
+        """Whether a part of the level is told that no load changes."""
+        if self.model.frame.load == 1.0 or self.families is not None:
+            return False
+        own = [
+            np.diff(self.model.split(one.node, one.random)["load"][::-1], axis=0)[0]
+            for one in self.posterior.draws(DRAWN, seed=5)
+        ]
+        slope = np.concatenate(own) / self.size
+        return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -272,6 +294,8 @@ class RecordProblem(Problem):
         state, speed = side * rows.ratio, np.abs(rows.velocity)
         if name == "offset":
             return [np.ones(len(speed))]
+        if name == "adhesion":
+            return [side]
         if name in FLOW_DIRECTIONS:
             return [speed ** (shape[0] if shape else 1.0)]
         if name == "stribeck_sides":
@@ -335,6 +359,7 @@ class RecordProblem(Problem):
         if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
             more.append((flow_direction(shapes), shapes.get("power", ())))
         more += [(one, ()) for one in self.changing if one.partition("*")[0] in shapes]
+        more += [("adhesion", ())] * (self.adhesive and "level" in shapes)
         return tuple(sorted([*structure, *more], key=lambda one: one[0]))
 
     def _is_held(self, structure: Structure) -> bool:
@@ -514,9 +539,14 @@ class RecordProblem(Problem):
                 rig[name] = own[:, 0]
             elif name == "offset":
                 rig[self.offset or name] = own[:, 0] + self.records[0].constant
+            elif name == "adhesion":
+                rig[name] = own[:, 0]
             else:
                 flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
                 terms[name] = shape, own if flows else own / normal
+        if "adhesion" in rig:  # part of the level at the usual load
+            shape, own = terms["level"]
+            terms["level"] = shape, own + rig["adhesion"][:, None] / normal
         frame = self.model.frame
         means = {name: mean for name, (mean, _) in frame.inputs.items()}
         means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
@@ -698,7 +728,7 @@ class RecordProblem(Problem):
                 " its interval does not allow for it. Move in the other direction too, or hold the"
                 " offset (fixed)."
             )
-        if not balance.measured and self._spread_of_dead_zone() > TOLD_ZONE:
+        if not balance.measured and self._spread_of_dead_zone() > NEGLIGIBLE:
             found.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
                 " is not told from the level of friction, which is stated without one: a record"
@@ -719,15 +749,16 @@ class RecordProblem(Problem):
         It takes the force with its sign, beside the best law and all that is always there.
         """
         model, posterior = self.model, self.posterior
-        node, balance = posterior.best, self.model.balance
-        if not any(np.any(one.record.force) for one in balance.pieces):
+        node = posterior.best
+        if "zone" not in model.names:
             return 0.0
         law = posterior.structures[int(np.argmax(posterior.weights[posterior.nodes.index(node)]))]
         which, memory = model.key(node)
-        rows, design = balance.rows(which), model.design(which, memory)
-        column = rows.seen([np.sign(one.record.force) for one in balance.pieces])
+        design = model.design(which, memory)
+        zone, sizes = design.groups == "zone", model.deviations(node)
+        column = design.random[:, zone][:, 0]
         at = [model.columns.index(one) for one in law]
-        beside = [design.random * model.deviations(node), COEFFICIENT * design.law[:, at]]
+        beside = [design.random[:, ~zone] * sizes[~zone], COEFFICIENT * design.law[:, at]]
         weights = model.weights[which] / model.at(node, "noise")
         x, c = np.hstack(beside) * weights[:, None], column * weights
         moment = x.T @ c
@@ -754,6 +785,8 @@ class RecordProblem(Problem):
             if name == "run":
                 level = b.reshape(2, -1, b.shape[1])[0]
                 changes.append(np.std(level, axis=0, ddof=1))
+            elif name == "zone":
+                changes.append(b[0])
             elif name == "drift":
                 ends = model.frame.course(
                     model.frame.start + model.frame.duration * np.array([0.0, 1.0])
@@ -794,6 +827,12 @@ class RecordProblem(Problem):
             return (
                 "A force beside friction follows the past of the motion, as that of a hose, a cable"
                 f" or another spring does, by {percent(size)} of it (standard deviation)."
+            )
+        if name == "zone":
+            part = quantity(size * self.size, unit, 2)
+            return (
+                f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
+                " dead zone of the drive, or friction before the sensor."
             )
         what = {
             "place": "The level of friction changes with the place",

@@ -66,11 +66,12 @@ SIDES_PRIOR = (0.5, 0.25, 0.15, 0.1)
 """What differs by direction."""
 ALIKE, APART = 0.003, 0.25
 """Deviation of a difference between directions where they are alike, and where they are not."""
-DRIFTS, DRIFT_PRIOR, SORTED_PRIOR = (0.002, 0.02, 0.12), (0.85, 0.1, 0.05), (0.985, 0.014, 0.001)
+DRIFTS = (0.002, 0.02, 0.12, 0.4)
+DRIFT_PRIOR, SORTED_PRIOR = (0.85, 0.1, 0.04, 0.01), (0.985, 0.0135, 0.001, 0.0005)
 """Change of friction over the order of the readings. Files are sorted: an order that follows the
 speed says nothing of time (12 tables of joints: bands of 6 to 44 % fell to 1 to 3 %)."""
 FOLLOWS = 0.8
-"""Share of the order that speeds explain from which it follows them."""
+"""Share of the order that speeds explain from which it follows them, as inputs follow runs."""
 RUNS, RUNS_PRIOR = (0.003, 0.02, 0.06, 0.18), (0.4, 0.25, 0.2, 0.15)
 """Deviation of friction from run to run."""
 INPUT, INPUTS_PRIOR = (0.005, 0.2), (0.5, 0.5)
@@ -82,8 +83,8 @@ LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
 """Powers of the load with their priors: in proportion, adhesive, elastic contact."""
 RULES = {"own": 0.5, "all": 0.4, "hersey": 0.1}
 """Whether dry parts alone, all parts, or a surplus over speed / load follow the load."""
-NOISES, NOISES_PRIOR = ("even", "force"), (0.6, 0.4)
-"""What noise grows with."""
+NOISES_PRIOR = (0.6, 0.4)
+"""Whether noise is even, or grows with the force."""
 NOISE, NOISE_FACTOR = 0.02, 1.2
 """Median of the noise, and the deviation of its logarithm: readings of a careful experiment."""
 NOISE_RANGE = (1e-4, 1.3)

@@ -39,7 +39,9 @@ from stickslip.identify.problems.table_model import (
     AT_ENDS,
     BETA,
     BEYOND,
+    DRIFTS,
     FEW_SPEEDS,
+    FOLLOWS,
     JUMP,
     MOST,
     NEAR,
@@ -554,6 +556,10 @@ class TableProblem(Problem):
             curves[when == k] += random[:, when == k].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
             curves += self._of_runs(rows, draws, random[group == "run"], new, rng)
+        if np.all(rows.run == -2):  # at another time friction is off by as much as it drifts
+            sizes = [np.full(one.random.shape[1], DRIFTS[one.node[5]]) for one in draws]
+            off = np.concatenate(sizes) * rng.normal(size=len(curves))
+            curves += np.outer(off, self.model.reference(rows) * rows.direction)
         curves[::2] += self._at_ends(rows)
         return np.asarray(curves + self._beyond(rows, draws, curves, rng))
 
@@ -655,6 +661,24 @@ class TableProblem(Problem):
         )
 
     # ---- what stands beside the law ---------------------------------------------------------
+
+    def untold(self) -> list[str]:
+        """Return sentences on inputs that are not told from runs, and what would tell them."""
+        frame, rows = self.model.frame, self.table.rows
+        if not 1 < frame.runs < len(rows.run):
+            return []
+        of_runs = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
+        found = []
+        for name in frame.means:
+            x = rows.inputs[name]
+            within = x - of_runs @ np.linalg.lstsq(of_runs, x, rcond=None)[0]
+            if 1.0 - np.var(within) / np.var(x) > FOLLOWS:
+                found.append(
+                    f"An effect of the {name} is told from differences between the {frame.runs}"
+                    f" runs only as far as these are small: it hardly changes within a run. Change"
+                    f" the {name} within a run, or repeat a run at the same {name}."
+                )
+        return found
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return drifts and differences between runs, with their probability."""

@@ -5,7 +5,6 @@ from stickslip.show.plots.animation.animation import draw_scene as draw_scene
 from stickslip.show.plots.animation.animation import encoder_of as encoder_of
 from stickslip.show.plots.animation.animation import frame_times as frame_times
 from stickslip.show.plots.animation.animation import picture_of as picture_of
-from stickslip.show.plots.axes import Array as Array
 from stickslip.show.plots.axes import Sizes as Sizes
 from stickslip.show.plots.axes import horizon as horizon
 from stickslip.show.plots.axes import on_axes as on_axes

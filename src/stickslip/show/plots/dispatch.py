@@ -11,8 +11,7 @@ from stickslip.data import Measurement
 from stickslip.engine.trajectory import Ensemble, Trajectory
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify import TrialComparison
-from stickslip.identify.candidates import Verdict
+from stickslip.identify import TrialComparison, Verdict
 from stickslip.identify.fits import Fit
 from stickslip.show.display import InPanels
 from stickslip.show.plots import laws

@@ -15,7 +15,7 @@ from stickslip.data import HARD, LawEstimates, Rig, equated, unfitted_bristles, 
 from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.candidates import Criteria, criteria_of
+from stickslip.identify import Criteria, criteria_of
 from stickslip.mechanisms import cycle_or_none, slip_names
 from stickslip.quantities import parameters
 from stickslip.show import plots

@@ -8,7 +8,7 @@ from typing import Final, Literal
 from stickslip.data import Checks
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import CITATIONS, FrictionLaw, RateState
-from stickslip.identify.candidates import Wording
+from stickslip.identify import Wording
 from stickslip.identify.fits import Estimate
 from stickslip.show.formatting import (
     fixed,

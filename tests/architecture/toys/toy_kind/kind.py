@@ -11,12 +11,7 @@ from typing_extensions import override
 from stickslip.data import Measurement
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import CandidateSpec, Coulomb
-from stickslip.identify.candidates import (
-    UNMEASURED,
-    Wording,
-    friction_of,
-    specifications,
-)
+from stickslip.identify.candidates import UNMEASURED, Wording, friction_of, specifications
 from stickslip.identify.fits import Estimate, ResidualJacobian
 from stickslip.identify.kinds import Kind, Request
 from stickslip.identify.kinds.kind import SeveralLaws

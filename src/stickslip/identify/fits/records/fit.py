@@ -284,7 +284,7 @@ class RecordFit(Fit[AnyLaw_co]):
         ]
 
     def _plot(self, ax: "Target") -> "Drawing":
-        draw = plots().plot_friction_map if self.problem.joints is None else plots().plot_joints
+        draw = plots().plot_friction_map
         return cast("Drawing", draw(self, ax))
 
     @property

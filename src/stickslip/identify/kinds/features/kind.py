@@ -1,18 +1,17 @@
 """The force of a spring that pulls a block, compared by features of stick-slip."""
 
 from collections.abc import Collection
-from dataclasses import replace
 
 from stickslip.data import Measurement
 from stickslip.identify.fits import Laws
-from stickslip.identify.kinds.features.features import COMPARED, FEATURES
 from stickslip.identify.kinds.features.fit import fit_features
 from stickslip.identify.kinds.features.result import FeatureFit
 from stickslip.identify.kinds.features.selection import feature_laws, select_features
 from stickslip.identify.kinds.features.verdict import COLUMNS, FeatureVerdict
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, terminal_table
+from stickslip.identify.problems.slip_features import COMPARED, FEATURES
 from stickslip.mechanisms import Mechanism, input_names
-from stickslip.show.formatting import percent, quantity, signed_percent
+from stickslip.show.formatting import number, quantity, signed_percent
 from stickslip.show.report import Origin, SectionMaker
 
 UNITS = {"frequency": "Hz"}
@@ -25,14 +24,14 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
     routes = (FEATURES,)
     measured = "the force of a spring"
     content = "spring force"
-    uses = frozenset({"route", "validate", "executor"})
+    uses = frozenset({"route", "validate"})
     settings = frozenset({"seed"})
 
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
-        return [one.name for one in feature_laws(laws)]
+        return [*feature_laws(laws)]
 
     def residual_text(self, error: float, request: Request) -> str:
-        return f"error of the features {percent(error)}"
+        return f"residual of the features {number(error, 2)}"
 
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
         return input_names(mechanism)
@@ -42,13 +41,10 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
         return fit_features(seed=seed, **request.arguments("law"))
 
     def select(self, request: Request) -> FeatureVerdict:
-        return select_features(**request.arguments("laws", "validate", "settings", "executor"))
+        return select_features(**request.arguments("laws", "validate", "settings"))
 
     def comparison(self, verdict: FeatureVerdict) -> Comparison:
-        rows = list(verdict.candidates)
-        if verdict.control:
-            rows.append(replace(verdict.control, name=f"{verdict.control.name}, nominal"))
-        heads, cells = terminal_table(COLUMNS, rows)
+        heads, cells = terminal_table(COLUMNS, verdict.candidates)
         best = verdict.best
         return Comparison(
             heads=heads,
@@ -62,13 +58,12 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
         self, fit: FeatureFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
         second = {} if validate is None else fit.judged(validate)
-        heads = ["feature of F/N", "first half", "fitted", "second half", "error"]
+        heads = ["feature of F/N", "measured", "fitted", "error"]
         heads += ["second record, error"] if second else []
         rows = []
         for name in COMPARED:
             cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
-            cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
-            cells += [signed_percent(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+            cells += [signed_percent(fit.errors[name])]
             cells += [signed_percent(second[name])] if second else []
             rows.append([name.replace("_", " "), *cells])
         return FitSummary(

@@ -1,27 +1,24 @@
 """Sections of the page of a selection on features of stick-slip."""
 
-import math
 from collections.abc import Iterable, Sequence
-from typing import TypeAlias
+from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip.identify.bands import Array
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.features.features import COMPARED, StickSlipFeatures
-from stickslip.identify.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pull
-from stickslip.identify.kinds.features.problem import SAMPLES, WATCHED
-from stickslip.identify.kinds.features.result import FeatureFit, half_width
+from stickslip.identify.kinds.features.result import FeatureFit
 from stickslip.identify.kinds.features.verdict import (
     COLUMNS,
     PERCENT,
     FeatureCandidate,
     FeatureVerdict,
-    OtherSpeed,
-    share_parts,
+    OtherSetting,
 )
-from stickslip.identify.kinds.features.wording import share_text
-from stickslip.identify.kinds.kind import page_table
+from stickslip.identify.kinds.features.wording import UNITS as SETTING_UNITS
+from stickslip.identify.kinds.kind import page_table, share_fact
+from stickslip.identify.problems.limit_cycles import SAMPLES, WATCHED
+from stickslip.identify.problems.slip_features import COMPARED, StickSlipFeatures
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
     estimate,
@@ -36,11 +33,9 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.plots import inline_svg, thinned
+from stickslip.show.plots import C1, DATA, INK, MUTED, Draw, Sizes, inline_svg, thinned
 from stickslip.show.report import (
-    Block,
     Cell,
-    Colour,
     Column,
     Fact,
     Figure,
@@ -57,7 +52,6 @@ from stickslip.show.report import (
     Table,
     candidates_heading,
     identified_heading,
-    label_of,
     opening,
     parameters,
     record_and_checks,
@@ -65,6 +59,7 @@ from stickslip.show.report import (
     typeset,
 )
 
+PULL_SIZES: Final = Sizes(wide=(880, 430), narrow=(358, 620))
 UNITS = {"frequency": "Hz"}
 """Of features that have one; the others are over the load."""
 LABELS = {
@@ -89,24 +84,21 @@ def typeset_lines(lines: Iterable[str], verdict: FeatureVerdict) -> tuple[str, .
 
 def opening_section(verdict: FeatureVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
-    best, words = verdict.best, verdict.words
-    fit = best.fit if best else None
-    told = fit is not None and best is not None and not best.dropped
+    words = verdict.words
     return opening(
         words,
         kicker,
         remark,
         symbols=symbols_of(verdict),
-        law=_law_lines(fit) if fit else (),
+        law=_law_lines(_fit(verdict)),
         facts=_facts(verdict),
-        settles=_settles(fit) if fit and told else None,
         no_score=words.no_score,
     )
 
 
-def _settles(fit: FeatureFit) -> tuple[str, ...]:
-    known = [e for e in fit.estimates if e.bounded]
-    return tuple(f"{label_of(e)} is {e.plus_minus}." for e in known[:3])
+def _fit(verdict: FeatureVerdict) -> FeatureFit:
+    assert verdict.closest.fit is not None
+    return verdict.closest.fit
 
 
 def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
@@ -129,19 +121,10 @@ def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
 
 
 def _facts(verdict: FeatureVerdict) -> tuple[Fact, ...]:
-    best, control, features = verdict.best, verdict.control, verdict.features
-    facts = []
-    if best is not None and best.fit is not None:
-        value, doubt = share_parts(best)
-        what = (
-            "held-out error: frequency, mean and standard deviation of the second half, root mean"
-            " square, ± 1 standard error"
-        )
-        facts.append(Fact(value=value, aside=with_unit(doubt, "%"), what=what))
-    if control is not None and control.fit is not None:
-        what = "the same error with the mechanism fixed as stated"
-        facts.append(Fact(value=share_text(control), what=what))
-    facts.append(_motion(features))
+    fit = _fit(verdict)
+    facts = [*share_fact(verdict.closest.share, len(verdict.candidates))]
+    what = "error of frequency, mean and standard deviation of its limit cycle, root mean square"
+    facts += [Fact(value=percent(fit.rms), what=what), _motion(verdict.features)]
     return tuple(facts[:3])
 
 
@@ -163,47 +146,75 @@ def _motion(features: StickSlipFeatures) -> Fact:
     return Fact(value=ratio(faster), what=what)
 
 
-Array: TypeAlias = NDArray[np.float64]
+class Excerpt(NamedTuple):
+    """Some cycles: measured and simulated force over the load, times [s] from 0."""
+
+    time: Array
+    """Times (n,) of the samples [s]."""
+    measured: Array
+    """Measured force (n,) over the load."""
+    simulated_time: Array
+    """Times (m,) of the simulation [s]."""
+    simulated: Array
+    """Simulated force (m,) over the load."""
+
+
+def draw_pull(time: Array, force: Array, excerpt: Excerpt) -> Draw:
+    """Return a drawing of a record of pulling and of an excerpt beside a limit cycle.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 1.0, 50)
+    >>> callable(draw_pull(t, np.sin(9 * t), Excerpt(t, np.sin(9 * t), t, np.sin(9 * t))))
+    True
+    """
+
+    def draw(figure: Any, narrow: bool) -> None:  # noqa: ARG001
+        record, cycles = figure.subplots(2)
+        record.plot(time, force, color=DATA, linewidth=0.7)
+        record.axhline(float(force.mean()), color=INK, linewidth=1.2)
+        record.set_title("spring force over load, whole record", color=MUTED)
+        record.margins(x=0.0)
+        cycles.plot(excerpt.time, excerpt.measured, ".", color=DATA, markersize=3.5)
+        cycles.plot(excerpt.simulated_time, excerpt.simulated, color=C1, linewidth=1.5)
+        cycles.set_title("some cycles from its middle, measured and simulated", color=MUTED)
+        cycles.set_xlabel("time, s")
+        cycles.margins(x=0.0, y=0.1)
+
+    return draw
 
 
 def force_section(verdict: FeatureVerdict) -> Section | None:
     """Return the section with the measured and the simulated force."""
-    fit = verdict.best.fit if verdict.best else None
-    if fit is None or fit.held_out is None:
-        return None
-    load = fit.mechanism.steady_load
-    time, force = np.asarray(fit.measurement.time), np.asarray(fit.measurement.spring_force) / load
-    middle = len(time) // 2
-    halves = [
-        Half(float(time[0]), float(time[middle - 1]), fit.observed.mean),
-        Half(float(time[middle]), float(time[-1]), fit.held_out.mean),
-    ]
-    excerpts = [
-        _excerpt(fit, time, force, name, 0.5 * (half.start + half.end))
-        for name, half in zip(("first half, fitted", "second half, held out"), halves, strict=True)
-    ]
+    fit = _fit(verdict)
+    record, load = fit.measurement.records()[0], fit.problem.settings[0].block.steady_load
+    if len(fit.problem.settings) > 1:
+        return None  # the limit cycle is that of the block as it is stated
+    time, force = np.asarray(record.time), np.asarray(record.values("spring_force")) / load
+    excerpt = _excerpt(fit, time, force)
     svg = inline_svg(
-        draw_pull(*thinned(time, force), halves, excerpts),
-        alt="Spring force over load against time: the whole record, and some cycles of each half"
-        " beside the fitted limit cycle",
+        draw_pull(*thinned(time, force), excerpt),
+        alt="Spring force over load against time: the record, and some cycles beside the fitted"
+        " limit cycle",
         prefix="force-figure",
         **PULL_SIZES,
     )
-    shown = quantity(float(np.ptp(excerpts[0].time)), "s", 2)
+    shown = quantity(float(np.ptp(excerpt.time)), "s", 2)
     caption = (
-        "**The force of the spring over the load.** Above: the record, with the mean of each half."
-        f" Below: {shown} from the middle of each half (grey) and the fitted limit cycle (blue)."
-        " Its phase is chosen to match best; only frequency, mean and standard deviation were"
-        " fitted, since no law follows an irregular record cycle by cycle."
+        "**The force of the spring over the load.** Above: the record with its mean. Below:"
+        f" {shown} from its middle (grey) and the fitted limit cycle (blue). Its phase is chosen to"
+        " match best; only frequency, mean and standard deviation were fitted, since no law follows"
+        " an irregular record cycle by cycle."
     )
     heading = "The measured force and the predicted motion"
     block = Figure(svg=svg, caption=caption)
     return Section(id="force", nav="Force", heading=heading, blocks=(block,))
 
 
-def _excerpt(fit: FeatureFit, time: Array, force: Array, name: str, middle: float) -> Excerpt:
-    """Return some cycles about a time, with the limit cycle shifted to lie nearest."""
+def _excerpt(fit: FeatureFit, time: Array, force: Array) -> Excerpt:
+    """Return some cycles about the middle, with the limit cycle shifted to lie nearest."""
     period = 1.0 / fit.observed.frequency
+    middle = 0.5 * float(time[0] + time[-1])
     kept = np.abs(time - middle) <= 0.5 * WATCHED * period
     t, measured = time[kept] - time[kept][0], force[kept]
     fine = np.linspace(0.0, float(t[-1]) + period, 40 * (WATCHED + 1) + 1)
@@ -212,94 +223,78 @@ def _excerpt(fit: FeatureFit, time: Array, force: Array, name: str, middle: floa
     misfit = [float(np.sum((np.interp(t + s, fine, cycle) - measured) ** 2)) for s in shifts]
     shift = float(shifts[int(np.argmin(misfit))])
     inside = (fine >= shift) & (fine - shift <= t[-1])
-    return Excerpt(name, t, measured, fine[inside] - shift, cycle[inside])
+    return Excerpt(t, measured, fine[inside] - shift, cycle[inside])
 
 
 def scores_section(verdict: FeatureVerdict) -> Section:
     """Return the section that compares all laws."""
-    rows = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
-    count = len(verdict.candidates)
-    heading = candidates_heading(count, "the held-out half")
-    if count > 1 and not verdict.ranked:
-        heading = f"{in_words(count).capitalize()} candidates, not distinguished by their scores"
-    blocks: list[Block] = [Paragraph(text=_how(verdict)), _laws(verdict, rows)]
-    fit = verdict.best.fit if verdict.best else None
-    if fit is not None:
-        blocks += [Subheading(text=f"{fit.law.title}: features"), _features(fit)]
-    return Section(id="scores", nav="Scores", heading=heading, blocks=tuple(blocks))
-
-
-def _how(verdict: FeatureVerdict) -> str:
-    return (
-        "Every law is fitted so that its limit cycle has the frequency, mean and standard"
-        " deviation of the first half, and is scored on those of the second. The features"
-        f" themselves change by {percent(verdict.room)} between the halves: the drift of the"
-        " record causes an error of that size for any law with fixed parameters."
-    )
-
-
-def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
+    closest, rows = verdict.closest, verdict.candidates
     symbols = symbols_of(verdict)
-
-    def name(one: FeatureCandidate) -> Name:
-        aside = "nominal mechanism" if one is verdict.control else ""
-        return Name(text=one.title, aside=aside)
-
-    def colour(one: FeatureCandidate) -> Colour:
-        return "c1" if one is verdict.best else "c2" if one is verdict.control else "muted"
-
-    return page_table(
+    table = page_table(
         COLUMNS,
         rows,
-        cells={"model": name, "outcome": lambda one: typeset(one.outcome, symbols)},
+        cells={
+            "model": lambda one: Name(text=one.title),
+            "outcome": lambda one: typeset(one.outcome, symbols),
+        },
         scale=PERCENT,
-        colour=colour,
+        colour=lambda one: "c1" if one is closest else "muted",
         chosen=lambda one: one is verdict.best,
-        caption="Dot: held-out error, root mean square of the three. Bar: ± 1 standard error, from"
-        " a block bootstrap of both halves. Laws are not distinguished if their errors"
-        " differ by at most a paired standard error, or by at most half the change of the"
-        " features between the halves; of these, a law with all parameters identified is"
-        " chosen first, then the one with the fewest parameters.",
+        caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
+        " all values of their parameters. Errors are those of the likeliest limit cycle.",
     )
+    fit = _fit(verdict)
+    how = (
+        "The share of a law is its probability, over all values of its parameters, of the mass and"
+        " the stiffness of the machine, and of what no law has. Draws are weighed by their own"
+        f" runs; those of the closest law count as {significant(fit.family.effective, 2)}"
+        " independent ones."
+    )
+    blocks = (
+        Paragraph(text=how), table, Subheading(text=f"{fit.law.title}: features"), _features(fit),
+    )  # fmt: skip
+    heading = candidates_heading(len(rows), "one posterior")
+    return Section(id="scores", nav="Scores", heading=heading, blocks=blocks)
 
 
 def _features(fit: FeatureFit) -> Table:
-    """Return what was observed, fitted and held out, feature by feature."""
+    """Return what was observed and fitted, feature by feature and record by record."""
     columns = (
         Column(head="feature"),
-        Column(head="first half", numeric=True),
+        Column(head="measured", numeric=True),
         Column(head="fitted", numeric=True, phone="label"),
-        Column(head="second half", numeric=True, phone="label"),
         Column(head="error", numeric=True, phone="label"),
     )
     rows = []
-    for i, name in enumerate(COMPARED):
-        cells: list[Cell] = [LABELS[name], _observed(fit, i), _sized(name, fit.predicted[name])]
-        held = fit.held_out
-        cells.append("—" if held is None else _sized(name, getattr(held, name)))
-        cells.append(signed_percent(fit.held_out_errors[name]) if held else "—")
-        rows.append(Row(cells=tuple(cells)))
-    caption = "With 95 % intervals from a block bootstrap of the first half."
+    blocks = [one.block for one in fit.problem.settings]
+    modes = fit.problem.cycles(fit.name, fit.family.mode[None], blocks)[0]
+    for setting, mode in zip(fit.problem.settings, modes, strict=True):
+        several = len(blocks) > 1
+        at = f", {quantity(setting.block.speed, 'm/s')}" if several else ""
+        for i, name in enumerate(COMPARED):
+            if setting.slides and i != 1:
+                continue
+            value = float(setting.features.compared[i])
+            half = 2.0 * float(np.sqrt(setting.features.covariance[i, i])) * abs(value)
+            shown, doubt = estimate_text(value, half)
+            cells: list[Cell] = [
+                f"{LABELS[name]}{at}",
+                Number(value=shown, doubt=doubt, unit=UNITS.get(name, "")),
+                _sized(name, float(mode[i])),
+                signed_percent(round(float(mode[i]) / value - 1.0, 4)),
+            ]
+            rows.append(Row(cells=tuple(cells)))
+    caption = "Measured: with two standard errors, by how stretches of whole cycles scatter."
     return Table(columns=columns, rows=tuple(rows), caption=caption)
-
-
-def _observed(fit: FeatureFit, index: int) -> Number:
-    name = COMPARED[index]
-    value = float(getattr(fit.observed, name))
-    half = half_width(math.sqrt(float(fit.observed.covariance[index, index]))) * abs(value)
-    shown, doubt = estimate_text(value, half)
-    return Number(value=shown, doubt=doubt, unit=UNITS.get(name, ""))
 
 
 def _sized(name: str, value: float) -> str:
     return with_unit(significant(value), UNITS.get(name, "1"))
 
 
-def parameters_section(verdict: FeatureVerdict) -> Section | None:
-    """Return the section on the parameters of the chosen law."""
-    fit = verdict.best.fit if verdict.best else None
-    if fit is None or not fit.estimates:
-        return None
+def parameters_section(verdict: FeatureVerdict) -> Section:
+    """Return the section on the parameters of the closest law."""
+    fit = _fit(verdict)
     open_ended = sum(not e.bounded for e in fit.estimates)
     heading = (
         identified_heading(len(fit.estimates))
@@ -318,8 +313,8 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
         fit.estimates,
         ("given", given),
         heading=heading,
-        caption="95 % intervals from the block bootstrap of the observed features (Student t,"
-        " eight blocks). Given: the value in the rig, if any.",
+        caption="95 % intervals: quantiles of the draws of the posterior."
+        " Given: the value in the rig, if any.",
         remarks=("Remarks", typeset_lines(fit.sentences, verdict)),
     )
 
@@ -360,37 +355,35 @@ def _numbers(verdict: FeatureVerdict) -> list[KeyValue]:
 
 
 def next_section(verdict: FeatureVerdict) -> Section | None:
-    """Return the section on other speeds of the pull, None if laws were not to be told apart."""
-    if not verdict.speeds:
+    """Return the section on other settings, None without any."""
+    if not verdict.settings:
         return None
     titles = {c.name: c.title for c in verdict.candidates}
-    names = list(verdict.speeds[0].predicted)
+    names = [*verdict.settings[0].predicted]
     columns = (
-        Column(head="pulling speed"),
+        Column(head="setting"),
         *(
             Column(head=titles[n], numeric=True, phone="label", label=f"{titles[n]}:")
             for n in names
         ),
-        Column(head="separation", numeric=True, phone="label"),
+        Column(head="expected width", numeric=True, phone="label"),
     )
+    asked = "which law holds" if verdict.rivals else "the parameters"
     caption = (
-        "Frequency and standard deviation of force over load predicted by the fitted laws."
-        " Parameters that are not identified may have other values that fit this record equally"
-        " well and predict other numbers: such a pull determines these values first, and the law"
-        " second. Separation: root mean square difference of the features between the chosen law"
-        " and its nearest rival."
+        "Frequency and standard deviation of force over load, medians of the draws. Expected width:"
+        f" what would be left of what is not known of {asked}, with another record there."
     )
-    rows = tuple(_speed(one, names) for one in verdict.speeds)
+    rows = tuple(_setting(one, names) for one in verdict.settings)
     return Section(
         id="next",
         nav="Measure next",
-        heading="The fitted laws differ at other speeds",
+        heading="What records at other settings would tell",
         blocks=(Table(columns=columns, rows=rows, caption=caption),),
     )
 
 
-def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
-    cells: list[Cell] = [quantity(one.speed, "m/s")]
+def _setting(one: OtherSetting, names: Sequence[str]) -> Row:
+    cells: list[Cell] = [f"{one.name} {quantity(one.value, SETTING_UNITS[one.name])}"]
     for name in names:
         seen = one.predicted[name]
         cells.append(
@@ -398,19 +391,16 @@ def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
             if seen["frequency"] > 0.0
             else "steady sliding"
         )
-    return Row(cells=(*cells, percent(one.separation)))
+    return Row(cells=(*cells, percent(one.left)))
 
 
 def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:
     """Return the section with commands, the rig file of the fit, data and references."""
-    fit = verdict.best.fit if verdict.best else None
-    code, items = [], []
-    if fit is not None:
-        code.append((fit.to_toml().strip(), "The fitted block and law as a file for simulations."))
-        text = f"{fit.runs:,} limit cycles simulated for the chosen law"
-        items.append(KeyValue(key="Runs", value=text))
+    fit = _fit(verdict)
+    text = fit.to_toml().strip()
+    code = [(text, "The fitted block and law as a file for simulations.")] if verdict.best else []
     laws = [c.law for c in verdict.candidates if c.law is not None]
-    return reproduce(origin, code=code, items=items, data=verdict.measurement.provenance, laws=laws)
+    return reproduce(origin, code=code, data=verdict.measurement.provenance, laws=laws)
 
 
 sections = PageSections[FeatureVerdict](

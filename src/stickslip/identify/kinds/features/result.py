@@ -2,102 +2,99 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stickslip.data import LawEstimates, Measurement, levels_at
+from stickslip.data import Finding, LawEstimates, Measurement, levels_at, sentences_of
 from stickslip.engine.simulation import simulate
+from stickslip.errors import ConvergenceError
 from stickslip.identify import THRESHOLDS
-from stickslip.identify.fits import (
-    BLOCKS,
-    Estimate,
-    Fit,
-    FreeParameters,
-    Law_co,
-    ResidualJacobian,
-    estimates_for,
-    quantile_of,
-)
-from stickslip.identify.kinds.features.features import (
+from stickslip.identify.bands import ENDS, Array, correlation_of
+from stickslip.identify.fits import Estimate, Fit, Law_co, estimates_for
+from stickslip.identify.problems.limit_cycles import SETTLING
+from stickslip.identify.problems.slip_features import (
     COMPARED,
     FEATURES,
     StickSlipFeatures,
     features_of,
-    findings_of,
 )
-from stickslip.identify.kinds.features.problem import NUDGE, SETTLING
+from stickslip.identify.problems.stick_slip import MASS, SHARES, SPREADS, StickSlip
+from stickslip.identify.problems.travels import UNTOLD
+from stickslip.identify.simulated import FamilyPosterior, SimulatedPosterior
 from stickslip.mechanisms import TowedBlock
-from stickslip.show.formatting import joined, number, percent, signed_percent
+from stickslip.quantities import parameters
+from stickslip.quantities import vary as with_values
+from stickslip.show.formatting import joined, percent, signed_percent
 
 if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
-Array: TypeAlias = NDArray[np.float64]
+ALIKE = "other values give the same features"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class FeatureFit(Fit[Law_co]):
-    """A law on a towed block whose limit cycle has the features of a record.
+    """A law on a towed block whose limit cycle has the features of records.
 
-    The mechanism has the fitted mass; its load stays the nominal one.
+    The mechanism has the mass and the stiffness at which the posterior is largest; its load stays
+    the nominal one.
     """
 
     mechanism: TowedBlock
     """The towed block with fitted parameters."""
     measurement: Measurement
-    """The whole record."""
-    observed: StickSlipFeatures
-    """Features of the part of the record that was fitted."""
+    """The records."""
+    name: str
+    """Name of the law among those that were compared."""
     predicted: Mapping[str, float]
-    """Compared features of the fitted limit cycle."""
+    """Frequency, mean and standard deviation of the limit cycle in the first record."""
     errors: Mapping[str, float]
-    """Relative errors of these on the part that was fitted."""
-    held_out: StickSlipFeatures | None
-    """Features of the part that the fit did not see."""
-    held_out_errors: Mapping[str, float]
-    """Relative errors on that part; empty without one."""
-    runs: int
-    """Runs simulated."""
-    sentences: tuple[str, ...]
-    """What can be said, in words."""
-    correlation: Array
-    """Of the estimates (p, p), along what the features tell."""
-    alone: tuple[Estimate, ...] = ()
-    """Estimates that hold if this law does, where `estimates` hold whichever law does of those that
-    the features do not tell from it; empty elsewhere."""
+    """Relative errors of these, root mean square over the records with the sign of the mean."""
+    problem: StickSlip = field(repr=False)
+    """The records as rows, and the priors."""
+    posterior: SimulatedPosterior = field(repr=False)
+    """The posterior that all is read from."""
 
-    def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
+    @property
+    def family(self) -> FamilyPosterior:
+        """What the posterior says of this law."""
+        return self.posterior.families[self.name]
 
-        kind = "held-out" if self.held_out_errors else "fitted"
-        errors = self.held_out_errors or self.errors
-        rows = [Interval(name.replace("_", " "), error) for name, error in errors.items()]
-        return on_axes(draw_intervals(rows, f"relative error, {kind}", "1"), ax, INTERVAL_SIZE)
+    @property
+    def observed(self) -> StickSlipFeatures:
+        """Features of the first record."""
+        return self.problem.first.features
 
-    def law_estimates(self) -> LawEstimates:
-        return estimates_for(
-            self.law,
-            self.estimates,
-            self.correlation,
-            levels=levels_at(self.mechanism),
-            largest_speed=None,
-            alone=self.alone,
-        )
+    @cached_property
+    def draws(self) -> Mapping[str, Array]:
+        """Draws (k,) of what was looked for, SI, by path."""
+        return self.problem.values(self.name, self.family.points)
 
     @property
     def rms(self) -> float:
-        """Root mean square of the relative errors on the part that was fitted."""
-        return float(np.sqrt(np.mean([error**2 for error in self.errors.values()])))
+        """Root mean square of the relative errors."""
+        return float(np.sqrt(np.mean(np.square([*self.errors.values()]))))
 
     @property
-    def score(self) -> float:
-        """Root mean square of the held-out errors; of the errors themselves without any."""
-        if not self.held_out_errors:
-            return self.rms
-        return float(np.sqrt(np.mean([error**2 for error in self.held_out_errors.values()])))
+    def missed(self) -> tuple[str, ...]:
+        """Names of features that the limit cycle is off by more than laws of friction are."""
+        sizes = dict(zip(COMPARED, SHARES.tolist(), strict=True))
+        return tuple(name for name, error in self.errors.items()
+                     if not abs(error) <= THRESHOLDS.material * sizes[name])  # fmt: skip
+
+    def law_estimates(self) -> LawEstimates:
+        table = correlation_of(np.array([self.draws[one.path] for one in self.estimates]))
+        np.fill_diagonal(table, 1.0)
+        return estimates_for(
+            self.law,
+            self.estimates,
+            table,
+            levels=levels_at(self.mechanism),
+            largest_speed=None,
+        )
 
     def judged(self, measurement: Measurement) -> dict[str, float]:
         """Return the relative errors of the compared features on another record of this block.
@@ -105,10 +102,32 @@ class FeatureFit(Fit[Law_co]):
         Parameters
         ----------
         measurement : Measurement
-            One record with ``time`` and ``spring_force`` [N].
+            One record with ``time`` and ``spring_force`` [N], and the settings that it overrides.
         """
-        predicted = np.array([self.predicted[name] for name in COMPARED])
-        return errors_of(predicted, features_of(measurement, mechanism=self.mechanism))
+        block = replace(self.problem.block, load=self.mechanism.steady_load)
+        if measurement.overrides:
+            block = with_values(block, "mechanism", measurement.overrides)
+        observed = features_of(measurement, mechanism=block).compared
+        mode = self.problem.cycles(self.name, self.family.mode[None], [block])[0, 0]
+        return dict(zip(COMPARED, (mode / observed - 1.0).tolist(), strict=True))
+
+    def foreseen(self, blocks: Sequence[TowedBlock], count: int) -> Array:
+        """Return draws of the features (k, b, 3) of another run at settings; NaN of failed runs.
+
+        Parameters
+        ----------
+        blocks : sequence of TowedBlock
+            The block as it is set.
+        count : int
+            Draws.
+
+        Returns
+        -------
+        array (k, b, 3)
+            Frequency [Hz], mean and standard deviation of the force over the load.
+        """
+        which = np.linspace(0, len(self.family.points) - 1, count).astype(np.intp)
+        return self.problem.foreseen(self.name, self.family, blocks, which)
 
     def limit_cycle(self, t: Array) -> Array:
         """Return the force of the spring in the fitted limit cycle (n,) [N].
@@ -126,19 +145,62 @@ class FeatureFit(Fit[Law_co]):
         force = block.stiffness * (block.speed * times - np.asarray(run["x"]))
         return np.asarray(force + block.damping * (block.speed - np.asarray(run["v"])))
 
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What can be said: of the record, of what is not told, of features that are missed."""
+        said = [*self.observed.findings]
+        open_ = [one.quantity.symbol for one in self.estimates if one.reason]
+        if open_:
+            which = joined(open_)
+            sentence = f"Frequency, mean and standard deviation do not identify {which}: {ALIKE}."
+            said.append(Finding(kind="open", sentence=sentence))
+        stated = [path.rpartition(".")[2] for path in self.problem.doubts
+                  if _is_prior(self, path)]  # fmt: skip
+        if stated:
+            sentence = f"The features tell no more of the {joined(stated)} than was stated."
+            said.append(Finding(kind="machine", sentence=sentence))
+        if self.missed:
+            off = [f"{name.replace('_', ' ')} by {signed_percent(self.errors[name])}"
+                   for name in self.missed]  # fmt: skip
+            sentence = f"The best limit cycle misses the observed {joined(off)}."
+            said.append(Finding(kind="missed", sentence=sentence))
+        if self.observed.regime == "stick-slip":
+            sentence = (
+                "A limit cycle repeats exactly: the scatter of an irregular record increases its"
+                " standard deviation and appears as larger slips."
+            )
+            said.append(Finding(kind="cycle", sentence=sentence))
+        if self.observed.too_fast and self.problem.doubts.get(MASS, 0.0) < 1.0:
+            sentence = (
+                "The mass is known nearly to its nominal value; vary=['friction.*',"
+                " 'mechanism.mass'] fits it too."
+            )
+            said.append(Finding(kind="mass", sentence=sentence))
+        return tuple(said)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The findings in words."""
+        return sentences_of(self.findings)
+
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
+
+        rows = [Interval(name.replace("_", " "), error) for name, error in self.errors.items()]
+        return on_axes(draw_intervals(rows, "relative error, fitted", "1"), ax, INTERVAL_SIZE)
+
     def __str__(self) -> str:
         """Return law, estimates and errors, then the sentences."""
         numbers = ", ".join(map(str, self.estimates))
-        where = "held-out" if self.held_out_errors else "fitted"
         errors = ", ".join(
             f"{name.replace('_', ' ')} {signed_percent(error)}"
-            for name, error in (self.held_out_errors or self.errors).items()
+            for name, error in self.errors.items()
         )
-        head = f"{self.law.title} fitted to features: {numbers}; {where} errors: {errors}"
+        head = f"{self.law.title} fitted to features: {numbers}; errors: {errors}"
         return "\n".join([head, *self.sentences])
 
     def __repr__(self) -> str:
-        return f"<FeatureFit: {self.law.title}, rms error {percent(self.score)}>"
+        return f"<FeatureFit: {self.law.title}, rms error {percent(self.rms)}>"
 
     def _notes(self) -> Sequence[str]:
         return self.sentences
@@ -151,178 +213,81 @@ class FeatureFit(Fit[Law_co]):
             "observed": self.observed.to_dict(),
             "predicted": dict(self.predicted),
             "errors": dict(self.errors),
-            "held_out": None if self.held_out is None else self.held_out.to_dict(),
-            "held_out_errors": dict(self.held_out_errors),
-            "runs": self.runs,
+            "effective_draws": self.family.effective,
             "cancelled": self.cancelled,
             "sentences": list(self.sentences),
         }
 
 
-def half_width(error: float) -> float:
-    """Return that of the 95 % interval of a standard error from a bootstrap of blocks.
-
-    Examples
-    --------
-    >>> round(half_width(1.0), 2)
-    2.36
-    """
-    return float(quantile_of(np.array(BLOCKS - 1))) * error
-
-
-def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]:
-    """Return the relative errors of predicted features (3,) by name."""
-    return dict(zip(COMPARED, map(float, predicted / observed.compared - 1.0), strict=True))
-
-
-def estimates_of(
-    free_parameters: FreeParameters, best: ResidualJacobian, covariance: Array
-) -> tuple[tuple[Estimate, ...], Array]:
-    """Return what was looked for and which of it no feature tells; its correlation (p, p)."""
-    at = free_parameters.coordinates(best.values)
-    # what other starts came to with the same features
-    alike = np.atleast_2d(best.values if best.memory is None else np.asarray(best.memory))
-    low, high = free_parameters.limits()
-    to_values = free_parameters.slopes(at)
-    table = best.slopes @ to_values
-    _, singular, right = np.linalg.svd(table)
-    # slopes are known to about the step of their difference quotients
-    rank = int(np.sum(singular > NUDGE * singular[0])) if len(singular) else 0
-    inverse = to_values @ np.linalg.pinv(table, rcond=NUDGE)
-    spread = inverse @ covariance @ inverse.T
-    errors = np.sqrt(np.diag(spread))
-    sizes = np.where(errors > 0.0, errors, 1.0)
-    correlation = spread / np.outer(sizes, sizes)
-    np.fill_diagonal(correlation, 1.0)
-    # by the share of each coordinate, squared, in changes that leave every feature as it is
-    loose = np.sum(right[rank:] ** 2, axis=0) > NUDGE
-    found, edge = [], THRESHOLDS.rounding
-    for i, (item, value) in enumerate(zip(free_parameters.items, best.values, strict=True)):
-        tied = item.above in free_parameters.paths and bool(
-            loose[free_parameters.paths.index(item.above)]
+def result_of(
+    name: str, measurement: Measurement, problem: StickSlip, posterior: SimulatedPosterior
+) -> FeatureFit[Any]:
+    """Return what the posterior says of one law, with intervals and words."""
+    family = posterior.families[name]
+    if not math.isfinite(family.rms):
+        raise ConvergenceError(
+            f"no run of {problem.laws[name].law.title} has a limit cycle: check the mass, stiffness"
+            " and speed of the block."
         )
-        reason = "other values give the same features" if loose[i] or tied else ""
-        if not low[i] + edge < at[i] < high[i] - edge and not reason:
-            reason = "it reached the end of the search range"
-        width = math.inf if reason else half_width(float(errors[i]))
-        least = -math.inf if reason else 0.0  # all that is looked for is a size
-        found.append(
-            Estimate(
-                path=item.path,
-                quantity=item.quantity,
-                value=float(value),
-                low=max(float(alike[:, i].min()) - width, least),
-                high=float(alike[:, i].max()) + width,
-                interval="95 %",
-                reason=reason,
-            )
+    values = {path: float(x[0]) for path, x in problem.values(name, family.mode[None]).items()}
+    own = {path: x for path, x in values.items() if path.startswith("mechanism.")}
+    others = {path: x for path, x in values.items() if path not in own}
+    blocks = [one.block for one in problem.settings]
+    mode = problem.cycles(name, family.mode[None], blocks)[0]
+    off = np.array([
+        one.rows(features[None])[0] - one.centre
+        for one, features in zip(problem.settings, mode, strict=True) if not one.slides
+    ])  # fmt: skip
+    errors = np.sqrt(np.mean(np.expm1(off) ** 2, axis=0)) * np.sign(off.sum(axis=0) + 1e-300)
+    block = replace(problem.block, load=problem.block.steady_load)
+    fit = FeatureFit(
+        law=with_values(problem.laws[name].law, "friction", others),
+        mechanism=with_values(block, "mechanism", own),
+        estimates=(),
+        cancelled=posterior.cancelled,
+        measurement=measurement,
+        name=name,
+        predicted=dict(
+            zip(COMPARED, mode[problem.settings.index(problem.first)].tolist(), strict=True)
+        ),
+        errors=dict(zip(COMPARED, errors.tolist(), strict=True)),
+        problem=problem,
+        posterior=posterior,
+    )
+    return replace(fit, estimates=tuple(_estimates(fit, values)))
+
+
+def _estimates(fit: FeatureFit, values: Mapping[str, float]) -> list[Estimate]:
+    """Return what was looked for: the mode, and the quantiles of draws."""
+    problem, found = fit.problem, []
+    quantities = {path: one for path, one, _ in parameters(problem.block, "mechanism")}
+    quantities |= problem.laws[fit.name].quantities
+    for path in problem.paths(fit.name):
+        low, high = np.quantile(fit.draws[path], ENDS)
+        one = Estimate(
+            path=path,
+            quantity=quantities[path],
+            value=values[path],
+            low=min(float(low), values[path]),
+            high=max(float(high), values[path]),
+            interval="95 %",
         )
-    return tuple(found), correlation
+        if path not in problem.doubts and _is_prior(fit, path):
+            one = replace(one, low=-math.inf, high=math.inf, reason=ALIKE)
+        found.append(one)
+    return found
 
 
-def sentences_of(
-    estimates: Sequence[Estimate],
-    observed: StickSlipFeatures,
-    held: StickSlipFeatures | None,
-    errors: Mapping[str, float],
-) -> tuple[str, ...]:
-    """Return what can be said of a fit, in words."""
-    part = "fitted part of the record" if held else "record"
-    said = [str(one) for one in findings_of(observed, part)]
-    if held is not None and _has_drifted(observed, held):
-        said.append(
-            f"The record drifts: the mean F/N is {number(observed.mean)} in the fitted part and"
-            f" {number(held.mean)} in the held-out part; no fixed parameters reproduce both."
-        )
-    reasons = {e.reason for e in estimates if e.reason}
-    for reason in sorted(reasons):
-        symbols = ", ".join(e.quantity.symbol for e in estimates if e.reason == reason)
-        said.append(f"Frequency, mean and standard deviation do not identify {symbols}: {reason}.")
-    missed = [
-        f"{name.replace('_', ' ')} by {signed_percent(error)}"
-        for name, error in errors.items()
-        if is_missed(error)
-    ]
-    if missed:
-        said.append(f"The best limit cycle misses the observed {joined(missed)}.")
-    if observed.regime == "stick-slip":
-        said.append(
-            "A limit cycle repeats exactly: the scatter of an irregular record increases its"
-            " standard deviation and appears as larger slips."
-        )
-    return tuple(said)
+def _is_prior(fit: FeatureFit, path: str) -> bool:
+    """Whether draws are as wide as the prior; of a level above another, as that of levels."""
+    unknowns, laws = fit.family.unknowns, fit.problem.laws
+    at = unknowns.names.index(path)
+    if path not in fit.problem.doubts and laws[fit.name].kind(path) == "surplus":
+        return float(np.std(np.log(fit.draws[path]))) > UNTOLD * SPREADS["level"]
+    return float(np.std(fit.family.points[:, at])) > UNTOLD * float(unknowns.deviation[at])
 
 
-def is_missed(error: float) -> bool:
-    """Whether a law does not have a feature that it was fitted to, by its relative error.
-
-    Examples
-    --------
-    >>> is_missed(-0.02), is_missed(0.1), is_missed(float("nan"))
-    (False, True, True)
-    """
-    return not abs(error) <= THRESHOLDS.material
-
-
-def _has_drifted(observed: StickSlipFeatures, held: StickSlipFeatures) -> bool:
-    """Whether the mean changes from part to part by more than its interval, and by what matters."""
-    doubt = math.sqrt(observed.covariance[1, 1] + held.covariance[1, 1])
-    return abs(held.mean / observed.mean - 1.0) > max(half_width(doubt), THRESHOLDS.material)
-
-
-def room_of(fit: FeatureFit) -> float:
-    """Return the root mean square change of the features from the fitted part to the other.
-
-    It is 0 where nothing was held out.
-    """
-    if fit.held_out is None:
-        return 0.0
-    change = np.log(fit.held_out.compared / fit.observed.compared)
-    return float(np.sqrt(np.mean(change**2)))
-
-
-def error_of_score(fit: FeatureFit) -> float:
-    """Return the standard error of a held-out score; not a number where nothing was held out.
-
-    Features of both parts are in doubt: those of one are predicted, those of the other judge.
-    """
-    return _doubt(fit, _slope(fit.held_out_errors))
-
-
-def paired(other: FeatureFit, best: FeatureFit) -> tuple[float, float]:
-    """Return by how much another score is larger, and the standard error of this difference.
-
-    Both are judged by the same features, so what is in doubt of these cancels as far as the laws
-    err alike.
-    """
-    slope = _slope(other.held_out_errors) - _slope(best.held_out_errors)
-    return other.score - best.score, _doubt(best, slope)
-
-
-def as_good(other: FeatureFit, best: FeatureFit) -> bool:
-    """Whether a record does not tell another law from the best.
-
-    The difference must exceed one paired standard error, and half of what the features change by
-    themselves: a law that misses the fitted part may come nearer to the other by chance.
-    """
-    if best.held_out is None:
-        return other.rms <= best.rms + THRESHOLDS.pattern
-    difference, error = paired(other, best)
-    room = THRESHOLDS.explained * room_of(best) + THRESHOLDS.pattern
-    return difference <= max(error, room)
-
-
-def _slope(errors: Mapping[str, float]) -> Array:
-    """Return the derivative of a score by the logarithms of the features (3,)."""
-    left = np.array([errors.get(name, math.nan) for name in COMPARED])
-    size = float(np.sqrt(left @ left))
-    if size == 0.0:
-        return np.full(len(COMPARED), 1.0 / len(COMPARED))
-    return np.asarray(left / (size * math.sqrt(len(COMPARED))))
-
-
-def _doubt(fit: FeatureFit, slope: Array) -> float:
-    if fit.held_out is None:
-        return math.nan
-    covariance = fit.observed.covariance + fit.held_out.covariance
-    return math.sqrt(max(float(slope @ covariance @ slope), 0.0))
+def pooled(fits: Sequence[FeatureFit], path: str) -> tuple[float, float]:
+    """Return between which values a parameter lies, whichever of the laws holds that have it."""
+    ends = [np.quantile(one.draws[path], ENDS) for one in fits if path in one.draws]
+    return min(float(low) for low, _ in ends), max(float(high) for _, high in ends)

@@ -5,65 +5,63 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+import numpy as np
+
 from stickslip.data import Checks
 from stickslip.friction import FrictionLaw
-from stickslip.identify.candidates import Candidate, Verdict, plain, score_text
-from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.features.features import COMPARED, FEATURES, StickSlipFeatures
+from stickslip.identify.bands import ENDS, PredictionBand
+from stickslip.identify.candidates import Candidate, Verdict, plain
 from stickslip.identify.kinds.features.result import FeatureFit
 from stickslip.identify.kinds.kind import Column, Columns, data_row
+from stickslip.identify.ladder import probability_text
+from stickslip.identify.problems.slip_features import COMPARED, FEATURES, StickSlipFeatures, towed
+from stickslip.identify.simulated import ENOUGH
+from stickslip.mechanisms import Mechanism
 from stickslip.show.described import Described
-from stickslip.show.formatting import EstimateText, Scale, percent, signed_percent
+from stickslip.show.formatting import Scale, percent, signed_percent
 
 
 @dataclass(frozen=True, kw_only=True)
-class OtherSpeed(metaclass=Described):
-    """What fitted laws predict where the spring is pulled at another speed."""
+class OtherSetting(metaclass=Described):
+    """What fitted laws predict at another setting, and what a record there would tell."""
 
-    speed: float
-    """Speed of the pull [m/s]."""
+    name: str
+    """What is set: ``"speed"``, ``"stiffness"`` or ``"load"``."""
+    value: float
+    """To which value [SI]."""
     predicted: Mapping[str, Mapping[str, float]]
-    """Compared features by name of the candidate, the best first; frequency 0 if it slides on."""
-    separation: float
-    """Root mean square difference of the features of the best law and of its nearest rival."""
+    """Median features by name of the law; frequency 0 if it slides on."""
+    left: float
+    """Expected width of what is asked, over that of now: which law, or its parameters."""
 
     def to_dict(self) -> Mapping[str, Any]:
-        """Return the predictions as plain numbers and strings."""
+        """Return the setting as plain numbers and strings."""
         return {
-            "speed": self.speed,
+            "name": self.name,
+            "value": self.value,
             "predicted": {name: dict(values) for name, values in self.predicted.items()},
-            "separation": self.separation,
+            "expected_width": self.left,
         }
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FeatureCandidate(Candidate[FeatureFit]):
-    """One law on a record of stick-slip: its fit, its held-out errors, and what speaks against."""
+    """One law on records of stick-slip: its fit, its probability, and what speaks against it."""
 
-    score_error: float = math.nan
-    """Standard error of the score."""
+    share: float = 0.0
+    """Probability of the law among those compared."""
     second: Mapping[str, float] = field(default_factory=dict)
     """Relative errors on the record given to validate, if there is one."""
 
     @property
     def score(self) -> float:
-        """Root mean square of the relative errors held out, infinite without a fit."""
-        return self.fit.score if self.fit else math.inf
-
-    @property
-    def alone(self) -> tuple[Estimate, ...]:
-        """Estimates that hold if this law does; empty where those of `fit` do."""
-        return self.fit.alone if self.fit else ()
+        """Root mean square of the relative errors of the features, infinite without a fit."""
+        return self.fit.rms if self.fit else math.inf
 
     @property
     def law(self) -> FrictionLaw | None:
         """The fitted law."""
         return self.fit.law if self.fit else None
-
-    @property
-    def errors(self) -> Mapping[str, float]:
-        """Relative errors of each feature, held out."""
-        return self.fit.held_out_errors if self.fit else {}
 
     def to_row(self) -> Mapping[str, Any]:
         return data_row(COLUMNS, self)
@@ -73,15 +71,12 @@ class FeatureCandidate(Candidate[FeatureFit]):
             "law": self.name,
             "title": self.title,
             "parameters": self.parameters,
-            "score": self.score,
-            "score_error": self.score_error,
-            "errors": dict(self.errors),
+            "share": self.share,
+            "errors": dict(self.fit.errors) if self.fit else {},
             "second_record": dict(self.second) or None,
             "dropped": plain(self.dropped),
-            "doubt": plain(self.doubt),
             "outcome": plain(self.outcome),
             "fit": self.fit.to_dict() if self.fit else None,
-            "alone": [estimate.to_dict() for estimate in self.alone],
         }
 
 
@@ -89,11 +84,6 @@ PERCENT: Final = Scale(100.0, "%")
 """What errors of features are shown in."""
 SHORT: Final = {"standard_deviation": "deviation"}
 """Headings, shortened for a terminal of 80 characters."""
-
-
-def share_parts(one: FeatureCandidate) -> EstimateText:
-    """Return a held-out error [%] and its standard error, as two texts without the unit."""
-    return score_text(PERCENT, one.score, one.score_error)
 
 
 def _second(one: FeatureCandidate) -> float | None:
@@ -108,16 +98,15 @@ def _second_text(one: FeatureCandidate) -> str | None:
 
 
 def _error_column(name: str) -> Column[FeatureCandidate]:
-    """Return the column of the held-out errors of a feature."""
+    """Return the column of what a law leaves of a feature."""
 
-    def text(one: FeatureCandidate) -> str | None:
-        error = one.errors.get(name, math.nan)
-        return signed_percent(error) if math.isfinite(error) else None
+    def error(one: FeatureCandidate) -> float:
+        return one.fit.errors[name] if one.fit else math.nan
 
     return Column(
         key=f"{name}_error", title=SHORT.get(name, name), page=name.replace("_", "\n"),
-        phone="label", label=name.replace("_", " "),
-        value=lambda one: one.errors.get(name, math.nan), text=text,
+        phone="label", label=name.replace("_", " "), value=error,
+        text=lambda one: signed_percent(round(error(one), 4)) if one.fit else None,
     )  # fmt: skip
 
 
@@ -132,11 +121,10 @@ COLUMNS: Final[Columns[FeatureCandidate]] = (
         text=lambda one: str(one.parameters) if one.fit else None,
     ),
     Column(
-        key="score", title="held-out, %", page="held-out error\n%, ± 1 s.e.", why_empty="no score",
-        plotted=True,
-        value=lambda one: one.score, text=lambda one: share_parts(one) if one.fit else None,
+        key="share", title="share", page="share", phone="label", label="share:",
+        value=lambda one: one.share,
+        text=lambda one: probability_text(one.share) if one.fit else None,
     ),
-    Column(key="score_error", value=lambda one: one.score_error),
     *map(_error_column, COMPARED),
     Column(
         title="second", page="second record", unit="%", phone="label", optional=True,
@@ -154,16 +142,14 @@ COLUMNS: Final[Columns[FeatureCandidate]] = (
 class FeatureVerdict(Verdict[FeatureCandidate]):
     """A verdict on the force of a spring that pulls a block, by features of stick-slip."""
 
-    control: FeatureCandidate | None
-    """The same law with the nominal mechanism; None where nothing else was looked for."""
     features: StickSlipFeatures
-    """Features of the whole record."""
+    """Features of the first record."""
     checks: Checks
     """What the record can tell, before any fit."""
-    room: float
-    """Root mean square change of the features from the fitted half to the other."""
-    speeds: tuple[OtherSpeed, ...] = ()
-    """Other speeds of the pull, the most telling first."""
+    rivals: tuple[str, ...] = ()
+    """Names of laws that the records do not tell from the closest."""
+    settings: tuple[OtherSetting, ...] = ()
+    """Other settings, the most telling first."""
 
     @property
     def route(self) -> str:
@@ -173,15 +159,37 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
     def score_unit(self) -> str:
         return "1"
 
+    @property
+    def closest(self) -> FeatureCandidate:
+        """The most probable law, recommended or not."""
+        return self.candidates[0]
+
+    def predict(self, mechanism: Mechanism) -> PredictionBand:
+        """Return the band of frequency [Hz], mean and standard deviation of another record (3,).
+
+        It holds whichever does of the laws that are not told apart, and includes what differs from
+        run to run. Frequency and standard deviation are 0 as far as the block may slide steadily.
+
+        Parameters
+        ----------
+        mechanism : TowedBlock
+            The block as it is set for that record.
+        """
+        block, ends = towed(mechanism), (ENDS[0], 0.5, ENDS[1])
+        near = [one.fit for one in self.candidates
+                if one.fit and (one is self.closest or one.name in self.rivals)]  # fmt: skip
+        draws = [one.foreseen([block], 2 * int(ENOUGH))[:, 0] for one in near]
+        rows = [np.nanquantile(one, ends, axis=0) for one in draws]
+        low, high = np.min([x[0] for x in rows], axis=0), np.max([x[2] for x in rows], axis=0)
+        return PredictionBand(low=low, median=rows[0][1], high=high)
+
     def _basis(self) -> str:
-        return " to features of the first half of the record, scored on the second half"
+        return " to features of stick-slip"
 
     def _details(self) -> Mapping[str, Any]:
         return {
-            "scored": "frequency, mean and standard deviation of the second half, root mean square",
-            "change_between_halves": self.room,
+            "not_distinguished_from": list(self.rivals),
             "features": self.features.to_dict(),
-            "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),
-            "next_measurements": [one.to_dict() for one in self.speeds],
+            "next_measurements": [one.to_dict() for one in self.settings],
         }

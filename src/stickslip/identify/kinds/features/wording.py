@@ -13,28 +13,24 @@ from stickslip.identify.candidates import (
     Wording,
     corrections,
     friction_of,
-    held_out_text,
     in_sentence,
     longer,
     not_distinguished,
-    to_predict,
 )
-from stickslip.identify.fits import far_above_dry
-from stickslip.identify.kinds.features.features import StickSlipFeatures
-from stickslip.identify.kinds.features.result import FeatureFit, as_good, room_of
-from stickslip.identify.kinds.features.verdict import (
-    PERCENT,
-    FeatureCandidate,
-    OtherSpeed,
-    share_parts,
-)
+from stickslip.identify.fits import Estimate
+from stickslip.identify.kinds.features.result import FeatureFit, pooled
+from stickslip.identify.kinds.features.verdict import FeatureCandidate, OtherSetting
+from stickslip.identify.kinds.kind import probable_text
+from stickslip.identify.ladder import probability_text
+from stickslip.identify.problems.stick_slip import MASS
+from stickslip.identify.problems.velocity_steps import UNKNOWN
 from stickslip.show.formatting import (
     joined,
     number,
     percent,
     quantity,
-    ratio,
     signed_percent,
+    significant,
     with_unit,
 )
 
@@ -42,12 +38,64 @@ BIASED = (
     "An offset of the force sensor adds to the level at rest and in motion alike: the force does"
     " not reverse."
 )
-MASS = "mechanism.mass"
+UNITS = {"speed": "m/s", "stiffness": "N/m", "load": "N"}
 
 
-def share_text(one: FeatureCandidate) -> str:
-    """Return a held-out error with its standard error, such as ``6 ± 2 %``."""
-    return with_unit(" ".join(share_parts(one)).strip(), PERCENT.unit)
+def outcomes(
+    ordered: Sequence[FeatureCandidate], rivals: Sequence[FeatureCandidate]
+) -> list[FeatureCandidate]:
+    """Add to each candidate, the most probable first, what became of it."""
+    found = []
+    for one in ordered:
+        if one.fit is None:
+            said = f"not fitted: {one.dropped}"
+        elif one is ordered[0]:
+            off = joined([f"{name.replace('_', ' ')} by {signed_percent(one.fit.errors[name])}"
+                          for name in one.fit.missed])  # fmt: skip
+            said = f"closest, not recommended: it misses {off}" if off else "chosen"
+        elif one in rivals:
+            said = NOT_DISTINGUISHED
+        else:
+            said = f"{probability_text(one.share)} probable"
+        found.append(replace(one, outcome=said))
+    return found
+
+
+def feature_wording(
+    ordered: Sequence[FeatureCandidate],
+    rivals: Sequence[FeatureCandidate],
+    checks: Checks,
+    others: Sequence[OtherSetting],
+) -> Wording:
+    """Put a selection on features into words; the most probable candidate is the first."""
+    fit = ordered[0].fit
+    assert fit is not None
+    near = [fit, *(one.fit for one in rivals if one.fit)]
+    return Wording(
+        verdict=_verdict(ordered[0], fit, rivals),
+        lede=_lede(ordered, fit),
+        settles=_settles(near) if not fit.missed else _seen(fit),
+        cannot_tell=_cannot_tell(fit, rivals),
+        measure_next=_measure_next(fit, rivals, checks, others),
+        no_score=_no_score(ordered, rivals),
+    )
+
+
+def _verdict(best: FeatureCandidate, fit: FeatureFit, rivals: Sequence[FeatureCandidate]) -> str:
+    name = friction_of(best.title)
+    if fit.missed:
+        return f"No candidate reproduces the features of this record; {name} is closest."
+    mass = next(one for one in (*fit.estimates, None) if one is None or one.path == MASS)
+    if mass is not None and fit.problem.doubts[MASS] >= UNKNOWN:
+        name += f" with an effective mass of {mass.plus_minus}"
+    if not rivals:
+        return f"Use {name}."
+    titles = [one.title for one in rivals]
+    return f"Use {name}; {not_distinguished(titles, 'these features')}."
+
+
+def _titles(candidates: Sequence[FeatureCandidate]) -> str:
+    return joined([in_sentence(one.title) for one in candidates])
 
 
 def errors_text(errors: Mapping[str, float]) -> str:
@@ -61,121 +109,46 @@ def errors_text(errors: Mapping[str, float]) -> str:
     return joined([f"{name.replace('_', ' ')} {signed_percent(e)}" for name, e in errors.items()])
 
 
-def outcomes(ordered: Sequence[FeatureCandidate]) -> list[FeatureCandidate]:
-    """Add to each candidate, the best first, what became of it."""
-    return [replace(one, outcome=_outcome(one, ordered[0])) for one in ordered]
-
-
-def _outcome(one: FeatureCandidate, best: FeatureCandidate) -> str:
-    if one.fit is None:
-        return f"not fitted: {one.dropped}"
-    if one.name == best.name:
-        return "chosen" if not one.dropped else f"closest, not recommended: {one.dropped}"
-    if one.dropped:
-        return one.dropped
-    if best.fit is not None and as_good(one.fit, best.fit):
-        return f"{NOT_DISTINGUISHED}; {one.doubt}" if one.doubt else NOT_DISTINGUISHED
-    return f"{ratio(one.score / best.score)} the error"
-
-
-def feature_wording(
-    ordered: Sequence[FeatureCandidate],
-    control: FeatureCandidate | None,
-    features: StickSlipFeatures,
-    checks: Checks,
-    speeds: Sequence[OtherSpeed],
-) -> Wording:
-    """Put a selection on features into words; the best candidate is the first."""
-    best, fit = ordered[0], ordered[0].fit
-    assert fit is not None
-    equal = [one for one in ordered[1:] if one.fit and not one.dropped and as_good(one.fit, fit)]
-    return Wording(
-        verdict=_verdict(ordered, fit, equal),
-        lede=_lede(ordered, fit, control),
-        settles=_settles(best) if not best.dropped else _seen(features),
-        cannot_tell=_cannot_tell(fit, equal, features),
-        measure_next=_measure_next([best, *equal], features, checks, speeds),
-        no_score=_no_score(ordered, equal),
-    )
-
-
-def _verdict(
-    ordered: Sequence[FeatureCandidate], fit: FeatureFit, equal: Sequence[FeatureCandidate]
-) -> str:
-    best = ordered[0]
-    name = friction_of(best.title)
-    if best.dropped:
-        least = all(best.score <= one.score for one in ordered)
-        said = f"{name} fits best" if least else f"{name} fits as well as any"
-        return f"No candidate reproduces the features of this record; {said}."
-    mass = next((one for one in fit.estimates if one.path == MASS and one.bounded), None)
-    if mass is not None:
-        known = with_unit(mass.range, mass.quantity.unit) if best.alone else mass.plus_minus
-        name += f" with an effective mass of {known}"
-    if best.doubt:
-        return to_predict(name, best.doubt)
-    if equal:
-        titles = [one.title for one in equal]
-        return f"Use {name}; {not_distinguished(titles, 'these features')}."
-    return f"Use {name}."
-
-
-def _titles(candidates: Sequence[FeatureCandidate]) -> str:
-    return joined([in_sentence(one.title) for one in candidates])
-
-
-def _lede(
-    ordered: Sequence[FeatureCandidate], fit: FeatureFit, control: FeatureCandidate | None
-) -> str:
-    best = ordered[0]
-    text = (
-        held_out_text(
-            PERCENT,
-            best.score,
-            best.score_error,
-            "second half of the record predicted from the first, root mean square of"
-            f" {errors_text(fit.held_out_errors)}",
+def _lede(ordered: Sequence[FeatureCandidate], fit: FeatureFit) -> str:
+    text = f"Its limit cycle is off by {errors_text(fit.errors)}."
+    if fit.rms < THRESHOLDS.negligible:
+        text = (
+            f"Its limit cycle has frequency, mean and scatter to {percent(THRESHOLDS.negligible)}."
         )
-        + f" The features themselves change by {percent(room_of(fit))} between the halves."
-    )
-    if control is not None and control.fit is not None:
-        off = control.fit.held_out_errors.get("frequency", 0.0)
-        text += (
-            f" With the nominal mechanism: {share_text(control)} (frequency {signed_percent(off)})."
-        )
-    closer = [one for one in ordered[1:] if one.fit and one.dropped and one.score < best.score]
-    if closer and not best.dropped:
-        first = closer[0]
-        text += f" {first.title}: {share_text(first)}, but {first.dropped}."
+    fitted = sum(one.fit is not None for one in ordered)
+    text = probable_text(ordered[0].share, fitted) + text
+    records = len(fit.problem.settings)
+    if records > 1:
+        text += f" {records} records tell it."
     return text
 
 
-def _settles(best: FeatureCandidate) -> tuple[str, ...]:
-    assert best.fit is not None
-    pairs = [*zip(best.alone or best.fit.estimates, best.fit.estimates, strict=True)]
-    known = [(one, whole) for one, whole in pairs if one.bounded]
-    known.sort(key=lambda pair: (pair[0].high - pair[0].low) / max(abs(pair[0].value), 1e-300))
-    lines = []
-    for one, whole in known[:MOST]:
+def _settles(near: Sequence[FeatureFit]) -> tuple[str, ...]:
+    """Return what holds whichever of the laws does that are not told apart."""
+    fit, lines = near[0], []
+    known = [one for one in fit.estimates if one.bounded and one.path.startswith("friction.")]
+    known.sort(key=lambda one: (one.high - one.low) / max(abs(one.value), 1e-300))
+    for one in known[:MOST]:
         symbol = f"${one.quantity.symbol}$"
-        if not best.alone:
+        if len(near) == 1:
             lines.append(f"{symbol} = {one.plus_minus}.")
-        elif whole.bounded:
-            between = with_unit(whole.range.replace(" to ", " and "), one.quantity.unit)
-            lines.append(
-                f"{symbol} lies between {between}, whichever of these laws holds;"
-                f" {one.plus_minus} if {in_sentence(best.title)} friction does."
-            )
         else:
             lines.append(
-                f"{symbol} = {one.plus_minus} if {in_sentence(best.title)} friction holds;"
-                f" {whole.reason}."
+                f"{symbol} lies between {_between(near, one)}, whichever of these laws holds;"
+                f" {one.plus_minus} if {in_sentence(fit.law.title)} friction does."
             )
     return tuple(lines)
 
 
-def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
+def _between(near: Sequence[FeatureFit], one: Estimate) -> str:
+    low, high = pooled(near, one.path)
+    whole = replace(one, low=min(low, one.low), high=max(high, one.high))
+    return with_unit(whole.range.replace(" to ", " and "), one.quantity.unit)
+
+
+def _seen(fit: FeatureFit) -> tuple[str, ...]:
     """Return what the record settles although no law has its features: these themselves."""
+    features = fit.observed
     if features.slips > 1:
         return sentences_of(features.findings, "slips")
     return (
@@ -185,63 +158,66 @@ def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
     )
 
 
-def _cannot_tell(
-    fit: FeatureFit, equal: Sequence[FeatureCandidate], features: StickSlipFeatures
-) -> tuple[str, ...]:
-    lines = [*far_above_dry(fit)]
-    if equal:
-        lines.append(
-            f"Which law: {_titles(equal)} can reproduce the same frequency, mean and standard"
-            " deviation. Three features determine three numbers."
-        )
-    lines += sentences_of(features.findings, "scatter", "drift")
-    if any(one.path == MASS for one in fit.estimates):
+def _cannot_tell(fit: FeatureFit, rivals: Sequence[FeatureCandidate]) -> tuple[str, ...]:
+    lines = []
+    if rivals:
+        shares = joined([
+            f"{in_sentence(one.title)} is {probability_text(one.share)} probable" for one in rivals
+        ])  # fmt: skip
+        lines.append(f"Which law: {shares}.")
+    lines += fit.family.few_draws
+    lines += [f"${one.quantity.symbol}$: {one.reason}." for one in fit.estimates if one.reason]
+    lines += sentences_of(fit.findings, "scatter", "drift", "machine")
+    if fit.problem.doubts.get(MASS, 0.0) >= UNKNOWN:
         lines.append(
             "Why the effective mass differs: a spring stiffer than stated, or a rocking body, has"
             " the same effect."
         )
-    elif features.too_fast:
-        lines += sentences_of(features.findings, "frequency")
+    elif fit.observed.too_fast:
+        lines += sentences_of(fit.findings, "frequency")
+    if len(fit.problem.settings) == 1:
+        lines.append("How much friction differs from run to run: there is one record.")
     lines += [BIASED, UNMEASURED]
-    return tuple(lines[:MOST])
+    return tuple(lines[: MOST + 1])
 
 
 def _measure_next(
-    alike: Sequence[FeatureCandidate],
-    features: StickSlipFeatures,
+    fit: FeatureFit,
+    rivals: Sequence[FeatureCandidate],
     checks: Checks,
-    speeds: Sequence[OtherSpeed],
+    others: Sequence[OtherSetting],
 ) -> tuple[str, ...]:
-    lines, fit = [], alike[0].fit
-    assert fit is not None
-    # laws must part there by more than drift, and by what matters
-    least = max(2.0 * room_of(fit), THRESHOLDS.material)
-    telling = [one for one in speeds if one.separation > least]
-    if len(alike) > 1 and telling:
-        lines.append(_speed_line(telling[0], alike))
-    free = any(one.path == MASS for one in fit.estimates)
-    if not free and features.too_fast:
+    lines, doubts = [], fit.problem.doubts
+    if not doubts.get(MASS, 0.0) >= UNKNOWN and fit.observed.too_fast:
         lines.append(
             "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
             " 'friction.*,mass'. The nominal mass cannot oscillate as fast as measured."
         )
-    if free:
+    if others:
+        lines.append(setting_line(others[0], fit, rivals))
+    if doubts.get(MASS, 0.0) >= UNKNOWN:
         lines.append(
             "Weigh the moving parts and load the spring with a known weight: the effective mass"
             " implies that the mass or the stiffness is not as stated, or that the body is not"
             " rigid."
         )
-    if features.drifts:
+    if fit.observed.drifts:
         lines.append("Repeat the pull after further passes, until the mean no longer drifts.")
     lines += [*corrections(checks, but=("drift",)), *longer(checks)]
-    if not lines:
-        lines.append("Repeat the pull at another speed and at another position on the track.")
     return tuple(lines[:MOST])
 
 
-def _speed_line(told: OtherSpeed, alike: Sequence[FeatureCandidate]) -> str:
-    said = "; ".join(f"{one.title} {_motion(told.predicted[one.name])}" for one in alike)
-    return f"Pull at {quantity(told.speed, 'm/s')}, where the fitted laws differ: {said}."
+def setting_line(one: OtherSetting, fit: FeatureFit, rivals: Sequence[FeatureCandidate]) -> str:
+    """Return the advice to make another record."""
+    where = f"a {one.name} of {quantity(one.value, UNITS[one.name])}"
+    verb = "Pull again at" if one.name == "speed" else "Pull again with"
+    titles = {fit.name: fit.law.title, **{each.name: each.title for each in rivals}}
+    said = "; ".join(f"{titles[name]} {_motion(row)}" for name, row in one.predicted.items())
+    asked = "which law holds" if rivals else "its parameters"
+    return (
+        f"{verb} {where}, and give both records as trials: of what is not known of {asked},"
+        f" {significant(100.0 * one.left, 2)} % is expected to be left. {said}."
+    )
 
 
 def _motion(predicted: Mapping[str, float]) -> str:
@@ -255,12 +231,9 @@ def _motion(predicted: Mapping[str, float]) -> str:
     )
 
 
-def _no_score(ordered: Sequence[FeatureCandidate], equal: Sequence[FeatureCandidate]) -> str:
+def _no_score(ordered: Sequence[FeatureCandidate], rivals: Sequence[FeatureCandidate]) -> str:
     if len(ordered) < 2:
         return ONE_LAW
-    if not equal:
+    if not rivals:
         return ""
-    return (
-        f"No ranking of {_titles([ordered[0], *equal])}: their held-out errors do not differ"
-        " significantly."
-    )
+    return f"No ranking of {_titles([ordered[0], *rivals])}: each may hold."

@@ -6,7 +6,7 @@ from dataclasses import replace
 from stickslip.data import Checks, Measurement, check, is_filmed, travels_of_films
 from stickslip.friction import law_type
 from stickslip.identify import USUAL_LAWS
-from stickslip.identify.candidates import limits_of
+from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import AnyLaw, Laws, quantities_read
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, terminal_table
 from stickslip.identify.kinds.travels.fit import fit_travels

@@ -14,14 +14,8 @@ from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identify import THRESHOLDS, TravelJudgement, band_of, judged_travels
-from stickslip.identify.candidates import (
-    NOT_DISTINGUISHED,
-    Criteria,
-    Watch,
-    check_any,
-    check_apart,
-    criteria_of,
-)
+from stickslip.identify.candidates import NOT_DISTINGUISHED, Watch, check_any, check_apart
+from stickslip.identify.criteria import Criteria, criteria_of
 from stickslip.identify.fits import (
     Estimate,
     Laws,

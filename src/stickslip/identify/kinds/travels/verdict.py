@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identify import PredictionBand, TravelJudgement, band_of
-from stickslip.identify.candidates import Candidate, Criteria, Verdict, score_scale, score_text
+from stickslip.identify.candidates import Candidate, Verdict, score_scale, score_text
+from stickslip.identify.criteria import Criteria
 from stickslip.identify.fits import Estimate, Trial, durations, quantities_read
 from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.kinds.travels.result import TravelFit, words_of

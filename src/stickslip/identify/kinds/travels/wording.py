@@ -12,13 +12,8 @@ from numpy.typing import NDArray
 
 from stickslip.data import Finding, with_order
 from stickslip.identify import THRESHOLDS, PredictionBand, TravelJudgement, parameter_sentence
-from stickslip.identify.candidates import (
-    Wording,
-    friction_of,
-    in_sentence,
-    limits_of,
-    not_distinguished,
-)
+from stickslip.identify.candidates import Wording, friction_of, in_sentence, not_distinguished
+from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import Estimate, durations
 from stickslip.identify.kinds.travels.result import words_of
 from stickslip.identify.kinds.travels.verdict import TravelCandidate, estimate_text, what_of

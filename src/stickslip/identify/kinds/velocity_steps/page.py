@@ -7,14 +7,13 @@ import numpy as np
 
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.kind import page_table
+from stickslip.identify.kinds.kind import page_table, share_fact
 from stickslip.identify.kinds.velocity_steps.result import SETTLED, RateStateFit
 from stickslip.identify.kinds.velocity_steps.verdict import (
     COEFFICIENT,
     COLUMNS,
     RateStateCandidate,
     RateStateVerdict,
-    share_text,
 )
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
@@ -111,10 +110,7 @@ def _held_text(name: str, value: str) -> str:
 
 
 def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
-    share = verdict.closest.share
-    facts = [
-        Fact(value=share_text(share), what=f"probability among {len(verdict.candidates)} laws")
-    ] if len(verdict.candidates) > 1 else []  # fmt: skip
+    facts = [*share_fact(verdict.closest.share, len(verdict.candidates))]
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
         symbols = " − ".join(f"${symbol}$" for symbol in fit.rate_symbols)

@@ -12,8 +12,7 @@ from stickslip.data import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import RateState
 from stickslip.identify import THRESHOLDS
-from stickslip.identify.bands import LEVEL as PROBABILITY
-from stickslip.identify.bands import Array, PredictionBand
+from stickslip.identify.bands import ENDS, Array, PredictionBand
 from stickslip.identify.fits import Estimate, Fit, estimates_for
 from stickslip.identify.judgement import ASSERTED
 from stickslip.identify.kinds.velocity_steps.slider import SliderHistory, simulate_velocity_steps
@@ -45,8 +44,6 @@ TOLD = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
 SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
-ENDS = (0.5 * (1.0 - PROBABILITY), 0.5 * (1.0 + PROBABILITY))
-"""Quantiles of draws between which 95 % lie."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -266,10 +263,21 @@ class RateStateFit(Fit[RateState]):
         return sentences_of(self.findings)
 
     def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.identify.kinds.velocity_steps.figures import draw_coefficient
-        from stickslip.show.plots import MAP_SIZES, on_axes
+        from stickslip.show.plots import C1, DATA, MAP_SIZES, on_axes, sampled
 
-        draw = draw_coefficient(self.time, self.measured, self.fitted, self.law.title)
+        shown = sampled(len(self.time))
+
+        def draw(figure: Any, narrow: bool) -> None:  # noqa: ARG001
+            axes = figure.subplots()
+            axes.plot(
+                self.time[shown], self.measured[shown], "o", color=DATA, markersize=2.2, alpha=0.6,
+                markeredgewidth=0, label="measured",
+            )  # fmt: skip
+            axes.plot(self.time, self.fitted, color=C1, label=self.law.title)
+            axes.set_xlabel("time, s")
+            axes.set_ylabel("coefficient of friction")
+            axes.legend()
+
         return on_axes(draw, ax, MAP_SIZES["wide"])
 
     def __str__(self) -> str:

@@ -6,23 +6,11 @@ from typing import Any, Final
 
 from stickslip.data import Checks
 from stickslip.friction import RateState
-from stickslip.identify import THRESHOLDS
 from stickslip.identify.candidates import Candidate, Verdict, plain, score_text
 from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
-from stickslip.show.formatting import EstimateText, Scale, percent
-
-
-def share_text(share: float) -> str:
-    """Return a probability in words.
-
-    Examples
-    --------
-    >>> share_text(0.93), share_text(1e-9)
-    ('93 %', 'below 0.1 %')
-    """
-    least = THRESHOLDS.negligible
-    return percent(share) if share >= least else f"below {percent(least)}"
+from stickslip.identify.ladder import probability_text
+from stickslip.show.formatting import EstimateText, Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -83,7 +71,8 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
     ),
     Column(
         key="share", title="share", page="share", phone="label", label="share:",
-        value=lambda one: one.share, text=lambda one: share_text(one.share) if one.fit else None,
+        value=lambda one: one.share,
+        text=lambda one: probability_text(one.share) if one.fit else None,
     ),
     Column(
         key="leaves", title="leaves", page="leaves",

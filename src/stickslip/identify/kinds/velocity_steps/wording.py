@@ -10,10 +10,11 @@ from stickslip.friction import RATE_STATE_FORMS, RateStateForm
 from stickslip.identify import THRESHOLDS
 from stickslip.identify.candidates import MOST, ONE_LAW, Wording, corrections
 from stickslip.identify.judgement import RIVAL
+from stickslip.identify.kinds.kind import probable_text
 from stickslip.identify.kinds.velocity_steps.result import RateStateFit
-from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate, share_text
+from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate
+from stickslip.identify.ladder import probability_text
 from stickslip.identify.problems.velocity_step_paths import SHORTEST
-from stickslip.identify.simulated import ENOUGH
 from stickslip.show.formatting import capital, joined, number, quantity, ratio, significant, span
 
 OWN = ("a", "b", "D_c", "b_2", "D_2", "c")
@@ -42,7 +43,7 @@ def outcomes(
                 else ("not told apart from the chosen law")
             )
         else:
-            said = f"{share_text(one.share)} probable"
+            said = f"{probability_text(one.share)} probable"
         found.append(replace(one, outcome=said))
     return found
 
@@ -113,8 +114,7 @@ def _verdict(fit: RateStateFit, rival: RateStateCandidate | None, fault: str) ->
 
 def _lede(ordered: Sequence[RateStateCandidate], fit: RateStateFit, fault: str) -> str:
     text = f"It leaves {number(fit.rms, 2)} of the coefficient of friction, root mean square"
-    if len(ordered) > 1:
-        text = f"{share_text(ordered[0].share)} probable among {len(ordered)} laws. {text}"
+    text = probable_text(ordered[0].share, len(ordered)) + text
     text += f": {fault}." if fault else "."
     if fit.rate.interval != "known":
         text += f" {_about_rate(fit)}"
@@ -168,12 +168,8 @@ def _cannot_tell(
 ) -> tuple[str, ...]:
     lines = []
     if rival is not None:
-        lines.append(f"Which law: {_law(rival)} is {share_text(rival.share)} probable.")
-    if fit.family.effective < ENOUGH / 3.0:
-        lines.append(
-            "The intervals to better than a third: the effective number of draws is"
-            f" {significant(fit.family.effective, 2)}."
-        )
+        lines.append(f"Which law: {_law(rival)} is {probability_text(rival.share)} probable.")
+    lines += fit.family.few_draws
     if fit.law.evolution != "none" and not fit.separable:
         lines.append("$a$ and $b$: larger and smaller ones of the same difference fit as well.")
     lines += [f"${e.quantity.symbol}$: {e.reason}." for e in fit.estimates if e.reason]
@@ -181,8 +177,8 @@ def _cannot_tell(
     near = [one for one in ordered[1:] if one.share * RIVAL > ordered[0].share]
     richer = [one for one in near if rival is None or one.name != rival.name]
     if richer:
-        lines.append(f"Whether there is more: {_law(richer[0])} is {share_text(richer[0].share)}"
-                     " probable.")  # fmt: skip
+        share = probability_text(richer[0].share)
+        lines.append(f"Whether there is more: {_law(richer[0])} is {share} probable.")
     if len(fit.problem.record.path.steps) == 1:
         lines.append("How well the law predicts another step: there is only one.")
     if fit.misses:

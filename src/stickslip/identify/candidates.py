@@ -1,17 +1,20 @@
-"""What a selection gives back, whatever was measured."""
+"""Candidates and verdicts of all kinds: which laws are compared, and what a selection gives."""
 
 import html
 import itertools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median_high
-from typing import TYPE_CHECKING, Any, Generic, cast, final
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, cast, final
 
 from typing_extensions import TypeVar
 
 from stickslip.data import Checks, Measurement
+from stickslip.errors import InputError
+from stickslip.friction import CandidateSpec, FrictionLaw, specification, usual_specifications
 from stickslip.identify.fits import Fit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -25,7 +28,6 @@ from stickslip.show.formatting import (
     number,
     scale_of,
     significant,
-    with_unit,
 )
 
 if TYPE_CHECKING:
@@ -49,6 +51,57 @@ UNMEASURED = "Friction at speeds, loads and temperatures outside those measured 
 """What no verdict can tell."""
 TOO_SHORT = "effective size"
 """Kind of a finding that a longer record answers; no correction does."""
+Watch: TypeAlias = Callable[[str, float], object]
+"""Called with a candidate and the least residual so far; False ends the search."""
+
+
+def specifications(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
+) -> tuple[CandidateSpec, ...]:
+    """Return the candidates: those given, or all that records may be compared with by default.
+
+    A name stands for the candidate of that name, or for a law with all it can fit.
+
+    Examples
+    --------
+    >>> [one.name for one in specifications(None)][:3]
+    ['viscous', 'coulomb', 'coulomb-viscous']
+    >>> [one.title for one in specifications(["coulomb", "dahl-exponent"])]
+    ['Coulomb', 'Dahl with exponent']
+    """
+    if laws is None:
+        return usual_specifications()
+    if isinstance(laws, Mapping):
+        found = [CandidateSpec.of(name, law) for name, law in laws.items()]
+    else:
+        found = [
+            specification(one) if isinstance(one, str) else CandidateSpec.of(one.name, one)
+            for one in laws
+        ]
+    check_any(found)
+    check_apart([one.name for one in found])
+    return tuple(found)
+
+
+def check_any(laws: Collection[object]) -> None:
+    """Refuse to compare no laws at all."""
+    if not laws:
+        raise InputError("no friction law was given: name at least one in `laws`.")
+
+
+def check_apart(names: Sequence[str]) -> None:
+    """Refuse candidates of one name, of which results would tell only one.
+
+    Examples
+    --------
+    >>> check_apart(["coulomb", "viscous"])
+    """
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise InputError(
+            f"two of `laws` are called {twice[0]!r}: give a mapping with a name for each, such as"
+            f' {{"{twice[0]}-a": ..., "{twice[0]}-b": ...}}.'
+        )
 
 
 def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
@@ -360,29 +413,6 @@ def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -
         names = [*names[: most - 1], f"{len(names) - most + 1} more"]
     verb = "do" if source.endswith("s") else "does"
     return f"{source} {verb} not distinguish it from {joined(names)}"
-
-
-def held_out_text(scale: Scale, score: float | None, error: float | None, scored: str) -> str:
-    """Return the sentence of a held-out error, with its standard error and what it is of.
-
-    Examples
-    --------
-    >>> held_out_text(Scale(1e3, "mm"), 0.00060, 0.00007, "8 blocks, root mean square")
-    'Held-out error: 0.60 ± 0.07 mm (8 blocks, root mean square).'
-    """
-    text = " ".join(score_text(scale, score, error)).strip()
-    return f"Held-out error: {with_unit(text, scale.unit)} ({scored})."
-
-
-def to_predict(name: str, doubt: str) -> str:
-    """Return the verdict on a law that predicts, although some of its parameters are open.
-
-    Examples
-    --------
-    >>> to_predict("LuGre friction", "$sigma_1$ is bounded on one side only")
-    'Use LuGre friction to predict, but not all of its parameters are identified: $sigma_1$ ...'
-    """
-    return f"Use {name} to predict, but not all of its parameters are identified: {doubt}."
 
 
 def on_second_record(error: str) -> str:

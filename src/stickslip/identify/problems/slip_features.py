@@ -2,7 +2,7 @@
 
 import html
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, TypeAlias
@@ -161,43 +161,23 @@ def peak_of(frequency: Array, spectrum: Array) -> float:
     return float(frequency[i] + shift * (frequency[1] - frequency[0]))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Frequency:
-    """A frequency, and what it is in the draws of a block bootstrap."""
-
-    frequency: float
-    """Hz."""
-    draws: Array
-    """By draw (draws,) [Hz]."""
-    chosen: NDArray[np.intp]
-    """Stretches of each draw (draws, stretches)."""
-
-
 def frequency_of(
     force: Array, step: float, *, natural: float, slips: NDArray[np.intp] | None
-) -> Frequency:
-    """Return the frequency of a force: of its slips if there are any, else of its spectrum.
+) -> float:
+    """Return the frequency of a force [Hz]: of its slips if there are any, else of its spectrum.
 
     Examples
     --------
     >>> saw = np.tile(np.linspace(0.0, 1.0, 100), 40)
-    >>> found = frequency_of(saw, 0.01, natural=20.0, slips=np.arange(100, 4000, 100))
-    >>> round(found.frequency, 6)
+    >>> round(frequency_of(saw, 0.01, natural=20.0, slips=np.arange(100, 4000, 100)), 6)
     1.0
     """
-    chosen = np.random.default_rng(0).integers(0, BLOCKS, (THRESHOLDS.draws, BLOCKS))
     frequencies, spectra = spectra_of(force, HALVES, HIGHEST * natural * step)
     top = peak_of(frequencies, spectra.mean(axis=0)) / step
-    # overlapping spectra stand around the stretch they begin with
-    tops = [
-        peak_of(frequencies, spectra[np.minimum(2 * drawn, HALVES - 1)].mean(axis=0))
-        for drawn in chosen
-    ]
-    spectral = Frequency(frequency=top, draws=np.array(tops) / step, chosen=chosen)
     if slips is not None:
-        found = _rate(slips, len(force), step, chosen)
-        _refuse_contradiction(spectral, found, force, step, len(slips))
-        return found
+        tops = [peak_of(frequencies, one) for one in spectra[::2]]
+        _refuse_contradiction(top, _error(tops), force, step, slips)
+        return (len(slips) - 1) / (step * float(np.ptp(slips)))
     if _hum(force, step, top):
         raise InputError(
             "the force shows mains hum and no stick-slip: no slips are detected, the power per"
@@ -205,7 +185,12 @@ def frequency_of(
             f" {words_of(_hum(force, step, top))} is narrow. {CURE}. Motion of the block at"
             " exactly this frequency cannot be distinguished from hum: record it at another speed."
         )
-    return spectral
+    return top
+
+
+def _error(values: Sequence[float] | Array) -> float:
+    """Return the standard error of the logarithm of the mean of values above 0."""
+    return float(np.std(np.log(values)) / math.sqrt(max(len(values) - 1, 1)))
 
 
 def _hum(force: Array, step: float, top: float) -> tuple[MainsLine, ...]:
@@ -217,31 +202,19 @@ def _hum(force: Array, step: float, top: float) -> tuple[MainsLine, ...]:
     return lines if falsify or any(abs(one.frequency / top - 1.0) < 0.01 for one in lines) else ()
 
 
-def _rate(
-    events: NDArray[np.intp], samples: int, step: float, chosen: NDArray[np.intp]
-) -> Frequency:
-    """Return the rate of events, which a stretch has as many of as begin in it."""
-    waits = step * np.diff(events)
-    stretch = np.minimum(events[:-1] * BLOCKS // samples, BLOCKS - 1)
-    counts = np.bincount(stretch, minlength=BLOCKS)
-    times = np.bincount(stretch, weights=waits, minlength=BLOCKS)
-    rate = 1.0 / float(waits.mean())
-    drawn, spent = counts[chosen].sum(axis=1), times[chosen].sum(axis=1)
-    draws = np.where(drawn > 0, drawn / np.where(drawn > 0, spent, 1.0), rate)
-    return Frequency(frequency=rate, draws=draws, chosen=chosen)
-
-
 def _refuse_contradiction(
-    spectral: Frequency, slips: Frequency, force: Array, step: float, count: int
+    top: float, error: float, force: Array, step: float, slips: NDArray[np.intp]
 ) -> None:
-    """Refuse a record whose spectrum has its top above the rate of its slips.
+    """Refuse a record whose spectrum has its top [Hz] above the rate of its slips.
 
-    Below it, a spectrum shows how levels wander from slip to slip.
+    Below it, a spectrum shows how levels wander from slip to slip. `error` is that of the logarithm
+    of the top.
     """
-    top, rate = spectral.frequency, slips.frequency
+    count, waits = len(slips), step * np.diff(slips)
+    rate = 1.0 / float(waits.mean())
     apart = math.log(top / rate)
     narrow = apart > AGREE and is_narrow(force, step, top)
-    errors = [float(np.log(one.draws).std()) for one in (spectral, slips)]
+    errors = error, _error(waits)
     contradict = narrow or apart > AGREE + THRESHOLDS.outlier * math.hypot(*errors)
     lines = _hum(force, step, top)
     if not contradict and not lines:
@@ -318,8 +291,8 @@ class StickSlipFeatures(metaclass=Described):
     """Whether the mean changes from the first half to the second, as `check` finds."""
     regime: Regime
     """Kind of motion."""
-    covariance: Array
-    """Of the logarithms of frequency, mean and standard deviation (3, 3), by block bootstrap."""
+    stretches: Array
+    """Logarithms of frequency, mean and standard deviation (s, 3) of stretches of whole cycles."""
     findings: tuple[Finding, ...]
     """What can be said: of kinds ``"frequency"``, ``"slips"``, ``"scatter"`` and ``"drift"``."""
 
@@ -352,6 +325,11 @@ class StickSlipFeatures(metaclass=Described):
     def compared(self) -> Array:
         """Frequency, mean and standard deviation (3,)."""
         return np.array([getattr(self, name) for name in COMPARED])
+
+    @property
+    def covariance(self) -> Array:
+        """Of the logarithms of frequency, mean and standard deviation (3, 3)."""
+        return np.asarray(np.cov(self.stretches.T) / len(self.stretches) + READ**2 * np.eye(3))
 
     def __str__(self) -> str:
         """Return the numbers in a line, then the sentences."""
@@ -434,21 +412,21 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     events, waiting = found.place, step * np.diff(found.place)
     slow = _is_slow(waiting, natural)
     read = frequency_of(force, step, natural=natural, slips=events if slow else None)
-    regime: Regime = "stick-slip" if slow else _regime(force, read.frequency, natural)
+    regime: Regime = "stick-slip" if slow else _regime(force, read, natural)
     if regime == "stick-slip" and not slow:
-        refuse_without_cycles(force, step, read.frequency)
+        refuse_without_cycles(force, step, read)
+    stretches = stretches_of(force, read * step, events if slow else None)
     if regime != "stick-slip":
         none = np.empty(0)
         found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
         waiting = none
     pull = block.stiffness * block.speed * step / block.steady_load
     thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
-    covariance = _covariance(force, read.draws, read.chosen)
     halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
     parts: dict[str, Any] = {
-        "mean": float(force.mean()),
-        "standard_deviation": float(force.std()),
-        "frequency": read.frequency,
+        "mean": float(np.exp(stretches[:, 1]).mean() * np.sign(force.mean())),
+        "standard_deviation": float(np.sqrt(np.exp(2.0 * stretches[:, 2]).mean())),
+        "frequency": read,
         "natural_frequency": natural,
         "slips": len(found.place),
         "waiting_times": waiting,
@@ -459,26 +437,10 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "halves": halves,
         "drifts": any(one.severity != "info" for one in check(measurement).of("drift")),
         "regime": regime,
-        "covariance": covariance,
+        "stretches": stretches - [math.log(step), 0.0, 0.0],
     }
     plain = StickSlipFeatures(**parts, findings=())
     return StickSlipFeatures(**parts, findings=findings_of(plain))
-
-
-def refuse_uncertainties(measurement: Measurement) -> None:
-    """Refuse uncertainties of the mechanism, which fits to features do not propagate.
-
-    Examples
-    --------
-    >>> refuse_uncertainties(Measurement(time=[0.0, 1.0], spring_force=[0.1, 0.2]))
-    """
-    stated = [
-        path for one in (measurement, *measurement.trials) for path in one.parameter_uncertainties
-    ]
-    if stated:
-        raise InputError(
-            f"fits to features do not propagate the uncertainty of {stated[0]}: leave it out."
-        )
 
 
 def towed(mechanism: Mechanism) -> TowedBlock:
@@ -540,20 +502,36 @@ def is_steady(mean: float, spread: float) -> bool:
     return spread < THRESHOLDS.pattern * abs(mean)
 
 
-def _covariance(force: Array, frequencies: Array, chosen: NDArray[np.intp]) -> Array:
-    """Return the covariance of the logarithms of the compared features by block bootstrap.
+def stretches_of(force: Array, frequency: float, slips: NDArray[np.intp] | None) -> Array:
+    """Return logarithms of frequency, mean and standard deviation (s, 3) of whole cycles.
 
-    `frequencies` (draws,) are those of the stretches `chosen` (draws, stretches).
+    Noise of the sensor, by second differences of neighbouring samples, is taken from the variance;
+    what changes from stretch to stretch is in none. Cycles of a `frequency`, by sample, begin at
+    slips if there are any; without cycles, stretches are alike in length.
+
+    Examples
+    --------
+    >>> wave = 1.0 + 0.1 * np.sin(2.0 * np.pi * np.arange(4000.0) / 40.0)
+    >>> found = np.exp(stretches_of(wave, 0.025, None))
+    >>> found.shape, found.mean(axis=0).round(4).tolist()
+    ((8, 3), [0.025, 1.0, 0.0707])
     """
-    stretches = chosen.shape[1]
-    parts = np.array_split(force, stretches)
-    means = np.array([part.mean() for part in parts])[chosen].mean(axis=1)
-    squares = np.array([np.mean(part**2) for part in parts])[chosen].mean(axis=1)
-    spread = np.sqrt(np.maximum(squares - means**2, 1e-30))
-    found = np.column_stack([frequencies, np.abs(means), spread])
-    # means of eight stretches scatter too little by a factor of 7/8
-    scatter = np.cov(np.log(np.maximum(found, 1e-300)).T) * stretches / (stretches - 1)
-    return np.asarray(scatter + READ**2 * np.eye(3), dtype=float)
+    begins = cycles_of(force, 1.0 / frequency) if slips is None else slips
+    count = len(begins) - 1
+    if count < THRESHOLDS.fewest:
+        begins, count = np.linspace(0, len(force), BLOCKS + 1).astype(np.intp), BLOCKS
+    number = min(BLOCKS, max(THRESHOLDS.fewest, count // 2))
+    chosen = np.linspace(0, count, number + 1).round().astype(np.intp)
+    edges = begins[chosen]
+    parts = [force[i:j] for i, j in pairwise(edges)]
+    bends = np.diff(force, 2)
+    noise = (1.4826 * float(np.median(np.abs(bends)))) ** 2 / 6.0
+    spread = np.array([float(part.var()) for part in parts])
+    spread = np.maximum(spread - noise, 0.25 * spread + 1e-30)
+    rates = np.log(np.diff(chosen) / np.diff(edges))
+    means = np.log(np.maximum([abs(float(part.mean())) for part in parts], 1e-300))
+    return np.column_stack([rates - rates.mean() + math.log(frequency), means,
+                            0.5 * np.log(spread)])  # fmt: skip
 
 
 def findings_of(found: StickSlipFeatures, part: str = "record") -> tuple[Finding, ...]:
