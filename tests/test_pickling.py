@@ -54,7 +54,6 @@ TRAVEL = Measurement(travel=0.20, uncertainty=0.005)
 T = np.arange(300) / 150
 TABLE = Measurement(velocity=np.linspace(0.1, 1.0, 8), friction=2.0 + np.linspace(0.1, 1.0, 8) ** 2)
 FEET = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
-BY_INVERSE = {"route": "inverse-dynamics"}
 
 
 def series(seed=0):
@@ -121,14 +120,15 @@ MADE = {
     "travel fit": lambda: fit(BLOCK, Coulomb, TRAVEL),
     "estimate": lambda: fit(BLOCK, Coulomb, TRAVEL).estimates[0],
     "travel verdict": lambda: select(BLOCK, ["coulomb", "viscous"], TRAVEL),
-    "record fit": lambda: fit(AXIS, CoulombViscous, series(), **BY_INVERSE),
+    "law fit": lambda: fit(AXIS, CoulombViscous, series()),
+    "record fit": lambda: fit(AXIS, CoulombViscous, series(), route="shooting"),
     "band verdict": lambda: select(AXIS, None, TABLE),
     "prediction band": lambda: select(AXIS, None, TABLE).band([0.1, 0.5]),
     "foreseen": lambda: select(AXIS, None, TABLE).predict(
         replace(TABLE, friction=np.asarray(TABLE.friction) + 0.01)
     ),
     "comparison": lambda: compare_trials(
-        AXIS, CoulombViscous, Measurement(trials=(series(0), series(1))), **BY_INVERSE
+        AXIS, CoulombViscous, Measurement(trials=(series(0), series(1)))
     ),
     "checks": lambda: check(series()),
     "finding": lambda: check(series()).findings[0],
@@ -165,7 +165,7 @@ NUMBERS_ONLY = {
 
 ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict"}
 """Results whose parts are those of others here, and that take minutes."""
-PARTS = {"Interval", "LawCandidate", "LawFit"}
+PARTS = {"Interval", "LawCandidate"}
 """What a verdict is made of."""
 
 

@@ -111,5 +111,9 @@ def test_no_public_result_prints_its_arrays():
         least["inertias"]
     along = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED) + 0.01 * np.sin(SPEED))
     fitted = fit(Axis(inertia=1.0), Coulomb, along)
-    assert repr(fitted.predict()).startswith("<Prediction of friction: 40 rows in 40 segments;")
+    again = Measurement(velocity=SPEED, friction=2.02 * np.sign(SPEED))
+    assert repr(fitted.predict(again)).startswith(
+        "<Foreseen: 0 % of the 40 readings lie in the band;"
+    )
+    assert "array" not in repr(fitted.predict(again))
     assert "array" not in repr(fitted)

@@ -51,7 +51,10 @@ def test_a_fit_to_the_table_finds_the_parameters_again(tmp_path):
     (path,) = export(LAW, "csv", load=1.0, largest_speed=1.0).save(tmp_path)
     again = fit(Axis(inertia=3.0), "stribeck", load_measurement(path))
     for name in ("kinetic_coefficient", "static_coefficient", "stribeck_velocity"):
-        assert getattr(again.law, name) == pytest.approx(getattr(LAW, name), rel=1e-6)
+        true, found = getattr(LAW, name), again.estimate(name)
+        assert found.low < true < found.high
+        # the table is exact; a reading counts as having some noise all the same
+        assert found.value == pytest.approx(true, rel=0.02)
 
 
 def test_a_table_of_a_turning_joint_is_in_torques(tmp_path):

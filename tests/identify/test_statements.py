@@ -16,7 +16,6 @@ from stickslip import (
     Pendulum,
     RecordSettings,
     SpringBlock,
-    Stribeck,
     Viscous,
     check,
     fit,
@@ -161,7 +160,7 @@ def test_a_force_in_volts_is_said_to_hold_what_the_speed_induces(tmp_path):
     assert "viscous friction" in finding.sentence
     rig = Axis(inertia=1e-6)
     assert finding.sentence in select(rig, None, record).words.cannot_tell
-    assert finding.sentence in fit(rig, CoulombViscous, record, route="inverse-dynamics").sentences
+    assert finding.sentence in fit(rig, CoulombViscous, record).sentences
 
 
 def test_a_column_called_a_voltage_is_no_force_without_a_word(tmp_path):
@@ -183,10 +182,7 @@ def test_a_static_level_that_no_row_tells_is_said_to_be_open():
         assert not static.bounded
         assert static.value == found.law.static_coefficient
         assert static.value == pytest.approx(found.law.kinetic_coefficient)
-        assert any(
-            "static coefficient (mu_s) is not identified" in sentence
-            for sentence in found.sentences
-        )
+        assert any(said.startswith("$mu_s$ is not told") for said in found.sentences)
     given = replace(law, static_coefficient=2.5)  # an assumption stays
     assert fit(Axis(inertia=0.5), given, record).law.static_coefficient == 2.5
 
@@ -460,12 +456,10 @@ def test_a_body_without_friction_has_no_law_of_that_name():
 
 def test_a_parameter_that_is_not_identified_has_no_number():
     v = np.linspace(0.3, 1.0, 8)
-    noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=(3, v.size))[2]
-    found = fit(
-        Axis(inertia=1.0), Stribeck, Measurement(velocity=v, friction=(4.0 + 3.0 * v) * noise)
-    )
+    noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=v.size)
+    table = Measurement(velocity=v, friction=(4.0 + 3.0 * v) * noise)
+    found = fit(Axis(inertia=1.0), CoulombViscousStatic, table)
     left = [estimate for estimate in found.estimates if not estimate.bounded]
     assert left
     assert all("not identified" in str(one) and "N" not in str(one) for one in left)
-    said = " ".join(found.sentences)
-    assert not re.search(r"correlated \(.?\d{2,}", said)  # a correlation is at most 1
+    assert any(said.startswith("$mu_s$ is not told") for said in found.sentences)

@@ -24,8 +24,8 @@ from stickslip import (
 )
 from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError
+from stickslip.identify.compared import family_of_law
 from stickslip.identify.laws import MeasuredCurve, Sliding, compose, curve_law
-from stickslip.identify.selection import families_of
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.geomspace(0.01, 1.0, 20)
@@ -470,7 +470,7 @@ def test_a_law_with_bristles_is_refused_where_no_displacement_was_measured():
 
 def test_a_law_that_is_no_sum_of_parts_is_refused_with_what_can_be_compared():
     with pytest.raises(InputError, match=r"no sum of parts.* Compared can be level, viscous"):
-        families_of([SimpleNamespace(title="Own", composition=None)], ["level", "viscous"])
+        family_of_law(SimpleNamespace(title="Own", composition=None), ["level", "viscous"])
 
 
 @pytest.mark.parametrize("height", [0.3, 1.0])

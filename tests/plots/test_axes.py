@@ -36,7 +36,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.identify import kinds
 from stickslip.identify.candidates import Candidate, Verdict, Wording
 from stickslip.identify.fits import Fit
-from stickslip.mechanisms.drives import Sine
+from stickslip.mechanisms.drives import Sampled, Sine
 from stickslip.show import plots
 from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.study.characterization import presliding_loop
@@ -230,7 +230,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_closed_loop: "loop must be a ClosedLoop",
         plots.plot_residuals: "fit must be a RecordFit, got",
         plots.plot_friction_map: "fit must be a RecordFit or Mapping",
-        plots.plot_joints: "fit must be a RecordFit, got",
+        plots.plot_joints: "fit must be a JointLawFit or JointVerdict, got",
         plots.plot_friction_velocity: "run must be a Trajectory",
     }
     for function, message in wrong.items():
@@ -413,12 +413,17 @@ def test_a_verdict_of_a_record_is_plotted_as_its_band_with_the_law(results):
     assert widest[:, 1].min() < verdict.friction.median.min()
 
 
-def test_residuals_of_a_fit_have_a_panel_for_what_is_known(results):
-    panels = plots.plot_residuals(results["record fit"], Figure())
-    assert [axes.get_xlabel() for axes in panels] == ["velocity, m/s"]
-    few = Measurement(velocity=V[::20], friction=TABLE.friction[::20])
-    with pytest.raises(InputError, match="has 20 residuals, too few"):
-        plots.plot_residuals(fit(Axis(inertia=1.0), Coulomb, few))
+def test_residuals_of_simulated_segments_have_a_panel_for_what_is_known():
+    time = np.arange(240) / 40.0
+    force = 6.0 * np.sin(5.0 * time)
+    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)
+    driven = Axis(inertia=1.0, drive=Sampled(times=time, values=force))
+    position = simulate(driven, law, t_end=float(time[-1])).at(time)["x"]
+    position = position + 1e-5 * np.random.default_rng(0).normal(size=time.size)
+    record = Measurement(time=time, position=position, force=force)
+    found = fit(Axis(inertia=1.0), CoulombViscous, record, route="shooting")
+    panels = plots.plot_residuals(found, Figure())
+    assert [axes.get_xlabel() for axes in panels] == ["time, s", "velocity, m/s", "position, m"]
 
 
 def test_estimates_are_a_table_with_a_row_each(results):

@@ -98,6 +98,15 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     return tuple(sorted(found))
 
 
+def untold_states(law: type[FrictionLaw]) -> InputError:
+    """Return why a law with states is not fitted to what does not show them."""
+    return InputError(
+        f"{law.title} friction has states that this measurement does not show, or not with"
+        " these parameters alone: simulate it along a recorded force (route 'shooting'), or"
+        " give a law without states."
+    )
+
+
 ROUNDS = 3
 """Times that values about which laws are linear are taken, at most."""
 STAYS = 0.2
@@ -168,6 +177,8 @@ def laws_to_compare(
         try:
             families.append(whole.family(known) if whole else family_of_law(law, known))
         except InputError:
+            if law.states and whole is not None:
+                raise untold_states(law) from None
             if law.states or not law.fit_order:
                 raise
             varied = tuple(law.fit_order) if whole is None else whole.found

@@ -12,8 +12,8 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.compared import MAY_BE_HELD, WholeLaw
-from stickslip.identify.fits import LAW, check_varied, offset_left_out
+from stickslip.identify.compared import MAY_BE_HELD, WholeLaw, untold_states
+from stickslip.identify.fits import LAW, check_varied, offset_left_out, refuse_open
 from stickslip.identify.own_laws import OwnLaw, starting
 from stickslip.identify.verdict import BandVerdict, LawFit
 from stickslip.quantities import fields_of
@@ -38,6 +38,8 @@ def fitted_law(
     kind = law if isinstance(law, type) else type(law)
     names = names_to_find(kind, free, known)
     check_varied(len(names))
+    if isinstance(law, type):
+        refuse_open(law, {*names, *known})
     given = {} if isinstance(law, type) else {name: getattr(law, name) for name in fields_of(kind)}
     held = {**{n: x for n, x in given.items() if x is not None and n not in names}, **known}
     whole = WholeLaw(kind=kind, found=names)
@@ -48,11 +50,7 @@ def fitted_law(
         if fit is not None:
             return _said(fit, verdict)
     if kind.states:
-        raise InputError(
-            f"{kind.title} friction has states that this measurement does not show, or not with"
-            " these parameters alone: simulate it along a recorded force (route 'shooting'), or"
-            " give a law without states."
-        )
+        raise untold_states(kind)
     own = OwnLaw(law=starting(law, known, load), varied=names)
     verdict = select([own])
     found = _as(verdict, kind, {})

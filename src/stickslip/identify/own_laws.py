@@ -95,9 +95,21 @@ class OwnLaw:
             least, held = one.at_least, getattr(self.law, name)
             if least is not None and name in own:
                 own[name] = max(own[name], own.get(least, getattr(self.law, least)))
+            elif least in own and name in self.untold:
+                own[name] = float(self.beside(name, own))
             elif least in own and held is not None:
                 own[least] = min(own[least], held)
         return vary(self.law, "friction", {f"friction.{name}": x for name, x in own.items()})
+
+    def beside(self, name: str, found: Mapping[str, Any]) -> Any:
+        """Return a parameter that nothing tells, beside those found, which it may not fall below.
+
+        One that is no larger stays so.
+        """
+        own, base = getattr(self.law, name), fields_of(type(self.law))[name].at_least
+        if base is None or base not in found:
+            return own
+        return found[base] if own == getattr(self.law, base) else np.maximum(own, found[base])
 
     def friction(self, values: Sequence[float], rows: "Slipping") -> Array:
         """Return steady friction at rows (n,)."""
@@ -286,7 +298,7 @@ def own_composition(
         if is_slope(name) and name.place >= 0
     }
     still = {
-        name: np.full(len(coefficients), getattr(first.own.law, name))
+        name: np.full(len(coefficients), first.own.beside(name, values))
         for name in first.own.untold
         if name not in values
     }

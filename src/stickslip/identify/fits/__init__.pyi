@@ -29,6 +29,7 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import search as sea
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.estimation.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.estimation.parameters import Sizes as Sizes
+from stickslip.identify.fits.estimation.parameters import refuse_open as refuse_open
 from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
 from stickslip.identify.fits.estimation.parameters import told as told

@@ -432,7 +432,8 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Targ
     Parameters
     ----------
     fit : RecordFit or mapping of str to RecordFit
-        A fit to records, or several of the same records by name, the first of which stands out.
+        A fit to records by simulated segments, or several of the same records by name, the first of
+        which stands out.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -451,8 +452,9 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Targ
     >>> import numpy as np
     >>> from matplotlib.figure import Figure
     >>> from stickslip import Axis, Coulomb, Measurement, fit
-    >>> v = np.linspace(-1.0, 1.0, 40)
-    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=2.0 * np.sign(v)))
+    >>> t = np.arange(240) / 40.0
+    >>> run = {"position": -0.2 * np.sin(5.0 * t), "force": 6.0 * np.sin(5.0 * t)}
+    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(time=t, **run), route="shooting")
     >>> plot_friction_map(found, Figure().add_subplot()).get_xlabel()
     'velocity, m/s'
     """
@@ -478,7 +480,7 @@ def plot_residuals(fit: RecordFit, ax: drawing.PanelTarget = None) -> drawing.Pa
     Parameters
     ----------
     fit : RecordFit
-        A fit to records.
+        A fit to records by simulated segments.
     ax : sequence of Axes, Figure or SubFigure, optional
         An Axes for each of time, velocity and position that is known; a new figure if not given.
 
@@ -497,11 +499,11 @@ def plot_residuals(fit: RecordFit, ax: drawing.PanelTarget = None) -> drawing.Pa
     >>> import numpy as np
     >>> from matplotlib.figure import Figure
     >>> from stickslip import Axis, Coulomb, Measurement, fit
-    >>> v = np.linspace(-1.0, 1.0, 400)
-    >>> force = 2.0 * np.sign(v) + 0.1 * np.cos(50.0 * v)
-    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=force))
+    >>> t = np.arange(240) / 40.0
+    >>> run = {"position": -0.2 * np.sin(5.0 * t), "force": 6.0 * np.sin(5.0 * t)}
+    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(time=t, **run), route="shooting")
     >>> [axes.get_xlabel() for axes in plot_residuals(found, Figure())]
-    ['velocity, m/s']
+    ['time, s', 'velocity, m/s', 'position, m']
     """
     check_type("fit", fit, RecordFit)
     refuse_joints(fit, "plot_residuals")

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -157,6 +157,24 @@ def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
     """
     fields = law.__dataclass_fields__
     return tuple(name for name in fields_of(law) if fields[name].default is dataclasses.MISSING)
+
+
+def refuse_open(law: type[FrictionLaw], settled: Collection[str]) -> None:
+    """Refuse a law of which a parameter that it needs is neither varied nor given, by name.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous
+    >>> refuse_open(CoulombViscous, ["viscous_coefficient"])
+    Traceback (most recent call last):
+    stickslip.errors.InputError: CoulombViscous.kinetic_coefficient (mu_k) is neither varied ...
+    """
+    for name in required_of(law):
+        if name not in settled:
+            raise InputError(
+                f"{law.__name__}.{name} ({fields_of(law)[name].symbol}) is neither varied"
+                f" nor fixed: add it to vary, or give its value, fixed={{{name!r}: ...}}."
+            )
 
 
 def starting_law(

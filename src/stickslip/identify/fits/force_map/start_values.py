@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.estimation.parameters import (
     WIDE,
@@ -15,7 +14,7 @@ from stickslip.identify.fits.estimation.parameters import (
     FreeParameters,
     Sizes,
     is_level,
-    required_of,
+    refuse_open,
     with_ranges,
 )
 from stickslip.identify.fits.force_map.data import SLOW, MotionSegment
@@ -221,13 +220,7 @@ class StartEstimate:
         held = [*held, *(f"friction.{name}" for name in known)]
         paths = looked_for(start, whole=typed, free=free, held=held)
         if isinstance(law, type):
-            for name in required_of(law):
-                if f"friction.{name}" not in paths and not {name, f"friction.{name}"} & {*held}:
-                    raise InputError(
-                        f"{law.__name__}.{name} ({fields_of(law)[name].symbol}) is neither varied"
-                        " nor fixed: add it to vary, or give its value,"
-                        f" fixed={{{name!r}: ...}}."
-                    )
+            refuse_open(law, {path.removeprefix("friction.") for path in (*paths, *held)})
             start = _with_defaults(start, paths, known)
         return start, self.free_parameters(start, paths, constant)
 
