@@ -25,6 +25,7 @@ from stickslip.identify.joints import fit_joints as fit_joints
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.judgement import ASSERTED as ASSERTED
+from stickslip.identify.kinds import ConditionLine as ConditionLine
 from stickslip.identify.kinds import FeatureFit as FeatureFit
 from stickslip.identify.kinds import FeatureVerdict as FeatureVerdict
 from stickslip.identify.kinds import Plan as Plan

@@ -15,7 +15,8 @@ from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.judgement import Judgement
-from stickslip.identify.own_laws import OwnLaw, is_own, own_composition, starting
+from stickslip.identify.laws import own_composition
+from stickslip.identify.own_laws import OwnLaw, is_own, starting
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.record_columns import through_gear
 from stickslip.identify.problems.record_signals import Record

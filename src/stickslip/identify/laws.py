@@ -5,10 +5,10 @@ its parameters, one for each draw. What no composition can say, such as the meas
 a law through measured levels (``table[...]``).
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, ClassVar, TypeAlias
+from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, SetValuedLaw, bound, curve_through, monotone_slopes
 from stickslip.friction import law as law_class
+from stickslip.identify.own_laws import OwnLaw, is_slope
 from stickslip.maths import Scalar, where
 from stickslip.quantities import Parametrised, Quantity, fields_of
-
-if TYPE_CHECKING:
-    from stickslip.identify.own_laws import OwnLaw
 
 Array: TypeAlias = NDArray[np.float64]
 Shape: TypeAlias = tuple[float, ...]
@@ -83,7 +81,7 @@ class Composition:
     """Means of the inputs that its terms depend on."""
     memory: str = ""
     """Notation of the memory around its levels; empty without any."""
-    own: "OwnLaw | None" = None
+    own: OwnLaw | None = None
     """The law, where it is no sum of the vocabulary's parts."""
 
     @property
@@ -127,6 +125,24 @@ class Composition:
         """Return what was fitted (d,) by path."""
         own = {f"friction.{name}": x for name, x in self.values.items() if name not in self.fixed}
         return {**own, **self.rig}
+
+
+def own_composition(
+    structure: Sequence[tuple[str, tuple[Array | float, ...]]], coefficients: Array
+) -> Composition:
+    """Return the law that terms with coefficients (k, p) are, without what stands beside it."""
+    first = next(name for name, _ in structure if is_slope(name))
+    values = {
+        name.own.varied[name.place]: coefficients[:, at]
+        for at, (name, _) in enumerate(structure)
+        if is_slope(name) and name.place >= 0
+    }
+    still = {
+        name: np.full(len(coefficients), first.own.beside(name, values))
+        for name in first.own.untold
+        if name not in values
+    }
+    return Composition(text="", values=values | still, own=first.own)
 
 
 def bounds_of(text: str, name: str) -> tuple[float, float]:

@@ -26,7 +26,6 @@ from scipy.optimize import least_squares
 from stickslip.errors import StickslipError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.identify.fits import Sizes, starting_law, with_ranges
-from stickslip.identify.laws import Composition
 from stickslip.identify.posterior import Array, Column, Structure
 from stickslip.quantities import Quantity, fields_of, vary
 
@@ -285,24 +284,6 @@ def is_dry(name: Slope) -> bool:
         return True
     scale = name.own.quantities[name.place].scale.rstrip("+-")
     return scale not in ("slope", "drag")
-
-
-def own_composition(
-    structure: Sequence[tuple[str, tuple[Array | float, ...]]], coefficients: Array
-) -> Composition:
-    """Return the law that terms with coefficients (k, p) are, without what stands beside it."""
-    first = next(name for name, _ in structure if is_slope(name))
-    values = {
-        name.own.varied[name.place]: coefficients[:, at]
-        for at, (name, _) in enumerate(structure)
-        if is_slope(name) and name.place >= 0
-    }
-    still = {
-        name: np.full(len(coefficients), first.own.beside(name, values))
-        for name in first.own.untold
-        if name not in values
-    }
-    return Composition(text="", values=values | still, own=first.own)
 
 
 def starting(

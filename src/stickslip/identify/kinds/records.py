@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.friction import LuGre
+from stickslip.friction import FrictionLaw, LuGre
 from stickslip.identify import (
     BandVerdict,
     Fit,
@@ -41,6 +41,7 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.trials import compared
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.show import formatting
 from stickslip.show.formatting import joined, percent
@@ -81,6 +82,16 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             load=load_of(chosen.mechanism),
         )
 
+    def _refit(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        measurement: Measurement,
+        **options: Any,
+    ) -> LawFit:
+        """Return the fit of a law to one of several trials."""
+        return self._fit(Request(mechanism=mechanism, law=law, measurement=measurement, **options))
+
     def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         """Return the verdict on some laws, for what is known and looked for of a mechanism."""
         raise NotImplementedError
@@ -112,7 +123,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
             second=second,
-            trials=compared(fit),
+            trials=compared(fit, self._refit),
         )
 
     def sections(

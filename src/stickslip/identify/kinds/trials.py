@@ -33,10 +33,8 @@ from stickslip.identify.fits import (
     TOGETHER,
     Estimate,
     RecordSettings,
-    check_given,
     uncertainties_of,
 )
-from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table
 from stickslip.show.formatting import (
@@ -54,7 +52,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array: TypeAlias = NDArray[np.float64]
-Fitter: TypeAlias = Callable[..., Any]
+Refit: TypeAlias = Callable[..., Any]
+"""Fits the law to another measurement, with arguments as `stickslip.fit` has them."""
 
 MOST = 3
 """Parameters that a sentence names at most."""
@@ -232,77 +231,15 @@ class TrialComparison(InPanels, Tabular):
         }
 
 
-def compare_trials(
-    mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw] | str,
-    measurement: Measurement,
-    *,
-    vary: str | Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    settings: RecordSettings | None = None,
-) -> TrialComparison:
-    """Fit one law to all trials and to each alone, and ask whether they share it.
-
-    The trials are records in time or measured friction. What is looked for beside the law, such as
-    a mass or the offset of a sensor, is one number of all trials. `Measurement.conditions` of the
-    trials say what was different; each parameter is a line over each numeric condition.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; trials may override its parameters.
-    law : FrictionLaw, type or str
-        An instance, whose values are held where they are not varied; or a type or a name.
-    measurement : Measurement
-        Trials with records in time or measured friction, at least two.
-    vary : str or sequence of str, optional
-        Parameters to fit, as for `fit`.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI], of law and mechanism.
-    settings : RecordSettings, optional
-        How forces run between samples.
-
-    Returns
-    -------
-    TrialComparison
-        Estimates by trial, the probability that they differ, lines over conditions, and sentences.
-
-    Raises
-    ------
-    InputError
-        If the measurement does not serve: it has one trial, fewer than two of them move, or each is
-        a single travel or the force of a spring.
+def refuse_alone(measurement: Measurement) -> None:
+    """Refuse trials that cannot be fitted alone, or fewer than two that move.
 
     Examples
     --------
-    >>> from stickslip import Axis, CoulombViscous
-    >>> draw, v = np.random.default_rng(0), np.linspace(-1.0, 1.0, 60)
-    >>> trials = [
-    ...     Measurement(
-    ...         velocity=v,
-    ...         friction=(2.0 + 0.01 * t) * np.sign(v) + 0.5 * v + 0.05 * draw.normal(size=60),
-    ...         conditions={"temperature [degC]": t},
-    ...     )
-    ...     for t in (20.0, 40.0, 60.0)
-    ... ]
-    >>> found = compare_trials(Axis(inertia=1.0), CoulombViscous, Measurement(trials=tuple(trials)))
-    >>> found.shared, [line.path for line in found.lines if line.clear]
-    (False, ['friction.kinetic_coefficient'])
+    >>> refuse_alone(Measurement(travel=0.2))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: only trials that can be fitted individually are compared: ...
     """
-    from stickslip.identify.kinds.verbs import fit
-
-    check_given("compare_trials", mechanism, measurement)
-    _refuse(measurement)
-    joint = fit(mechanism, law, measurement, vary=vary, fixed=fixed, settings=settings)
-    if not isinstance(joint, LawFit):
-        raise InputError(
-            "trials are compared along a force balance or a table: this law, or this mechanism, is"
-            " fitted by simulated segments."
-        )
-    return comparison_of(joint, settings)
-
-
-def _refuse(measurement: Measurement) -> None:
     if measurement.content in ("travels", "spring force"):
         raise InputError(NOT_ALONE)
     records = measurement.records()
@@ -315,7 +252,7 @@ def _refuse(measurement: Measurement) -> None:
         )
 
 
-def compared(joint: LawFit) -> TrialComparison | None:
+def compared(joint: LawFit, refit: Refit) -> TrialComparison | None:
     """Return the comparison of the trials of a fit; None where there is nothing to compare.
 
     A fit that stands is not lost because its trials cannot be compared.
@@ -324,13 +261,15 @@ def compared(joint: LawFit) -> TrialComparison | None:
     if len(records) < 2 or sum(not rests(record) for record in records) < 2:
         return None
     try:
-        return comparison_of(joint)
+        return comparison_of(joint, refit)
     except StickslipError as error:
         notice(f"The trials were not compared: {error}")
         return None
 
 
-def comparison_of(joint: LawFit, settings: RecordSettings | None = None) -> TrialComparison:
+def comparison_of(
+    joint: LawFit, refit: Refit, settings: RecordSettings | None = None
+) -> TrialComparison:
     """Compare the trials of a fit: each is fitted alone, with what is beside the law as found."""
     own = [one for one in joint.estimates if one.path.startswith("friction.") and one.bounded]
     if not own:
@@ -341,7 +280,7 @@ def comparison_of(joint: LawFit, settings: RecordSettings | None = None) -> Tria
             continue
         name = record.name or f"trial {index + 1}"
         try:
-            trials.append(_alone(joint, index, name, own, settings))
+            trials.append(_alone(joint, refit, index, name, own, settings))
         except StickslipError as error:
             failed[name] = str(error)
     if len(trials) < 2:
@@ -362,21 +301,20 @@ def comparison_of(joint: LawFit, settings: RecordSettings | None = None) -> Tria
 
 def _alone(
     joint: LawFit,
+    refit: Refit,
     index: int,
     name: str,
     own: Sequence[Estimate],
     settings: RecordSettings | None,
 ) -> TrialEstimates:
     """Return the fit of the law to one trial."""
-    from stickslip.identify.kinds.verbs import fit
-
     record = joint.measurement.records()[index]
     # what all trials share makes no difference between them
     doubts, _ = uncertainties_of(joint.mechanism, joint.measurement)[index]
     mechanism = vary(joint.mechanism, "mechanism", record.overrides)
     looked = any(one.path == "mechanism.offset" for one in joint.estimates)
     timed = record.time is not None and "friction" not in record.quantities()
-    alone = fit(
+    alone = refit(
         mechanism,
         joint.law,
         replace(record, overrides={}, parameter_uncertainties=doubts),

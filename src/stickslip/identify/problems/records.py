@@ -21,9 +21,10 @@ from stickslip.identify.laws import (
     Composition,
     bounds_of,
     compose,
+    own_composition,
     term_title,
 )
-from stickslip.identify.own_laws import Slips, is_own, is_slope, own_composition
+from stickslip.identify.own_laws import Slips, is_own, is_slope
 from stickslip.identify.posterior import (
     COEFFICIENT,
     Array,

@@ -17,13 +17,12 @@ from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import load_of, refuse_load, stretches_of, uncertainties_of
 from stickslip.identify.forces import load_slopes
 from stickslip.identify.judgement import Candidates, Finding, Problem
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, term_title
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
 from stickslip.identify.own_laws import (
     certain_of,
     is_dry,
     is_own,
     is_slope,
-    own_composition,
     signed_of,
 )
 from stickslip.identify.posterior import (

@@ -14,8 +14,8 @@ from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
 from stickslip import data
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.identify import ConditionLine, TrialComparison
 from stickslip.identify.fits import load_along
-from stickslip.identify.kinds import ConditionLine, TrialComparison
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.show.formatting import Scale, scale_of, unit_text
