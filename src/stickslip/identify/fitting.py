@@ -22,6 +22,10 @@ OPTIONAL = frozenset({"static_coefficient", "break_away_coefficient"})
 """Parameters that sliding does not tell, and that laws may have beside a family."""
 
 
+class NoLawError(InputError):
+    """What was measured shows no friction that the law describes."""
+
+
 def fitted_law(
     select: Callable[[Sequence[Any]], BandVerdict],
     law: FrictionLaw | type[FrictionLaw],
@@ -55,7 +59,7 @@ def fitted_law(
     verdict = select([own])
     found = _as(verdict, kind, {})
     if found is None:
-        raise InputError(
+        raise NoLawError(
             f"{kind.title} friction has no values here: {verdict.words.verdict.rstrip('.')}."
         )
     return _said(found, verdict)

@@ -35,10 +35,11 @@ from stickslip.identify.fits import (
     joint_record,
     load_of,
 )
-from stickslip.identify.fitting import fitted_law
+from stickslip.identify.fitting import NoLawError, fitted_law
+from stickslip.identify.forces import doubts_of
 from stickslip.identify.page import figure_section, laws_section, parameters_section
 from stickslip.identify.problems.joints import JointRecords, Links, links_of
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.record_signals import NotToldError, Record
 from stickslip.identify.selection import (
     checked,
     problem_of_records,
@@ -63,16 +64,24 @@ if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
 
+REST = "The joint {} rests throughout: its friction is not identified. Record it moving."
+"""Sentence on a joint that rests."""
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class JointLawFit(Fit[Laws]):
     """The laws of all joints and the mechanism, with their intervals."""
 
+    measurement: Measurement
+    """What was measured."""
     joints: Mapping[str, BandVerdict]
     """Verdicts by contact."""
     fits: Mapping[str, LawFit]
     """Fits by contact."""
     verdict: "JointVerdict | None" = None
     """What is said of the fit: the verdict with these laws alone; None in a verdict."""
+    untold: tuple[str, ...] = ()
+    """Why joints and parameters of the mechanism have no values, in sentences."""
 
     def predict(self, measurement: Measurement) -> dict[str, Foreseen]:
         """Return readings of another measurement beside their band, as a verdict does.
@@ -86,13 +95,19 @@ class JointLawFit(Fit[Laws]):
         -------
         dict of str to Foreseen
             Force at the rows of each joint that moves, its band, the share in it, and the error.
+
+        Raises
+        ------
+        InputError
+            If no joint of the fit moves in it.
         """
-        return {name: one.foreseer(measurement) for name, one in self.joints.items()}
+        return _foreseen(self.joints, measurement)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """What the measurement does not tell, in sentences."""
-        return () if self.verdict is None else self.verdict.words.cannot_tell
+        said = () if self.verdict is None else self.verdict.words.cannot_tell
+        return (*self.untold, *said)
 
     def _notes(self) -> Sequence[str]:
         return self.sentences
@@ -184,8 +199,13 @@ class JointVerdict(Verdict[JointLaws]):
         -------
         dict of str to Foreseen
             Force at the rows of each joint that moves, its band, the share in it, and the error.
+
+        Raises
+        ------
+        InputError
+            If no joint of the fit moves in it.
         """
-        return {name: one.foreseer(measurement) for name, one in self.joints.items()}
+        return _foreseen(self.joints, measurement)
 
     def band(
         self,
@@ -328,31 +348,38 @@ def fit_joints(
     fitter = JointFitter.of(mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings)
     judge, asked = _JointJudge.of(fitter), fitter.asked
     joints, fits = dict[str, BandVerdict](), dict[str, LawFit]()
+    untold = list(judge.untold)
     for name in judge.own:
         contact = judge.records.contacts[name]
         law = asked.laws.get(contact)
-        if law is None:
+        if law is None or (isinstance(law, FrictionLaw) and not asked.free[contact]):
             continue
         check_inputs(
             law, mechanism, measurement, [*judge.own[name][0].inputs],
             contact=contact, fitted=judge.paths,
         )  # fmt: skip
-        fit = fitted_law(
-            partial(judge.verdict_of, name),
-            law,
-            free=asked.free[contact],
-            known=asked.known.get(contact, {}),
-            load=load_of(judge.alone(name)),
-        )
+        try:
+            fit = fitted_law(
+                partial(judge.verdict_of, name),
+                law,
+                free=asked.free[contact],
+                known=asked.known.get(contact, {}),
+                load=load_of(judge.alone(name)),
+            )
+        except (NoLawError, NotToldError) as error:
+            untold.append(f"The joint {contact} has no law: {in_sentence(str(error))}")
+            continue
         assert fit.verdict is not None
         joints[contact], fits[contact] = fit.verdict, fit
     if not fits:
-        raise InputError("there is nothing to fit: give a law of a joint that moves.")
+        raise InputError(
+            " ".join(untold) or "there is nothing to fit: give a law of a joint that moves."
+        )
     still = {name: law for name, law in asked.laws.items() if isinstance(law, FrictionLaw)}
     verdict = _verdict(judge, joints, fits, still)
     fitted = verdict.closest.fit
     assert fitted is not None
-    return replace(fitted, verdict=verdict)
+    return replace(fitted, verdict=verdict, untold=tuple(untold))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -390,14 +417,16 @@ class _JointJudge:
             wrong = Finding(kind="joint columns", sentence=said, severity="warning")
             checks = replace(checks, findings=(wrong, *checks.findings))
         zeros, paths = bool(fitter.settings.position_zeros), motion.torques.linear
+        doubts = doubts_of(fitter.mechanism, measurement, paths)
         made = partial(
-            JointRecords.of, motion.mechanism, unknown=paths, zeros=zeros, resting=motion.resting
-        )
+            JointRecords.of, motion.mechanism, unknown=(*paths, *doubts), zeros=zeros,
+            resting=motion.resting,
+        )  # fmt: skip
         records = made(measurement)
         if not records.records:
             raise InputError("no joint moves in these records: nothing tells friction.")
         held = fitter.asked_hold != "first"
-        links = links_of(records, held) if paths or zeros else Links(change={}, errors={})
+        links = links_of(records, held, doubts)
         seen = set[str]() if validate is None else {*made(validate).at(links, held=held)}
         return cls(
             fitter=fitter, made=made, records=records, links=links,
@@ -409,6 +438,23 @@ class _JointJudge:
     def paths(self) -> tuple[str, ...]:
         """Paths of what is looked for of the mechanism."""
         return self.fitter.motion.torques.linear
+
+    @property
+    def untold(self) -> tuple[str, ...]:
+        """What is not told of joints that rest and of the mechanism, in sentences."""
+        known = {path: q for path, q, _ in parameters(self.fitter.motion.mechanism, "mechanism")}
+        lost = [
+            f"the {parameter_words(path)} ({known[path].symbol})"
+            for path in self.paths
+            if math.isinf(self.links.errors[path])
+        ]
+        return (
+            *(REST.format(name) for name in self.records.resting),
+            *(
+                f"{capital(one)} is not identified: the motion does not tell it from others."
+                for one in lost
+            ),
+        )
 
     def alone(self, name: str) -> Mechanism:
         """Return a joint as an axis."""
@@ -448,6 +494,21 @@ class _JointJudge:
         )
 
 
+def _foreseen(
+    joints: Mapping[str, BandVerdict], measurement: Measurement
+) -> dict[str, Foreseen]:
+    """Return readings of another measurement by contact, of the joints that move in it."""
+    found, resting = dict[str, Foreseen](), list[str]()
+    for name, one in joints.items():
+        try:
+            found[name] = one.foreseer(measurement)
+        except NotToldError as error:
+            resting.append(str(error))
+    if not found:
+        raise InputError(" ".join(resting))
+    return found
+
+
 def _joint_again(
     made: Callable[[Measurement], JointRecords],
     links: Links,
@@ -458,7 +519,7 @@ def _joint_again(
     """Return the records of a joint in another measurement of all."""
     found: Mapping[str, Sequence[Record]] = made(measurement).at(links, held=held)
     if name not in found:
-        raise InputError(f"the {name} does not move in the other measurement.")
+        raise NotToldError(f"the {name} does not move in the other measurement.")
     return found[name]
 
 
@@ -526,6 +587,7 @@ def _verdict(
     fitted = JointLawFit(
         law=_laws(mechanism, {**still, **{name: fit.law for name, fit in fits.items()}}),
         mechanism=moved,
+        measurement=measurement,
         estimates=(*values, *of_joints),
         remarks=tuple(dict.fromkeys(line for fit in fits.values() for line in fit.remarks)),
         joints=joints,

@@ -152,13 +152,12 @@ class JointRecords:
                 continue
             gain = float(np.linalg.norm(mass[i] * noise) / (inertia * noise[i])) if inertia else 1.0
             noisy = [replace(one, gain=gain) for one in own]
-            if not any(map(_is_seen, noisy)):  # it moves less than its sensor misses
+            # where it moves less than its sensor misses, it rests: nothing tells its friction
+            seen = [(a, b) for a, b in zip(pieces, noisy, strict=True) if _is_seen(b)]
+            if not seen:
                 continue
-            band = min(*(cutoff_of(even(one)) for one in noisy if moves(one)), widest)
-            records[name] = [
-                one.along(i, record, torques, band)
-                for one, record in zip(pieces, noisy, strict=True)
-            ]
+            band = min(*(cutoff_of(even(one)) for _, one in seen if moves(one)), widest)
+            records[name] = [one.along(i, record, torques, band) for one, record in seen]
         return cls(
             contacts={name: contacts[name].name for name in records},
             resting=tuple(name for name in contacts if name not in records),
@@ -185,15 +184,22 @@ def _is_seen(record: Record) -> bool:
     return bool(np.ptp(record.position) > SEEN * record.position_noise)
 
 
-def links_of(records: JointRecords, held: bool) -> Links:
-    """Return parameters from the balances of all joints at once, with their curves as friction."""
-    paths = [*next(iter(records.records.values()))[0].unknown]
+def links_of(records: JointRecords, held: bool, doubts: Mapping[str, float]) -> Links:
+    """Return parameters from the balances of all joints at once, with their curves as friction.
+
+    Those with stated errors (`doubts`) keep their values.
+    """
+    known = Links(change=dict.fromkeys(doubts, 0.0), errors=doubts)
+    paths = [path for path in next(iter(records.records.values()))[0].unknown if path not in doubts]
+    if not paths:
+        return known
     parts = [
         _reduced([replace(one, held=held) for one in own], paths, records.widest)
         for own in records.records.values()
     ]
     gram = np.sum([slopes.T @ slopes for slopes, _, _ in parts], axis=0)
-    scale = np.sqrt(np.diagonal(gram)) + 1e-300
+    scale = np.sqrt(np.diagonal(gram))
+    scale[scale == 0.0] = 1.0  # nothing depends on it
     sizes, basis = np.linalg.eigh(gram / np.outer(scale, scale))
     kept = sizes > SAME * sizes[-1]
     inverse = (basis[:, kept] / sizes[kept]) @ basis[:, kept].T / np.outer(scale, scale)
@@ -208,8 +214,8 @@ def links_of(records: JointRecords, held: bool) -> Links:
     errors = UNSHOWN * np.sqrt(np.maximum(np.diagonal(inverse @ meat @ inverse), 0.0))
     errors[np.sum(basis[:, ~kept] ** 2, axis=1) > SAME] = math.inf
     return Links(
-        change=dict(zip(paths, change.tolist(), strict=True)),
-        errors=dict(zip(paths, errors.tolist(), strict=True)),
+        change={**known.change, **dict(zip(paths, change.tolist(), strict=True))},
+        errors={**known.errors, **dict(zip(paths, errors.tolist(), strict=True))},
         freedom=float(freedom),
     )
 

@@ -273,6 +273,8 @@ class _Readings:
         for name, b in plain.items():
             if name in (*COURSES, "turn", "run") or (self.rests and name in BRISTLES):
                 continue
+            if name not in every:  # the dead zone of a drive, of which the other record is without
+                continue
             learned = (every[name] @ b).T
             if name in BY_PLACE:
                 new = (every[name] @ (rms(b) * rng.normal(size=b.shape))).T
