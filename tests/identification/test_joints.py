@@ -40,19 +40,18 @@ TRUE_VALUES = {
     **{f"mechanism.{name}": getattr(ARM, name) for name in LINEAR},
     **{f"friction.{name}.kinetic_coefficient": TRUTH[name].kinetic_coefficient for name in JOINTS},
     **{f"friction.{name}.viscous_coefficient": TRUTH[name].viscous_coefficient for name in JOINTS},
-    **{f"measurement.offset.force.{name}": 0.0 for name in JOINTS},
 }
 
 
 @pytest.mark.slow
 def test_intervals_hold_the_laws_of_both_joints_and_the_base_parameters():
-    """Of 40 intervals of four records; nominally 95 % are right, fewer than 34 are 1 in 1,000."""
+    """Of 32 intervals of four records; nominally 95 % are right, fewer than 26 are 1 in 1,000."""
     held = 0
     for seed in range(1, 5):
         own = fit(GUESSED, BOTH, record(seed), vary=["friction.*", *LINEAR], settings=QUICK)
-        assert {e.path for e in own.estimates} == set(TRUE_VALUES)
-        held += sum(e.low <= TRUE_VALUES[e.path] <= e.high for e in own.estimates)
-    assert held >= 34
+        assert {e.path for e in own.shown} == set(TRUE_VALUES)
+        held += sum(e.low <= TRUE_VALUES[e.path] <= e.high for e in own.shown)
+    assert held >= 26
 
 
 def test_the_saved_laws_of_joints_keep_their_intervals(found, measured, tmp_path):
@@ -72,8 +71,8 @@ def test_the_saved_laws_of_joints_keep_their_intervals(found, measured, tmp_path
     for contact, coordinate in zip(JOINTS, ARM.coordinates, strict=True):
         joint = measured.joints[coordinate]
         fastest = np.abs(np.gradient(joint.position, joint.time)).max()
-        # a mean over a two hundredth of the record
-        assert known.largest_speed[contact] == pytest.approx(fastest, rel=0.1)
+        # a speed that few readings are above
+        assert 0.8 * fastest < known.largest_speed[contact] < 1.01 * fastest
     text = export(rig, "csv", contact="elbow").files["coulomb_viscous.csv"]
     assert f"Fitted at speeds up to {known.largest_speed['elbow']:.6g} rad/s" in text
 
@@ -127,11 +126,14 @@ def test_a_law_that_is_not_linear_in_its_parameters_is_found():
     assert left[0] < 0.5 * left[1]
 
 
-def test_a_joint_without_friction_has_no_law():
+@pytest.mark.parametrize("given", [None, CoulombViscous])
+def test_a_joint_without_friction_has_no_law(given):
     smooth = record(3, {**TRUTH, "elbow": None})
-    none = {"shoulder": CoulombViscous, "elbow": None}
-    own = fit(ARM, none, smooth, settings=QUICK)
-    assert not any("elbow.kinetic" in e.path for e in own.estimates)
+    own = fit(ARM, {"shoulder": CoulombViscous, "elbow": given}, smooth, settings=QUICK)
+    assert list(own.joints) == ["shoulder"]
+    assert not any("elbow" in e.path for e in own.estimates)
+    said = [line for line in own.sentences if line.startswith("The joint elbow has no law. ")]
+    assert len(said) == (given is not None)
 
 
 def test_a_law_with_a_level_in_each_direction_has_no_offset_beside_it(measured):
@@ -139,7 +141,6 @@ def test_a_law_with_a_level_in_each_direction_has_no_offset_beside_it(measured):
     own = fit(ARM, laws, measured, settings=QUICK)
     paths = {e.path for e in own.estimates}
     assert "measurement.offset.force.shoulder" not in paths
-    assert "measurement.offset.force.elbow" in paths
     for side in ("forward", "backward"):
         level = getattr(own.law["shoulder"], f"{side}_kinetic_coefficient")
         assert level == pytest.approx(0.2, rel=0.1)
@@ -177,6 +178,7 @@ def test_fixed_values_and_single_parameters_are_named_by_path(measured):
         "friction.elbow.kinetic_coefficient",
         "friction.elbow.viscous_coefficient",
     ]
+    assert fitted.law["shoulder"] == TRUTH["shoulder"]
 
 
 def test_stated_uncertainties_of_the_mechanism_widen_intervals(measured):
@@ -285,10 +287,8 @@ def test_the_plot_has_a_panel_for_each_joint(found):
     from matplotlib.figure import Figure
 
     panels = plots.plot_joints(found, Figure())
-    assert [axes.get_title("left") for axes in panels] == list(JOINTS)
-    assert panels[0].get_ylabel().startswith("torque, ")
+    assert [axes.get_ylabel().partition(":")[0] for axes in panels] == list(JOINTS)
+    assert all("N m" in axes.get_ylabel() for axes in panels)
     for plot in (plots.plot_friction_map, plots.plot_residuals):
-        with pytest.raises(InputError, match="plot_joints"):
+        with pytest.raises(InputError, match="fit must be a RecordFit"):
             plot(found, Figure())
-    with pytest.raises(InputError, match="record must be from 0 to 0"):
-        plots.plot_joints(found, Figure(), record=1)

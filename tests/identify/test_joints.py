@@ -13,6 +13,7 @@ from stickslip import (
     Measurement,
     RecordSettings,
     Stribeck,
+    fit,
     load_rig,
     select,
     simulate,
@@ -157,6 +158,8 @@ def test_a_joint_that_rests_is_said_and_the_other_judged():
     assert [*found.joints] == ["shoulder"]
 
 
-def test_settings_of_fits_have_no_effect_on_a_selection():
-    with pytest.raises(InputError, match=r"RecordSettings\.starts applies to `fit`"):
-        select(ARM, None, record(0, span=2.0), settings=RecordSettings(starts=2))
+@pytest.mark.parametrize("verb", [select, fit])
+def test_settings_of_searches_have_no_effect_on_joints(verb):
+    law = "coulomb" if verb is fit else ["coulomb"]
+    with pytest.raises(InputError, match=r"RecordSettings\.starts .* no effect on records of sev"):
+        verb(ARM, law, record(0, span=2.0), settings=RecordSettings(starts=2))

@@ -12,6 +12,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
+from stickslip.identify.candidates import in_sentence
 from stickslip.identify.compared import MAY_BE_HELD, WholeLaw, untold_states
 from stickslip.identify.fits import LAW, check_varied, offset_left_out, refuse_open
 from stickslip.identify.own_laws import OwnLaw, starting
@@ -59,9 +60,8 @@ def fitted_law(
     verdict = select([own])
     found = _as(verdict, kind, {})
     if found is None:
-        raise NoLawError(
-            f"{kind.title} friction has no values here: {verdict.words.verdict.rstrip('.')}."
-        )
+        reason = in_sentence(verdict.words.verdict).rstrip(".")
+        raise NoLawError(f"{kind.title} friction has no values here: {reason}.")
     return _said(found, verdict)
 
 

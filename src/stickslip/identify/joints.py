@@ -318,7 +318,8 @@ def fit_joints(
     """Fit the laws of several contacts, and parameters of the mechanism.
 
     Friction along each joint is the applied force less what the motion takes. A constant force of
-    each joint is found too, unless it is fixed or positions count from a zero of each record.
+    a joint is found too where the record shows one, unless it is fixed or positions count from a
+    zero of each record. A joint that rests, or shows no friction, has no law: `sentences` say so.
 
     Examples
     --------
@@ -367,7 +368,7 @@ def fit_joints(
                 load=load_of(judge.alone(name)),
             )
         except (NoLawError, NotToldError) as error:
-            untold.append(f"The joint {contact} has no law: {in_sentence(str(error))}")
+            untold.append(f"The joint {contact} has no law. {capital(str(error))}")
             continue
         assert fit.verdict is not None
         joints[contact], fits[contact] = fit.verdict, fit
