@@ -495,9 +495,7 @@ class _JointJudge:
         )
 
 
-def _foreseen(
-    joints: Mapping[str, BandVerdict], measurement: Measurement
-) -> dict[str, Foreseen]:
+def _foreseen(joints: Mapping[str, BandVerdict], measurement: Measurement) -> dict[str, Foreseen]:
     """Return readings of another measurement by contact, of the joints that move in it."""
     found, resting = dict[str, Foreseen](), list[str]()
     for name, one in joints.items():
