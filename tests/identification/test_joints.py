@@ -99,6 +99,12 @@ def test_torques_of_another_record_are_predicted_to_their_noise(found):
     ) in seen.values():  # noise of 0.01 N m, of which the filter leaves a tenth, and reversals
         assert one.error < 0.01
         assert one.inside > 0.9
+        assert one.unit == "N m"
+
+
+def test_the_record_that_was_fitted_is_no_other_record(found, measured):
+    with pytest.raises(InputError, match="identical to the fitted one"):
+        found.predict(measured)
 
 
 def test_several_records_are_one_data_set(found):

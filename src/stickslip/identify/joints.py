@@ -17,7 +17,15 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import stdtrit
 
-from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at, volts_sentence
+from stickslip.data import (
+    Checks,
+    Finding,
+    LawEstimates,
+    Measurement,
+    levels_at,
+    refuse_same,
+    volts_sentence,
+)
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
 from stickslip.identify.bands import Array, Foreseen, PredictionBand
@@ -99,9 +107,9 @@ class JointLawFit(Fit[Laws]):
         Raises
         ------
         InputError
-            If no joint of the fit moves in it.
+            If no joint of the fit moves in it, or it has the same readings.
         """
-        return _foreseen(self.joints, measurement)
+        return _foreseen(self.joints, self.measurement, measurement)
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -203,9 +211,9 @@ class JointVerdict(Verdict[JointLaws]):
         Raises
         ------
         InputError
-            If no joint of the fit moves in it.
+            If no joint of the fit moves in it, or it has the same readings.
         """
-        return _foreseen(self.joints, measurement)
+        return _foreseen(self.joints, self.measurement, measurement)
 
     def band(
         self,
@@ -374,7 +382,8 @@ def fit_joints(
         joints[contact], fits[contact] = fit.verdict, fit
     if not fits:
         raise InputError(
-            " ".join(untold) or "there is nothing to fit: give a law of a joint that moves."
+            " ".join(untold)
+            or "there is nothing to fit: give the law of a joint that moves, not all of it held."
         )
     still = {name: law for name, law in asked.laws.items() if isinstance(law, FrictionLaw)}
     verdict = _verdict(judge, joints, fits, still)
@@ -495,8 +504,11 @@ class _JointJudge:
         )
 
 
-def _foreseen(joints: Mapping[str, BandVerdict], measurement: Measurement) -> dict[str, Foreseen]:
+def _foreseen(
+    joints: Mapping[str, BandVerdict], judged: Measurement, measurement: Measurement
+) -> dict[str, Foreseen]:
     """Return readings of another measurement by contact, of the joints that move in it."""
+    refuse_same(judged, measurement)
     found, resting = dict[str, Foreseen](), list[str]()
     for name, one in joints.items():
         try:

@@ -151,6 +151,7 @@ def _foreseen_readings(
 
 def _foreseen_records(
     judgement: Judgement,
+    judged: Measurement,
     again: Callable[[Measurement], Sequence[Record]],
     measurement: Measurement,
 ) -> Foreseen:
@@ -161,7 +162,7 @@ def _foreseen_records(
     kind = "friction" if records[0].friction else "force"
     if isinstance(problem, FreeMotionProblem):
         kind = "position" if problem.balance.each[0].record.located else "velocity"
-    return judgement.foreseen(rows, rows.response, measurement.unit(kind))
+    return judgement.foreseen(rows, rows.response, judged.unit(kind))
 
 
 def _records_again(
@@ -350,7 +351,7 @@ def record_verdict(
         force_unit=measurement.unit("friction" if first.friction else "force"),
         speed_unit=measurement.unit("velocity"),
     )
-    foreseer = partial(_foreseen_records, judgement, again)
+    foreseer = partial(_foreseen_records, judgement, measurement, again)
     said = [*remarks, *(one.sentence for one in checks.of("volts"))]
     if isinstance(problem, FreeMotionProblem):
         said.append(SCALED)
