@@ -68,11 +68,11 @@ from stickslip.friction import Viscous as Viscous
 from stickslip.friction import WarmViscous as WarmViscous
 from stickslip.identify.fits import RecordSettings as RecordSettings
 from stickslip.identify.fits import inverse_dynamics as inverse_dynamics
-from stickslip.identify.kinds import compare_trials as compare_trials
 from stickslip.identify.kinds import fit as fit
 from stickslip.identify.kinds import plan as plan
 from stickslip.identify.kinds import select as select
 from stickslip.identify.kinds import write_report as write_report
+from stickslip.identify.kinds.verbs import compare_trials as compare_trials
 from stickslip.mechanisms import Axis as Axis
 from stickslip.mechanisms import BlockChain as BlockChain
 from stickslip.mechanisms import Capsule as Capsule

@@ -25,7 +25,7 @@ ENTRIES = [
 
 
 ROOMS = ("engine", "exports.adapters", "identify", "mechanisms.drives", "study.control")
-WITHIN = {"identify.Interval", "identify.LawFit"}
+WITHIN = {"identify.FixedStepRow", "identify.Interval", "identify.LawFit"}
 """What a verdict is made of: users meet them there."""
 NAMES = [name for name in stickslip.__all__ if name != "__version__"]
 NAMES += [

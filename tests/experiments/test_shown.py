@@ -112,8 +112,7 @@ def test_no_public_result_prints_its_arrays():
     along = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED) + 0.01 * np.sin(SPEED))
     fitted = fit(Axis(inertia=1.0), Coulomb, along)
     again = Measurement(velocity=SPEED, friction=2.02 * np.sign(SPEED))
-    assert repr(fitted.predict(again)).startswith(
-        "<Foreseen: 0 % of the 40 readings lie in the band;"
-    )
+    found = repr(fitted.predict(again))
+    assert re.match(r"<Foreseen: \d+ % of the 40 readings lie in the band;", found)
     assert "array" not in repr(fitted.predict(again))
     assert "array" not in repr(fitted)

@@ -15,8 +15,8 @@ from stickslip import (
     TwoMassAxis,
     fit,
 )
-from stickslip.identify.fits import FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.parameters import told
+from stickslip.identify.fits import FreeParameters
+from stickslip.identify.fits.estimation.parameters import FreeParameter, told
 from stickslip.quantities import fields_of
 
 

@@ -140,7 +140,9 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
         vary=["friction.*", "mechanism.inertia"],
         route="balance",
     )
-    assert found.law.kinetic_coefficient == pytest.approx(30.0, rel=0.01)
+    # without accelerations, a dead zone of the drive is not told from the level
+    level = found.estimate("kinetic_coefficient")
+    assert level.low < 30.0 < level.high
     reversed_force = Measurement(time=time, position=position, force=-force)
     with pytest.raises(InputError, match="turn the sign of the force"):
         fit(axis, CoulombViscous, reversed_force)

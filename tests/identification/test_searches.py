@@ -142,4 +142,5 @@ def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_round
         route="balance",
         vary=["friction.*", "mechanism.inertia"],
     )
-    assert found.estimate("kinetic_coefficient").value == pytest.approx(18.0, rel=0.3)
+    level = found.estimate("kinetic_coefficient")
+    assert level.low < 18.0 < level.high

@@ -25,7 +25,6 @@ from stickslip.identify.joints import fit_joints as fit_joints
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.judgement import ASSERTED as ASSERTED
-from stickslip.identify.kinds import ConditionLine as ConditionLine
 from stickslip.identify.kinds import FeatureFit as FeatureFit
 from stickslip.identify.kinds import FeatureVerdict as FeatureVerdict
 from stickslip.identify.kinds import Plan as Plan
@@ -34,6 +33,7 @@ from stickslip.identify.kinds import RateStateVerdict as RateStateVerdict
 from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
 from stickslip.identify.kinds import TrialComparison as TrialComparison
+from stickslip.identify.kinds.trials import ConditionLine as ConditionLine
 from stickslip.identify.ladder import ladder_rows as ladder_rows
 from stickslip.identify.ladder import probability_text as probability_text
 from stickslip.identify.laws import CurvePoint as CurvePoint

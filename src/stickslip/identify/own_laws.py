@@ -32,9 +32,7 @@ from stickslip.quantities import Quantity, fields_of, vary
 STEP, TINY = 1e-5, 1e-12
 """Share of its size by which a parameter is moved for slopes, and its least size."""
 BEGINNINGS = 3
-"""Values of each speed, or other shape, from which a law is first fitted ..."""
-MOST_BEGINNINGS = 81
-"""... and how many of these together, at most."""
+"""Values of each speed, or other shape, from which a law is first fitted: those of four at most."""
 OF_RANGE = 1e-3
 """Share of its range that is the least size of a parameter, which may begin at 0."""
 UNTOLD = 1e-2
@@ -162,7 +160,7 @@ class OwnLaw:
             for k in shapes
         ]  # fmt: skip
         begins = [own]
-        for some in itertools.islice(itertools.product(*grids), MOST_BEGINNINGS):
+        for some in itertools.islice(itertools.product(*grids), BEGINNINGS**4):
             begin = list(own)
             for k, x in zip(shapes, some, strict=True):
                 begin[k] = float(x)

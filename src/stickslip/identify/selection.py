@@ -197,6 +197,8 @@ def problem_of_records(
     slopes: dict[str, tuple[float, float]] = {}
     doubts = {path: one.doubt for path, one in records[0].unknown.items() if one.doubt}
     if loads:
+        if not all(np.all(one > 0.0) for one in loads):
+            raise InputError("the motion lifts the body: its normal force is not above 0 N.")
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
         normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)

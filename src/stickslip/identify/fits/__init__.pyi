@@ -21,7 +21,6 @@ from stickslip.identify.fits.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identify.fits.estimation.jackknife import Inference as Inference
 from stickslip.identify.fits.estimation.jackknife import effective_size as effective_size
 from stickslip.identify.fits.estimation.jackknife import infer as infer
-from stickslip.identify.fits.estimation.jackknife import quantile_of as quantile_of
 from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
 from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult
 from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch

@@ -41,7 +41,6 @@ from stickslip.identify.kinds.travels.result import TravelFit as TravelFit
 from stickslip.identify.kinds.travels.selection import select_travels as select_travels
 from stickslip.identify.kinds.travels.verdict import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels.verdict import TravelVerdict as TravelVerdict
-from stickslip.identify.kinds.trials import ConditionLine as ConditionLine
 from stickslip.identify.kinds.trials import TrialComparison as TrialComparison
 from stickslip.identify.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
 from stickslip.identify.kinds.velocity_steps.result import RateStateFit as RateStateFit
@@ -50,7 +49,6 @@ from stickslip.identify.kinds.velocity_steps.slider import SliderHistory as Slid
 from stickslip.identify.kinds.velocity_steps.slider import simulate_velocity_steps as simulate_velocity_steps
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate as RateStateCandidate
 from stickslip.identify.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
-from stickslip.identify.kinds.verbs import compare_trials as compare_trials
 from stickslip.identify.kinds.verbs import fit as fit
 from stickslip.identify.kinds.verbs import select as select
 from stickslip.identify.problems.slip_features import StickSlipFeatures as StickSlipFeatures

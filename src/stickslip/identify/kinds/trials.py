@@ -167,7 +167,7 @@ class TrialComparison(InPanels, Tabular):
 
         Examples
         --------
-        >>> from stickslip import Axis, Coulomb
+        >>> from stickslip import Axis, Coulomb, compare_trials
         >>> v = np.linspace(-1.0, 1.0, 40)
         >>> cold, warm = (
         ...     Measurement(
