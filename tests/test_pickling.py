@@ -165,7 +165,7 @@ NUMBERS_ONLY = {
 
 ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict"}
 """Results whose parts are those of others here, and that take minutes."""
-PARTS = {"Interval", "LawCandidate"}
+PARTS = {"Criteria", "FixedStepRow", "Interval", "LawCandidate"}
 """What a verdict is made of."""
 
 

@@ -182,8 +182,8 @@ def test_an_encoder_that_flickers_at_rest_is_at_rest():
     assert np.mean(own.path.velocity[resting] == 0.0) > 0.99
 
 
-FALSE = "a load that changes leaves a false value with a narrow interval"
-MISSED = ("stribeck", "direction-dependent")
+FALSE = "a Stribeck velocity beyond the fastest speed leaves a false value with a narrow interval"
+MISSED = ("stribeck",)
 SLIDING = [name for name in TRUE if name not in ("dahl", "lugre")]
 
 

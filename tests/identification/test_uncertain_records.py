@@ -176,7 +176,9 @@ def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
     stated = replace(rubbed(), parameter_uncertainties={"offset": 0.4})
     sought, plain = (fit(AXIS, CoulombViscous, one) for one in (stated, rubbed()))
     for one, other in zip(sought.estimates, plain.estimates, strict=True):
-        assert half_width(one) < 2.0 * half_width(other)  # the record tells it
+        assert half_width(one) < 3.0 * half_width(other)
+    # the record tells the offset: its 0.4 N alone would widen the level as above
+    assert half_width(sought.estimate("kinetic_coefficient")) < 0.2 * NORMAL_95 * 0.02
 
 
 @pytest.mark.slow
