@@ -56,8 +56,11 @@ class LawFit(Fit[FrictionLaw]):
     """A law of the set with its parameters and their intervals."""
 
     judgement: Judgement
+    """The posterior of the force balance, projected on the laws."""
     measurement: Measurement
+    """What was fitted."""
     structure: Structure
+    """The terms of the law."""
     largest_speed: float
     """Largest speed that was measured [m/s] or [rad/s]."""
     correlation: Array
