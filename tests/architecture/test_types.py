@@ -98,7 +98,7 @@ reveal_type(result)
 print(result.law.kinetic_coefficient, result.estimates[0].low, result.to_law().name)
 reveal_type(fit(block, law, one).law)
 reveal_type(fit(block, "lugre", one).law)
-found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map",
+found = fit(Axis(inertia=1.0), CoulombViscous, table, route="table",
             vary=["friction.*", "mechanism.inertia"], fixed={"mechanism.offset": 0})
 print(found.law.viscous_coefficient)
 if isinstance(found, RecordFit):

@@ -1,42 +1,22 @@
 """A fit is the selection in which no other law is compared; intervals of own laws hold truths."""
 
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
-
 import numpy as np
 import pytest
+from tests.identification.test_own_laws import Weakening
 
-from stickslip import Axis, CoulombViscous, Measurement, Stribeck, fit, select, simulate
-from stickslip.friction import SetValuedLaw
-from stickslip.maths import exp
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Dahl,
+    LuGre,
+    Measurement,
+    Stribeck,
+    fit,
+    select,
+    simulate,
+)
+from stickslip.errors import InputError
 from stickslip.mechanisms.drives import Sampled
-from stickslip.quantities import Quantity
-
-
-@dataclass(frozen=True, kw_only=True)
-class Weakening(SetValuedLaw):
-    """Friction that falls by a share of its level around a speed."""
-
-    name: ClassVar[str] = "weakening-by-share"
-    title: ClassVar[str] = "Weakening by a share"
-    formula: ClassVar[str] = r"F = c N [1 - s (1 - e^{-v/v_0})]"
-    sources: ClassVar[tuple[str, ...]] = ()
-    fit_order: ClassVar[tuple[str, ...]] = ("grip", "fall", "knee_speed")
-
-    grip: Annotated[float, Quantity("c", low=0, scale="level", bounds=(0.0, 50.0), start=1.0)]
-    fall: Annotated[
-        float, Quantity("s", low=0, high=0.95, scale="none", bounds=(0.0, 0.95), start=0.2)
-    ]
-    knee_speed: Annotated[
-        float, Quantity("v_0", "m/s", above=0, scale="speed", bounds=(1e-3, 3.0), start=0.2)
-    ]
-
-    def sliding(self, speed, load):
-        return self.grip * load * (1.0 - self.fall * (1.0 - exp(-speed / self.knee_speed)))
-
-    def break_away(self, load):
-        return self.grip * load
-
 
 TRUTHS = {
     "coulomb-viscous": CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=3.0),
@@ -80,6 +60,25 @@ def test_select_with_one_law_gives_the_numbers_of_fit_to_the_last_digit(name, ma
     one, other = found.verdict.band(v), verdict.band(v)
     np.testing.assert_array_equal(one.low, other.low)
     np.testing.assert_array_equal(one.high, other.high)
+
+
+@pytest.mark.parametrize("law", [Dahl, LuGre])
+def test_select_with_one_law_of_bristles_gives_the_numbers_of_fit(law):
+    """Their viscous exponent is 1 unless it is varied, in a selection as in a fit."""
+    measurement = record(
+        Dahl(kinetic_coefficient=4.0, bristle_stiffness=1e4, viscous_coefficient=3.0)
+    )
+    found = fit(Axis(inertia=4.0), law, measurement)
+    chosen = select(Axis(inertia=4.0), [law], measurement).closest.fit
+    assert [(one.path, one.value, one.low, one.high) for one in found.estimates] == [
+        (one.path, one.value, one.low, one.high) for one in chosen.estimates
+    ]
+
+
+def test_a_fit_in_a_verdict_refuses_to_predict():
+    chosen = select(Axis(inertia=4.0), [CoulombViscous], table(TRUTHS["coulomb-viscous"])).closest
+    with pytest.raises(InputError, match="call predict of the verdict"):
+        chosen.fit.predict(table(TRUTHS["coulomb-viscous"], seed=2))
 
 
 @pytest.mark.slow

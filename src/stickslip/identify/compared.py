@@ -87,8 +87,8 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     if unknown:
         memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
         why = (
-            "tells the memories of Dahl and LuGre, and only in time: use stickslip.fit for its"
-            " parameters"
+            "tells the memories of Dahl and LuGre, and only in time: stickslip.fit with"
+            " route='shooting' simulates it along a recorded force"
             if memory
             else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
         )
@@ -96,7 +96,19 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
             f"{kind.title} friction cannot be compared on this measurement, which {why}. Compared"
             f" can be {', '.join(known)} and sums of these."
         )
-    return tuple(sorted(found))
+    return held_power(found, kind.fit_order)
+
+
+def held_power(terms: Collection[str], found: Collection[str]) -> Family:
+    """Return terms, where a power of the speed is viscous unless its exponent is found.
+
+    Examples
+    --------
+    >>> held_power(["level", "power"], ["kinetic_coefficient", "viscous_coefficient"])
+    ('level', 'viscous')
+    """
+    held = "power" in terms and "viscous_exponent" not in found
+    return tuple(sorted({*terms} - {"power"} | {"viscous"} if held else terms))
 
 
 def untold_states(law: type[FrictionLaw]) -> InputError:
@@ -136,11 +148,8 @@ class WholeLaw:
         return not both and needed <= {*self.found} and not optional & {*self.found}
 
     def family(self, known: Collection[str]) -> Family:
-        """Return the family among terms that a measurement can tell; a held power is viscous."""
-        found = {*family_of_law(self.kind, known)}
-        if "power" in found and "viscous_exponent" not in self.found:
-            found = (found - {"power"}) | {"viscous"}
-        return tuple(sorted(found))
+        """Return the family among terms that a measurement can tell."""
+        return held_power(family_of_law(self.kind, known), self.found)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,24 +124,11 @@ class Candidates:
     parameters: int
 
 
-class Weighted(Protocol):
-    """What a judgement reads of a posterior."""
-
-    @property
-    def weights(self) -> Array:
-        """Posterior probabilities of nodes and structures (k, s), in sum 1."""
-
-    def draws(
-        self, count: int, *, seed: int = 0, only: "NDArray[np.bool_] | None" = None
-    ) -> list[Draws]:
-        """Return draws, those of some nodes and structures only if so asked."""
-
-
 class Problem(ABC):
     """One measurement of any kind with its posterior, as the judgement reads it."""
 
     posterior: Any
-    """The weights of structures at nodes: `Weighted`."""
+    """The weights of structures at nodes, and draws of some of them."""
     size: float
     """Root mean square of the friction [N]."""
     load: float

@@ -99,9 +99,10 @@ class LawFit(Fit[FrictionLaw]):
         Raises
         ------
         InputError
-            If it lacks what was fitted, or has the same readings.
+            If it lacks what was fitted, has the same readings, or the fit is a verdict's.
         """
-        assert self.verdict is not None
+        if self.verdict is None:
+            raise InputError("this fit is part of a verdict: call predict of the verdict.")
         return self.verdict.predict(measurement)
 
     @property

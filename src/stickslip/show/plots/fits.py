@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -118,7 +117,7 @@ STEADY: Final = 0.05
 
 
 class MapPoints(NamedTuple):
-    """Friction against velocity as measured."""
+    """Friction against velocity by inverse dynamics."""
 
     velocity: drawing.Array
     """Slip velocities (n,) [m/s]."""
@@ -126,18 +125,14 @@ class MapPoints(NamedTuple):
     """Friction forces (n,) [N]."""
     load: float
     """Normal force [N]; its median where it varies."""
-    measured: bool
-    """Whether friction was measured; if not, it is from inverse dynamics."""
     trend: drawing.Array
-    """1 where the speed rises, -1 where it falls, 0 where it does neither or nobody knows."""
-    beside: Mapping[str, drawing.Array] = MappingProxyType({})
-    """What else friction may depend on (n,), by the name of the contact input [SI]."""
+    """1 where the speed rises, -1 where it falls, 0 where it does neither."""
 
 
 class Rows(NamedTuple):
     """Residuals of a fit with the motion that they belong to; None where it is not known."""
 
-    t: drawing.Array | None
+    t: drawing.Array
     """Times (n,) [s]; records follow one another."""
     velocity: drawing.Array | None
     """Velocities (n,) [m/s]."""
@@ -162,33 +157,8 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
     return np.sort(np.random.default_rng(SEED).choice(count, most, replace=False))
 
 
-def is_timed(fit: RecordFit) -> bool:
-    """Whether the rows of a fit follow each other in time; those of a table do not."""
-    return all(record.time is not None for record in fit.measurement.records())
-
-
 def map_points(fit: RecordFit) -> MapPoints | None:
-    """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
-    if stretches := fit.problem.samples:
-        return MapPoints(
-            velocity=np.concatenate([stretch.velocity for stretch in stretches]),
-            friction=np.concatenate([stretch.friction for stretch in stretches]),
-            load=float(np.median(np.concatenate([stretch.load for stretch in stretches]))),
-            measured=fit.friction_was_measured,
-            trend=np.concatenate(
-                [
-                    np.zeros(len(stretch.friction))
-                    if stretch.time is None
-                    else trend_of(stretch.time, stretch.velocity)
-                    for stretch in stretches
-                ]
-            ),
-            beside={
-                name: np.concatenate([stretch.beside[name] for stretch in stretches])
-                for name in stretches[0].beside
-                if all(name in stretch.beside for stretch in stretches)
-            },
-        )
+    """Return friction against velocity by inverse dynamics; None where there is none."""
     try:
         found = inverse_dynamics(fit.mechanism, fit.measurement, vary=())
         load_now = load_of(fit.mechanism)
@@ -198,7 +168,6 @@ def map_points(fit: RecordFit) -> MapPoints | None:
         found.velocity,
         found.friction,
         load_now,
-        measured=False,
         trend=trend_of(found.time, found.velocity),
     )
 
@@ -239,9 +208,6 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[drawing.Array, drawi
 def rows_of(fit: RecordFit) -> Rows:
     """Return the residuals of a fit with times, velocities and positions."""
     problem, seen = fit.problem, fit.optimum.best
-    if not is_timed(fit):
-        velocity = np.concatenate([sample.velocity for sample in problem.samples])
-        return Rows(None, velocity, None, seen.residual)
     record = problem.spans[seen.segment, 0].astype(int)
     t, shift = problem.times, _shifts(problem.spans)
     columns: dict[str, drawing.Array | None] = {
@@ -356,14 +322,6 @@ def plot_joints(fit: JointLawFit | JointVerdict, ax: drawing.PanelTarget = None)
     return drawing.on_panels(draw_joints(drawings), ax, size)
 
 
-def refuse_joints(fit: RecordFit, plot: str) -> None:
-    """Refuse a fit of several joints, of which `plot_joints` shows the forces."""
-    if fit.problem.joints is not None:
-        raise InputError(
-            f"{plot} takes a fit of one contact: plot_joints draws one of several joints."
-        )
-
-
 class Interval(NamedTuple):
     """A value and its standard error, NaN where it is not known."""
 
@@ -464,7 +422,6 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Targ
         raise InputError("plot_friction_map needs at least one fit, got none.")
     for fitted in fits.values():
         check_type("fit", fitted, RecordFit)
-        refuse_joints(fitted, "plot_friction_map")
     points = map_points(next(iter(fits.values())))
     if points is None or not points.velocity.any():
         raise InputError(
@@ -506,7 +463,6 @@ def plot_residuals(fit: RecordFit, ax: drawing.PanelTarget = None) -> drawing.Pa
     ['time, s', 'velocity, m/s', 'position, m']
     """
     check_type("fit", fit, RecordFit)
-    refuse_joints(fit, "plot_residuals")
     if not all(map(math.isfinite, fit.residual)):
         raise InputError("the residuals of the fit are not finite and cannot be plotted.")
     unit = fit.measurement.unit(fit.problem.quantity)

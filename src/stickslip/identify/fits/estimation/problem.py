@@ -1,9 +1,8 @@
 """A record as residuals that depend on unknowns: what every route gives to the optimiser."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, Self
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,21 +127,6 @@ class Problem(ABC):
         """
 
 
-class FrictionSamples(NamedTuple):
-    """Friction that a law is compared with, along a stretch of the measured motion."""
-
-    time: Array | None
-    """Times (n,) [s]; None in a table."""
-    velocity: Array
-    """Slip velocities (n,) [m/s]."""
-    friction: Array
-    """Friction forces (n,) [N]."""
-    load: Array
-    """Normal forces (n,) [N]."""
-    beside: Mapping[str, Array] = MappingProxyType({})
-    """What else friction may depend on (n,), by the name of the contact input [SI]."""
-
-
 class RecordProblem(Problem):
     """A problem whose rows are samples of a record, which predictions stand beside."""
 
@@ -160,30 +144,6 @@ class RecordProblem(Problem):
     def simulates(self) -> bool:
         """Whether motion is predicted from its start; else friction along the measured motion."""
         return False
-
-    @property
-    def samples(self) -> tuple[FrictionSamples, ...]:
-        """Friction along the measured motion, by stretch; empty where motion is simulated."""
-        return ()
-
-    @property
-    def joints(self) -> NDArray[np.str_] | None:
-        """Name of the joint that each row is of (n,); None where there is only one."""
-        return None
-
-    @property
-    def row_weights(self) -> Array | float:
-        """Factor that residuals were multiplied by (n,); 1 where all count alike."""
-        return 1.0
-
-    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:
-        """Return the rows of an answer by joint, without weights; empty where there is only one."""
-        return {}
-
-    @property
-    def held_offset(self) -> float | None:
-        """Constant force beside friction [N] that is not looked for; None for the mechanism's."""
-        return None
 
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
         """Return the segments simulated again from their fitted states, each with its certificate.

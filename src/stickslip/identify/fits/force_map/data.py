@@ -17,7 +17,6 @@ from stickslip.data import (
     usual_top_speed,
 )
 from stickslip.errors import InputError, check_even_times
-from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import inputs_along
 from stickslip.identify.fits.estimation.bristle_integration import Path
 from stickslip.identify.fits.settings import LEAST
@@ -38,8 +37,6 @@ GROWTH = 1.2
 """Factor between the lengths of parabolas that are tried for velocities."""
 SEGMENTS = 40
 """Segments of a record where no length is given, and of a table at most."""
-TIMELESS = "bristles depend on displacement, which a table without time does not have"
-"""Why laws of bristles are not fitted to tables."""
 BEYOND = 4.0
 """Standard deviations of the noise of positions from which a displacement is one: one in 16,000
 samples of normal noise lies beyond."""
@@ -112,13 +109,6 @@ class MotionSegment:
         padded = np.concatenate([force[:1], force, force[-1:]])
         bend = padded[:-2] - 2.0 * force + padded[2:]
         return smoothed(force + self.blur * bend, self.passed)
-
-    def by_linear(self, balanced: NDArray[np.bool_]) -> Array:
-        """Return what a unit of each parameter takes off friction (n, k), balanced or not."""
-        assert self.regressors is not None
-        if self.held_regressors is None or not balanced.any():
-            return self.regressors
-        return self.regressors - self.seen(balanced[:, None] * self.held_regressors)
 
     def loaded(self, factor: float) -> "MotionSegment":
         """Return the same motion with a multiple of its load."""
@@ -255,25 +245,6 @@ def check_loads(measurement: Measurement) -> None:
         raise InputError(
             "load (N) was measured in only some of the trials: give Measurement.load [N] for each"
             " trial, or for none to use that of the mechanism."
-        )
-
-
-def refuse_timeless(
-    law: FrictionLaw | type[FrictionLaw], stretches: Sequence[MotionSegment]
-) -> None:
-    """Refuse a bristle law where nothing has a time: a table does not depend on its bristles.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Coulomb
-    >>> table = Measurement(velocity=np.linspace(-1.0, 1.0, 20), friction=np.ones(20))
-    >>> refuse_timeless(Coulomb, stretches_of(Axis(inertia=1.0), table))
-    """
-    kind = law if isinstance(law, type) else type(law)
-    if kind.states and not any(one.timed for one in stretches):
-        raise InputError(
-            f"{kind.title} cannot be fitted to friction against velocity: {TIMELESS}. Fit a law"
-            " without bristles, such as stribeck, or give friction and position in time."
         )
 
 

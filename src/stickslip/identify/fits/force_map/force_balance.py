@@ -51,7 +51,7 @@ from stickslip.identify.fits.series.inverse_dynamics import (
 )
 from stickslip.identify.fits.settings import Hold
 from stickslip.identify.fits.signals import derivative, play
-from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
 
@@ -198,36 +198,6 @@ def travelled(raw: Array, finest: float) -> Array:
 def widened(passed: float) -> float:
     """Return what a filter of positions passes, of what is made of them and filtered again."""
     return PATH * min(passed, HIGHEST)
-
-
-def torque_along(mechanism: Mechanism, record: Measurement, hold: Hold) -> Array:
-    """Return the force (n,) [N] of a motor along the motion of a record without gaps.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> from stickslip.mechanisms import DCMotor
-    >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5))
-    >>> t = np.arange(0.0, 1.0, 0.01)
-    >>> record = Measurement(time=t, position=3.0 * t, voltage=0.0 * t + 6.0)
-    >>> round(float(torque_along(servo, record, "zero")[50]), 6)  # 0.5 (6 - 0.5 * 3) / 2
-    1.125
-    """
-    motor, command, raw = (
-        motor_of(mechanism),
-        applied_force(mechanism, record),
-        positions_of(record),
-    )
-    if motor is None or command is None or len(raw) < LEAST:
-        return 0.0 * raw
-    motion = filtered_motion(
-        raw,
-        check_even(np.asarray(record.time)),
-        passed_by_balance(raw, resolved=True),
-        tracked="position" in record.quantities(),
-    )
-    mean = mean_force(command, joined=goes_straight(record, hold))
-    return np.asarray(motor.force(mean, motion.position, motion.velocity))
 
 
 def mean_force(force: Array, *, joined: bool) -> Array:

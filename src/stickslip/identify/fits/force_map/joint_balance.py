@@ -42,7 +42,7 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identify.fits.settings import Hold
-from stickslip.identify.fits.signals import play, resolution
+from stickslip.identify.fits.signals import play
 from stickslip.mechanisms import Contact, Mechanism, motors_of
 from stickslip.quantities import vary
 from stickslip.show.formatting import joined
@@ -256,8 +256,6 @@ class JointPiece:
     """Even times (n,) [s]."""
     raw: Array
     """Positions (n, m) at these times, not filtered."""
-    resolutions: Sequence[float]
-    """What each joint's sensor does not resolve, by the positions as they were recorded."""
     motions: tuple[FilteredMotion, ...]
     """Motion of each joint."""
     accelerations: Array
@@ -346,7 +344,6 @@ class JointPiece:
             record=number,
             time=time,
             raw=np.column_stack(raw)[inside],
-            resolutions=[resolution(x, times) for x in rows],
             motions=motions,
             accelerations=accelerations,
             passed=passed,

@@ -3,7 +3,7 @@
 import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
@@ -20,7 +20,7 @@ from stickslip.data import (
     refuse_lack,
     refuse_unused,
 )
-from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
 from stickslip.identify.fits.estimation.jackknife import Displaced, Inference, bootstrap
@@ -42,8 +42,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.show.described import Described
 from stickslip.show.display import Tabular, plots
-from stickslip.show.formatting import Scale, count, joined, quantity
-from stickslip.show.formatting import scale_of as shown_in
+from stickslip.show.formatting import count, joined, quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -80,8 +79,6 @@ class Score(metaclass=Described):
     """Root mean square of each segment."""
     turning: bool = False
     """Whether what was predicted turns about an axis."""
-    joints: Mapping[str, "Score"] = field(default_factory=dict)
-    """The same of each joint; empty where there is only one."""
 
     @classmethod
     def of(
@@ -119,24 +116,10 @@ class Score(metaclass=Described):
         """SI unit."""
         return turned(QUANTITIES[self.quantity].unit, self.turning)
 
-    @property
-    def scales(self) -> Mapping[str, Scale]:
-        """What errors of joints are shown in, by SI unit; the largest of each unit chooses."""
-        units = {one.unit for one in self.joints.values()}
-        return {
-            unit: shown_in([one.rms for one in self.joints.values() if one.unit == unit], unit)
-            for unit in units
-        }
-
     def __str__(self) -> str:
-        """Return the error and what it is of, in one line; that of each joint, if there are any."""
-        error = quantity(self.rms, self.unit)
-        if self.joints:
-            scales = self.scales
-            each = (f"{n} {scales[one.unit].quantity(one.rms)}" for n, one in self.joints.items())
-            error = ", ".join(each)
+        """Return the error and what it is of, in one line."""
         return (
-            f"{error} ({self.quantity}, {len(self.blocks)} segments of"
+            f"{quantity(self.rms, self.unit)} ({self.quantity}, {len(self.blocks)} segments of"
             f" {quantity(self.horizon, 's')})"
         )
 
@@ -163,8 +146,6 @@ class Prediction(Tabular):
     """Predicted (n,), in the SI unit of the quantity."""
     measured: Array
     """Measured (n,), in the same unit."""
-    joint: NDArray[np.str_] | None = None
-    """Name of the joint of each row (n,); None where there is only one."""
 
     def __repr__(self) -> str:
         segments = len({*zip(self.record.tolist(), self.segment.tolist(), strict=True)})
@@ -173,28 +154,12 @@ class Prediction(Tabular):
             f" {count(segments, 'segment')}; columns {', '.join(map(str, self.to_dataframe()))}>"
         )
 
-    def of(self, joint: str) -> "Prediction":
-        """Return the rows of a joint.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is none of that name.
-        """
-        known = [] if self.joint is None else list(dict.fromkeys(self.joint.tolist()))
-        if self.joint is None or joint not in known:
-            raise UnknownNameError("joint", joint, known)
-        own = self.joint == joint
-        columns = ("record", "segment", "t", "residual", "predicted", "measured", "joint")
-        return replace(self, **{name: getattr(self, name)[own] for name in columns})
-
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
         import pandas as pd
 
         return pd.DataFrame(
             {
-                **({} if self.joint is None else {"joint": self.joint}),
                 "record": self.record,
                 "segment": self.segment,
                 "t": self.t,
@@ -216,7 +181,7 @@ class RecordFit(Fit[AnyLaw_co]):
     """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
 
     route: str
-    """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
+    """How it was fitted: ``"shooting"``."""
     measurement: Measurement
     """What was fitted."""
     problem: RecordProblem = field(repr=False)
@@ -257,11 +222,6 @@ class RecordFit(Fit[AnyLaw_co]):
         )
 
     @property
-    def friction_was_measured(self) -> bool:
-        """Whether friction itself was measured and fitted, with no force that acts beside it."""
-        return self.route == "force-map"
-
-    @property
     def offset_estimate(self) -> Estimate | None:
         """The constant force beside friction, where it was fitted."""
         return next((one for one in self.estimates if one.path in (MECHANISM, SENSOR)), None)
@@ -271,8 +231,7 @@ class RecordFit(Fit[AnyLaw_co]):
         """The constant force that stands beside friction [N], fitted or held."""
         if self.offset_estimate is not None:
             return self.offset_estimate.value
-        held = self.problem.held_offset
-        return float(getattr(self.mechanism, "offset", 0.0)) if held is None else held
+        return float(getattr(self.mechanism, "offset", 0.0))
 
     @property
     def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
@@ -319,9 +278,7 @@ class RecordFit(Fit[AnyLaw_co]):
 
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
-        joints = self.problem.joints is not None
-        unit = "" if joints else self.measurement.unit(self.problem.quantity)
-        error = str(self.score()).partition(" (")[0] if joints else quantity(self.rms, unit)
+        error = quantity(self.rms, self.measurement.unit(self.problem.quantity))
         findings = (one.finding.removesuffix(".") for one in self.model_errors)
         fitted = (
             f"{self.law.title} fitted to {self.problem.quantity}:"
@@ -337,10 +294,8 @@ class RecordFit(Fit[AnyLaw_co]):
         """Friction that acts and was not fitted, with its values as start values.
 
         That is damping of a joint or of a single coordinate, such as that of a robot's file, and
-        parameters of the law that were given. The view of one joint of several has none.
+        parameters of the law that were given.
         """
-        if self.route == "joints" and self.problem.joints is None:
-            return FreeParameters(())
         free = self.free_parameters.paths
         joints = tuple(getattr(self.mechanism, "joints", ()))
         whole = [] if joints or len(self.mechanism.coordinates) > 1 else ["mechanism.damping"]
@@ -441,7 +396,7 @@ class RecordFit(Fit[AnyLaw_co]):
         True
         """
         problem, seen = self._seen(measurement, horizon)
-        measured, residual = problem.measured, seen.residual / problem.row_weights
+        measured, residual = problem.measured, seen.residual
         return Prediction(
             quantity=problem.quantity,
             record=problem.spans[seen.segment, 0].astype(int),
@@ -450,7 +405,6 @@ class RecordFit(Fit[AnyLaw_co]):
             residual=residual,
             predicted=measured - residual,
             measured=measured,
-            joint=problem.joints,
         )
 
     def score(
@@ -471,18 +425,8 @@ class RecordFit(Fit[AnyLaw_co]):
             Root mean square of all residuals and of each segment.
         """
         problem, seen = self._seen(measurement, horizon)
-        residual, parts = seen.residual / problem.row_weights, problem.by_joint(seen)
         turning = self.measurement.turning
-        whole = Score.of(residual, seen.segment, problem, turning=turning)
-        if not parts:
-            return whole
-        units = dict(zip(self.mechanism.coordinates, self.mechanism.units, strict=True))
-        of_joints = {
-            name: Score.of(own.residual, own.segment, problem, turning=units[name] == "rad")
-            for name, own in parts.items()
-        }
-        alike = all(one.turning for one in of_joints.values())
-        return replace(whole, joints=of_joints, turning=turning or alike)
+        return Score.of(seen.residual, seen.segment, problem, turning=turning)
 
     def _seen(
         self, measurement: Measurement | None, horizon: float | None
