@@ -381,3 +381,17 @@ def test_velocities_within_their_noise_have_no_direction():
     record = Measurement(time=t, velocity=noisy, friction=friction)
     found = stickslip.fit(AXIS, CoulombViscous, record)
     assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=0.01)
+
+
+def test_levels_at_speeds_that_the_record_never_reached_are_not_those_of_its_law(tribometer):
+    # friction never exceeds 2.5 N; a level of 40 N at rest and of -2.5 N at the fastest speed,
+    # which a bristle never reaches, fits the loops best
+    record = between(tribometer, 12.0, 30.0)
+    verdict = stickslip.select(AXIS, None, record)
+    assert "Dahl" in verdict.closest.title
+    level = next(one for one in verdict.parameters if one.path.endswith("kinetic_coefficient"))
+    assert 0.4 < level.low < level.value < level.high < 0.5
+    band = verdict.band(velocity=[-2.4e-4, 2.4e-4])
+    assert np.all(np.abs(band.low) < 3.0)
+    assert np.all(np.abs(band.high) < 3.0)
+    assert np.all(band.low * [-1.0, 1.0] > 0.0)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 from scipy.stats import multivariate_normal
 
 from stickslip.identify.posterior import (
@@ -125,6 +126,26 @@ def test_coefficients_that_cannot_be_negative_are_not_drawn_so() -> None:
     model = Positive(0.02 + 0.1 * np.random.default_rng(1).normal(size=12))
     posterior = Posterior(model, LAWS[1:3], np.zeros(2), begin=every_node(), most=0)
     assert all(np.all(one.law >= 0.0) for one in posterior.draws(200))
+
+
+def test_a_law_counts_by_the_share_of_it_in_which_a_level_that_falls_brakes() -> None:
+    # friction at X = 1 is the sum of both coefficients; closed form for one bound: Phi(m / s)
+    class Falling(Linear):
+        def not_below_zero(self, structure: Sequence[Column]) -> np.ndarray:
+            return np.ones((1, 2)) if len(structure) == 2 else np.zeros((0, len(structure)))
+
+    y = 0.05 - 0.04 * X + 0.1 * np.random.default_rng(2).normal(size=12)
+    free, bounded = (
+        Posterior(one(y), LAWS[1:3], np.zeros(2), begin=[(1, 1)], most=0)
+        for one in (Linear, Falling)
+    )
+    (draws,) = Posterior(Linear(y), LAWS[2:3], np.zeros(1), begin=[(1, 1)], most=0).draws(20000)
+    ends = draws.law.sum(axis=0)
+    inside = ndtr(ends.mean() / ends.std()) / 0.5  # half of the prior is inside
+    odds = [one.weights[0, 1] / one.weights[0, 0] for one in (free, bounded)]
+    assert odds[1] / odds[0] == pytest.approx(inside, rel=0.01)
+    kept = [one.law for one in bounded.draws(2000) if len(one.structure) == 2]
+    assert np.all(np.hstack(kept).sum(axis=0) >= 0.0)
 
 
 def test_draws_repeat_and_are_as_many_as_asked_for(model: Linear) -> None:

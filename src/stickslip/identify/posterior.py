@@ -23,7 +23,8 @@ and those of all laws :math:`X`,
 
 where :math:`M = S_{XX} + s^{-2}`, :math:`c = M^{-1} S_{Xy}`, columns are scaled to the size of the
 friction, :math:`s` is `COEFFICIENT`, and the last sum is over coefficients that are not negative,
-the least likely first and each given those before it (Mendell and Elston, 1974): of two that fit
+and sums of them such as a level at the fastest speed, over their share of the prior, the least
+likely first and each given those before it (Mendell and Elston, 1974): of two that fit
 together only, one of them negative, no margin shows it.
 One Cholesky factor serves all laws of a node.
 
@@ -139,6 +140,13 @@ class Model(ABC):
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         """Return the normal equations of a node with the columns of laws."""
 
+    def not_below_zero(self, structure: Structure) -> Array:
+        """Return sums of coefficients (k, d) that are not negative, beside coefficients: none.
+
+        Friction brakes, also where a term with either sign takes off from a level.
+        """
+        return np.zeros((0, len(structure)))
+
     def prior(self, node: Node) -> float:
         """Return the logarithm of the prior of a node."""
         return sum(one.logarithms[k] for one, k in zip(self.scales, node, strict=True))
@@ -190,6 +198,24 @@ def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") 
         less = np.where(z < AT_BOUND, counts, np.clip(mills * (mills + z), 0.0, 1.0))[:, None, None]
         covariance -= less * slope[:, :, None] * slope[:, None, :]
     return np.asarray(total)
+
+
+def brakes(mean: Array, covariance: Array, positive: "NDArray[np.bool_]", sums: Array) -> Array:
+    """Return logarithms of the probability (s,) that coefficients (s, d) and sums are not negative.
+
+    Examples
+    --------
+    >>> sums = np.array([[[1.0, 1.0]]])  # of two that are either sign alone
+    >>> found = brakes(np.zeros((1, 2)), np.eye(2)[None], np.zeros((1, 2), dtype=bool), sums)
+    >>> round(float(np.exp(found[0])), 2)
+    0.5
+    """
+    if sums.shape[1]:
+        both = np.concatenate([np.broadcast_to(np.eye(mean.shape[1]), covariance.shape), sums], 1)
+        mean = np.einsum("skd,sd->sk", both, mean)
+        covariance = both @ covariance @ both.swapaxes(1, 2)
+        positive = np.concatenate([positive, np.ones(sums.shape[:2], dtype=bool)], axis=1)
+    return not_negative(mean, covariance, positive)
 
 
 def held_to_zero(x: Array, root: Array, bounded: Places) -> None:
@@ -258,14 +284,16 @@ class Posterior:
         self.weights: Array = np.exp(table - less[:, None])
         """Posterior probabilities of nodes and structures (k, s), in sum 1."""
 
-    def _batched(self) -> "Iterator[tuple[Places, Places, NDArray[np.bool_], Known]]":
-        """Yield structures of one number of columns: places, columns, signs, and what is known."""
+    def _batched(self) -> "Iterator[tuple[Places, Places, NDArray[np.bool_], Array, Known]]":
+        """Yield structures with as many columns: places, columns, signs, sums, what is known."""
         number = {one: k for k, one in enumerate(self.columns)}
         free = [tuple(x for x in one if x not in self.known_of(one)) for one in self.structures]
-        groups: dict[tuple[int, tuple[tuple[Column, float], ...]], list[int]] = {}
+        sums = [self.sums_of(one) for one in free]
+        groups: dict[tuple[int, int, tuple[tuple[Column, float], ...]], list[int]] = {}
         for k, one in enumerate(self.structures):
-            groups.setdefault((len(free[k]), tuple(self.known_of(one).items())), []).append(k)
-        for (length, known), places in groups.items():
+            known = tuple(self.known_of(one).items())
+            groups.setdefault((len(free[k]), len(sums[k]), known), []).append(k)
+        for (length, more, known), places in groups.items():
             of = [[number[column] for column in free[k]] for k in places]
             names = [[name not in self.model.signed for name, _ in free[k]] for k in places]
             shape = (len(places), length)
@@ -273,8 +301,13 @@ class Posterior:
                 np.array(places, dtype=np.intp),
                 np.array(of, dtype=np.intp).reshape(shape),
                 np.array(names, dtype=bool).reshape(shape),
+                np.array([sums[k] for k in places]).reshape(len(places), more, length),
                 {number[column]: x for column, x in known},
             )
+
+    def sums_of(self, structure: Structure) -> Array:
+        """Return the sums of coefficients (k, d) that are not negative."""
+        return self.model.not_below_zero(structure)
 
     def known_of(self, structure: Structure) -> Mapping[Column, float]:
         """Return the columns of a structure whose coefficients are known, with these."""
@@ -319,7 +352,7 @@ class Posterior:
         base, left = eliminated(system)
         found = np.empty(len(self.structures))
         every, nothing = left, base
-        for at, of, positive, known in self._batches:
+        for at, of, positive, rows, known in self._batches:
             left, base = every, nothing
             if known:
                 left = without(every, known, system.sizes)
@@ -334,7 +367,9 @@ class Posterior:
             inverse, logarithm = inverted(m)
             c = np.einsum("sij,sj->si", inverse, moment)
             gain = 0.5 * np.sum(moment * c, axis=1) - 0.5 * logarithm - size * math.log(COEFFICIENT)
-            inside = positive.sum(axis=1) * math.log(2.0) + not_negative(c, inverse, positive)
+            sums = rows * system.sizes[of][:, None, :]
+            prior = np.broadcast_to(np.eye(size), inverse.shape)
+            inside = brakes(c, inverse, positive, sums) - brakes(0.0 * c, prior, positive, sums)
             found[at] = base + gain + inside
         return np.asarray(found + self._priors + self.model.prior(node))
 
@@ -384,10 +419,11 @@ class Posterior:
         for place, (name, _) in enumerate(structure):
             if name not in self.model.signed:
                 kept &= x[m + place] > 0.0
+        sizes = system.sizes[[self.columns.index(one) for one in structure]]
+        kept &= np.all((self.sums_of(structure) * sizes) @ x[m:] >= 0.0, axis=0)
         x = x[:, np.argsort(~kept, kind="stable")[:count]]
         bounded = m + np.flatnonzero(self._is_positive(structure))
         held_to_zero(x, root, bounded)
-        sizes = system.sizes[[self.columns.index(one) for one in structure]]
         law = np.maximum(x[m:], np.where(self._is_positive(structure), 0.0, -np.inf)[:, None])
         for place, one in enumerate(whole):
             if one in known:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.identify.posterior import Family
 from stickslip.maths import Scalar, arctan, exp, log, power, tanh
@@ -52,6 +53,7 @@ PARTS: Mapping[str, Part] = {
 }
 """Parts of laws by name."""
 SIGNED = frozenset(name for name, part in PARTS.items() if part.signed)
+DRY = frozenset(name for name, part in PARTS.items() if part.dry)
 
 FAMILIES: Mapping[str, int] = {
     "": 2, "level": 0, "level viscous": 0, "viscous": 0, "drag level": 1, "drag level viscous": 2,
@@ -166,3 +168,23 @@ def parameters_of(family: Family) -> int:
         for name in family
         if name in PARTS
     )
+
+
+def levels_at(structure: Sequence[tuple[str, Shape]], fastest: float) -> NDArray[np.float64]:
+    """Return the sums of coefficients (k, d) that are levels at the fastest speed, if any may fall.
+
+    At rest a level is a coefficient.
+
+    Examples
+    --------
+    >>> levels_at([("level", ())], 1.0).shape
+    (0, 1)
+    >>> levels_at([("level", ()), ("logarithmic", (1.0,))], 1.0).round(3).tolist()
+    [[1.0, 0.693]]
+    """
+    levels = [
+        float(PARTS[name].curve(fastest, shape)) if name in DRY else 0.0
+        for name, shape in structure
+    ]
+    falls = any(name in SIGNED for name, _ in structure)
+    return np.array([levels] if falls else np.zeros((0, len(levels))))

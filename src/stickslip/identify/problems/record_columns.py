@@ -32,12 +32,12 @@ from stickslip.identify.problems.record_rows import (
     pieces_of,
 )
 from stickslip.identify.problems.record_signals import Record, bristle
-from stickslip.identify.vocabulary import PARTS
+from stickslip.identify.vocabulary import DRY, PARTS
 from stickslip.maths import Scalar
 
 GEAR = "gear"
 """Term of a level that grows with what the gear transmits, whatever the load is."""
-LEVELS = frozenset({GEAR, *(name for name, part in PARTS.items() if part.dry)})
+LEVELS = DRY | {GEAR}
 """Terms that lag with the bristle."""
 FORCE = "force"
 """Part of what an input changes that is no friction."""

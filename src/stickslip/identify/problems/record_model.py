@@ -56,7 +56,7 @@ from stickslip.identify.problems.record_columns import (
 )
 from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.vocabulary import FAMILIES, NARROW, PLACE, SIGNED, Grid
+from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
 
 Names: TypeAlias = NDArray[np.str_]
 
@@ -399,6 +399,9 @@ class RecordModel(Model):
         """Return the bristle of a node."""
         return self.memories[node[-2]]
 
+    def not_below_zero(self, structure: Structure) -> Array:
+        return levels_at(structure, self.frame.top)
+
     # ---- normal equations
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         """Return the normal equations of a node."""
@@ -433,7 +436,7 @@ class RecordModel(Model):
         if self.balance.runs > 1:
             of = self.balance.run[rows.piece][:, None] == np.arange(self.balance.runs)
             every["run"] = np.hstack([state * of, slope * of])
-        sizes = self.size / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+        sizes = self._usual(which, x)
         random = np.hstack([*every.values()])
         names = [name for name, part in every.items() for _ in range(part.shape[1])]
         return Design(
@@ -443,6 +446,20 @@ class RecordModel(Model):
             sizes=sizes,
             least=np.sqrt(np.mean(random * random, axis=0)) + 1e-300,
         )
+
+    def _usual(self, which: int, x: Array) -> Array:
+        """Return the coefficients of laws with columns (n, p) that make friction of its usual size.
+
+        Of a dry part that is its friction in steady sliding, at rest or over the rows: a level far
+        above all that was measured, at speeds or states that the record never reached, is unusual.
+        """
+        least, rows = np.sqrt(np.mean(x * x, axis=0)), self.balance.rows(which)
+        places = np.append(rows.velocity, 0.0)
+        for k, one in enumerate(self.columns):
+            if one[0] in DRY:
+                *steady, rest = law_column(one, places, np.ones(len(places))).tolist()
+                least[k] = max(least[k], math.sqrt(np.mean(np.square(steady))), rest)
+        return np.asarray(self.size / (least + TINY))
 
     def _gram(self, which: int, memory: int, length: int) -> Array:
         """Return the products of all columns, with those of the curve of a length."""

@@ -43,7 +43,7 @@ from stickslip.identify.posterior import (
     System,
     family_of,
 )
-from stickslip.identify.vocabulary import FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid
+from stickslip.identify.vocabulary import DRY, FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid, levels_at
 
 Integers = NDArray[np.intp]
 
@@ -688,12 +688,18 @@ class TableModel(Model):
             sizes=sizes,
         )
 
+    def not_below_zero(self, structure: Structure) -> Array:
+        return levels_at(structure, self.frame.fastest)
+
     def _law_columns(self, columns: Sequence[Column]) -> tuple[Array, Array]:
         """Return columns of laws (n, p) of the size of the friction, and their factors (p,)."""
         key = tuple(columns)
         if self._laws is None or (self._laws[0] is not columns and self._laws[0] != key):
             x = np.column_stack([law_column(one, self.readings.rows, self.frame) for one in key])
-            sizes = self.frame.size / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+            least = np.sqrt(np.mean(x * x, axis=0))
+            # a static surplus at speeds that were not measured is unusual far above friction
+            rest = [PARTS[one[0]].curve(0.0, one[1]) if one[0] in DRY else 0.0 for one in key]
+            sizes = self.frame.size / (np.maximum(least, rest) + 1e-300)
             self._laws, self._grams = (key, x * sizes, sizes), {}
         return self._laws[1], self._laws[2]
 
