@@ -26,9 +26,9 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     FixedStep,
-    Measurement,
     PendulumCart,
     animate,
+    load_measurement,
     load_rig,
     select,
     simulate,
@@ -54,8 +54,11 @@ from stickslip.study.control import PID, closed_loop
 from stickslip.study.sweep import average_velocity
 
 FOLDER = Path(__file__).parent / "figures"
-RECORD = Path(__file__).parent / "howto" / "files" / "axis.csv"
-"""The record of the README: synthetic, so that the true values are known."""
+FILES = Path(__file__).parent / "howto" / "files"
+TABLE = FILES / "friction.csv"
+"""The table of the README: synthetic, 4 N and 30 N s/m."""
+RECORD = FILES / "axis.csv"
+"""The record of "My CSV in five commands": synthetic, so that the true values are known."""
 PAD = 16
 """Of the card around a figure, which keeps it readable on dark pages [CSS px]."""
 
@@ -163,19 +166,14 @@ def record() -> pd.DataFrame:
 
 
 def axis_record() -> None:
-    """Write the record of the README."""
+    """Write the record of "My CSV in five commands"."""
     record().to_csv(RECORD, index=False, lineterminator="\n")
 
 
 def report() -> None:
-    """What `stickslip select` says of the record of the README, as its page shows it."""
-    table = record()
-    measured = Measurement(
-        time=table["time [s]"].to_numpy(),
-        position=1e-3 * table["position [mm]"].to_numpy(),
-        force=table["force [N]"].to_numpy(),
-    )
-    verdict = select(Axis(inertia=1.0), None, measured, vary=["friction.*", "mechanism.inertia"])
+    """What `stickslip select` says of the table of the README, as its page shows it."""
+    table = load_measurement(TABLE, columns={"velocity": "speed", "friction": "friction"})
+    verdict = select(Axis(inertia=1.0), None, table)
 
     def draw(figure: Figure, _narrow: bool) -> None:
         figure.set_layout_engine("none")
@@ -195,7 +193,7 @@ def report() -> None:
         "report.svg",
         draw,
         (880, 420),
-        "Verdict, friction with its band, and parameters, of a record of an axis",
+        "Verdict, friction with its band, and parameters, of five readings of friction",
     )
 
 
