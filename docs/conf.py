@@ -28,7 +28,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md", "ratios.md"]
+exclude_patterns = ["_build", "_ext", "_templates", "ratios.md"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 
