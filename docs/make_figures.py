@@ -33,14 +33,12 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.identify import draw_band
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Sampled, Sine, ThreePhase
 from stickslip.show.plots import (
     C1,
     DATA,
     INK,
-    MAP_SIZES,
     MUTED,
     SURFACE,
     Draw,
@@ -76,19 +74,6 @@ def card(name: str, draw: Draw, size: Size, title: str) -> None:
     x, y, w, h = box.split()
     paper = f'<rect x="{x}" y="{y}" width="{w}" height="{h}" rx="8" fill="{SURFACE}"/>'
     (FOLDER / name).write_text(head + paper + rest, encoding="utf-8", newline="\n")
-
-
-def separation() -> None:
-    """The band of six laws that agree on the one travel that was measured."""
-    rig = load_rig()
-    verdict = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
-    card(
-        "separation.svg",
-        draw_band(verdict.drawing()),
-        MAP_SIZES["wide"],
-        "Band of the travel over the compression of the spring, whichever of six friction laws"
-        " holds: narrow at the one measured point and wide at 40 and 150 mm",
-    )
 
 
 def chatter() -> None:
