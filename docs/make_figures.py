@@ -408,7 +408,7 @@ def house() -> None:
     )
 
 
-DRAWN = (house, choices, judge, reversal, separation, chatter, hunting, axis_record, report, cart)
+DRAWN = (house, choices, judge, reversal, chatter, hunting, axis_record, report, cart)
 """In the order in which they are made."""
 
 if __name__ == "__main__":
