@@ -162,10 +162,11 @@ def report() -> None:
 
     def draw(figure: Figure, _narrow: bool) -> None:
         figure.set_layout_engine("none")
-        lines = textwrap.wrap(verdict.sentence, 88)
+        lines = textwrap.wrap(verdict.sentence, 105)
         figure.text(0.02, 0.96, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
+        below = 0.94 - 0.05 * len(lines)
         lines = textwrap.wrap(verdict.words.lede, 150)
-        figure.text(0.02, 0.89, "\n".join(lines), fontsize=9, color=MUTED, va="top")
+        figure.text(0.02, below, "\n".join(lines), fontsize=9, color=MUTED, va="top")
         verdict.plot(figure.add_axes((0.075, 0.12, 0.52, 0.54)))
         for k, one in enumerate(verdict.intervals):
             figure.text(0.65, 0.66 - 0.09 * k, str(one), fontsize=11, color=INK, va="top")
@@ -195,18 +196,18 @@ def cart() -> None:
 BOXES = (
     # centre, text, whether it is a question
     (130, 32, "record and mechanism", False),
-    (130, 115, "One coordinate without stops,\nand a law that a balance tells?", True),
+    (130, 115, "One coordinate without stops, and\na law that a balance determines?", True),
     (430, 115, "Posterior of the force balance,\nor of the table, with that law", False),
-    (130, 220, "Goals of a loop, own drives,\nother states, several bodies", False),
+    (130, 220, "Goals of a loop, carried drives,\nother states, several bodies", False),
     (430, 220, "Simulated segments of 1 s; a free\ndecay then of 3 s and as a whole", False),
-    (733, 115, "Estimates, band, what is not\ntold: as in a selection", False),
+    (733, 115, "Estimates, band, limitations:\nas in a selection", False),
     (733, 220, "Estimates, intervals by blocks,\nthe residual", False),
 )
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
-    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 4, "not told"), (2, 5, ""), (4, 6, ""),
+    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 4, "open"), (2, 5, ""), (4, 6, ""),
 )  # fmt: skip
 
 
@@ -215,13 +216,13 @@ JUDGED = (
     (
         130,
         130,
-        "Beside every law, with priors:\ndrift, runs, delay, turns, ...;\nwhat no law says",
+        "Beside every law, with priors:\ndrift, runs, delay, turns, ...;\nwhat no law describes",
         False,
     ),
-    (130, 230, "Is nothing driven? Then runs of\neach law, with start and length free", True),
+    (130, 230, "No drive? Then runs of each\nlaw, with start and length free", True),
     (430, 40, "Scales on a grid, best first:\none factor for all laws", False),
     (430, 130, "Probabilities of\nlaws and scales", False),
-    (430, 230, "Odds of friction below 100 : 1?\nThen it is not told from zero", True),
+    (430, 230, "Odds of friction below 100 : 1?\nThen no law is recommended", True),
     (733, 40, "600 draws: the band, readings,\nanother run or specimen", False),
     (733, 130, "Each draw on each law: ladder,\nname, parameters", False),
     (733, 230, "Measure next: what takes most\noff the variance of the band", False),
