@@ -1,8 +1,8 @@
 """Print the numbers by which the structure of the package is judged: python -m tools.structure.
 
-Everything is counted from the sources with `ast`, and words of pages as text, but for what one command and one function run,
-and how long an import and a run take, which is watched in processes of their own, and the tests,
-which pytest collects.
+Everything is counted from the sources with `ast` and from the text of pages, but for what one
+command and one function run, and how long an import and a run take, which is watched in processes
+of their own, and the tests, which pytest collects.
 """
 
 import ast
