@@ -162,23 +162,22 @@ def report() -> None:
 
     def draw(figure: Figure, _narrow: bool) -> None:
         figure.set_layout_engine("none")
-        lines = textwrap.wrap(verdict.sentence, 105)
-        figure.text(0.02, 0.96, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
-        below = 0.94 - 0.05 * len(lines)
-        lines = textwrap.wrap(verdict.words.lede, 150)
-        figure.text(0.02, below, "\n".join(lines), fontsize=9, color=MUTED, va="top")
-        verdict.plot(figure.add_axes((0.075, 0.12, 0.52, 0.54)))
+        lines = textwrap.wrap(verdict.sentence, 88)
+        figure.text(0.02, 0.97, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
+        below = 0.955 - 0.048 * len(lines)
+        lines = textwrap.wrap(verdict.words.lede, 105)
+        figure.text(0.02, below, "\n".join(lines), fontsize=11, color=MUTED, va="top")
+        verdict.plot(figure.add_axes((0.09, 0.11, 0.88, 0.57)))
         for k, one in enumerate(verdict.intervals):
-            figure.text(0.65, 0.66 - 0.09 * k, str(one), fontsize=11, color=INK, va="top")
-        figure.text(
-            0.65, 0.66 - 0.09 * len(verdict.intervals), "(95 %, whichever law holds)",
-            fontsize=9, color=MUTED, va="top",
-        )  # fmt: skip
+            figure.text(
+                0.13, 0.57 - 0.06 * k, str(one), fontsize=12, color=INK, va="top",
+                bbox={"facecolor": SURFACE, "linewidth": 0, "pad": 2},
+            )  # fmt: skip
 
     card(
         "report.svg",
         draw,
-        (880, 420),
+        (640, 480),
         "Verdict, friction with its band, and parameters, of five readings of friction",
     )
 
