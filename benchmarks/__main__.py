@@ -1,4 +1,4 @@
-"""``python -m benchmarks [case ...]``: print cases; all of them also write docs/benchmarks.md.
+"""``python -m benchmarks [case ...]``: print cases; all of them also write benchmarks/results.md.
 
 ``python -m benchmarks posterior`` prints what verdicts are worth (`benchmarks.posterior.numbers`).
 """
@@ -33,7 +33,7 @@ COMPILE = "compile"
 """Times of compiling, which are printed only: they take minutes and empty caches."""
 POSTERIOR = "posterior"
 """What verdicts are worth, which is counted and not timed: it takes an hour."""
-PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"
+PAGE = Path(__file__).parent / "results.md"
 LIBRARIES = ("stickslip", "numpy", "scipy", "llvmlite", "heyoka", "mujoco", "drake")
 
 

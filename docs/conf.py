@@ -15,7 +15,6 @@ release = importlib.metadata.version("stickslip")
 version = release
 
 extensions = [
-    "archive",
     "examples",
     "gallery",
     "generated",
@@ -29,7 +28,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md", "ratios.md", "decisions"]
+exclude_patterns = ["_build", "_ext", "_templates", "ratios.md"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 

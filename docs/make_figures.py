@@ -26,21 +26,19 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     FixedStep,
-    Measurement,
     PendulumCart,
     animate,
+    load_measurement,
     load_rig,
     select,
     simulate,
 )
-from stickslip.identify import draw_band
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Sampled, Sine, ThreePhase
 from stickslip.show.plots import (
     C1,
     DATA,
     INK,
-    MAP_SIZES,
     MUTED,
     SURFACE,
     Draw,
@@ -54,8 +52,11 @@ from stickslip.study.control import PID, closed_loop
 from stickslip.study.sweep import average_velocity
 
 FOLDER = Path(__file__).parent / "figures"
-RECORD = Path(__file__).parent / "howto" / "files" / "axis.csv"
-"""The record of the README: synthetic, so that the true values are known."""
+FILES = Path(__file__).parent / "howto" / "files"
+TABLE = FILES / "friction.csv"
+"""The table of the README: synthetic, 4 N and 30 N s/m."""
+RECORD = FILES / "axis.csv"
+"""The record of "My CSV in five commands": synthetic, so that the true values are known."""
 PAD = 16
 """Of the card around a figure, which keeps it readable on dark pages [CSS px]."""
 
@@ -73,19 +74,6 @@ def card(name: str, draw: Draw, size: Size, title: str) -> None:
     x, y, w, h = box.split()
     paper = f'<rect x="{x}" y="{y}" width="{w}" height="{h}" rx="8" fill="{SURFACE}"/>'
     (FOLDER / name).write_text(head + paper + rest, encoding="utf-8", newline="\n")
-
-
-def separation() -> None:
-    """The band of six laws that agree on the one travel that was measured."""
-    rig = load_rig()
-    verdict = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
-    card(
-        "separation.svg",
-        draw_band(verdict.drawing()),
-        MAP_SIZES["wide"],
-        "Band of the travel over the compression of the spring, whichever of six friction laws"
-        " holds: narrow at the one measured point and wide at 40 and 150 mm",
-    )
 
 
 def chatter() -> None:
@@ -163,39 +151,34 @@ def record() -> pd.DataFrame:
 
 
 def axis_record() -> None:
-    """Write the record of the README."""
+    """Write the record of "My CSV in five commands"."""
     record().to_csv(RECORD, index=False, lineterminator="\n")
 
 
 def report() -> None:
-    """What `stickslip select` says of the record of the README, as its page shows it."""
-    table = record()
-    measured = Measurement(
-        time=table["time [s]"].to_numpy(),
-        position=1e-3 * table["position [mm]"].to_numpy(),
-        force=table["force [N]"].to_numpy(),
-    )
-    verdict = select(Axis(inertia=1.0), None, measured, vary=["friction.*", "mechanism.inertia"])
+    """What `stickslip select` says of the table of the README, as its page shows it."""
+    table = load_measurement(TABLE, columns={"velocity": "speed", "friction": "friction"})
+    verdict = select(Axis(inertia=1.0), None, table)
 
     def draw(figure: Figure, _narrow: bool) -> None:
         figure.set_layout_engine("none")
         lines = textwrap.wrap(verdict.sentence, 88)
-        figure.text(0.02, 0.96, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
-        lines = textwrap.wrap(verdict.words.lede, 150)
-        figure.text(0.02, 0.89, "\n".join(lines), fontsize=9, color=MUTED, va="top")
-        verdict.plot(figure.add_axes((0.075, 0.12, 0.52, 0.54)))
+        figure.text(0.02, 0.97, "\n".join(lines), fontsize=13, weight="bold", color=INK, va="top")
+        below = 0.955 - 0.048 * len(lines)
+        lines = textwrap.wrap(verdict.words.lede, 105)
+        figure.text(0.02, below, "\n".join(lines), fontsize=11, color=MUTED, va="top")
+        verdict.plot(figure.add_axes((0.09, 0.11, 0.88, 0.57)))
         for k, one in enumerate(verdict.intervals):
-            figure.text(0.65, 0.66 - 0.09 * k, str(one), fontsize=11, color=INK, va="top")
-        figure.text(
-            0.65, 0.66 - 0.09 * len(verdict.intervals), "(95 %, whichever law holds)",
-            fontsize=9, color=MUTED, va="top",
-        )  # fmt: skip
+            figure.text(
+                0.13, 0.57 - 0.06 * k, str(one), fontsize=12, color=INK, va="top",
+                bbox={"facecolor": SURFACE, "linewidth": 0, "pad": 2},
+            )  # fmt: skip
 
     card(
         "report.svg",
         draw,
-        (880, 420),
-        "Verdict, friction with its band, and parameters, of a record of an axis",
+        (640, 480),
+        "Verdict, friction with its band, and parameters, of five readings of friction",
     )
 
 
@@ -212,18 +195,18 @@ def cart() -> None:
 BOXES = (
     # centre, text, whether it is a question
     (130, 32, "record and mechanism", False),
-    (130, 115, "One coordinate without stops,\nand a law that a balance tells?", True),
+    (130, 115, "One coordinate without stops, and\na law that a balance determines?", True),
     (430, 115, "Posterior of the force balance,\nor of the table, with that law", False),
-    (130, 220, "Goals of a loop, own drives,\nother states, several bodies", False),
+    (130, 220, "Goals of a loop, carried drives,\nother states, several bodies", False),
     (430, 220, "Simulated segments of 1 s; a free\ndecay then of 3 s and as a whole", False),
-    (733, 115, "Estimates, band, what is not\ntold: as in a selection", False),
+    (733, 115, "Estimates, band, limitations:\nas in a selection", False),
     (733, 220, "Estimates, intervals by blocks,\nthe residual", False),
 )
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
-    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 4, "not told"), (2, 5, ""), (4, 6, ""),
+    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 4, "open"), (2, 5, ""), (4, 6, ""),
 )  # fmt: skip
 
 
@@ -232,13 +215,13 @@ JUDGED = (
     (
         130,
         130,
-        "Beside every law, with priors:\ndrift, runs, delay, turns, ...;\nwhat no law says",
+        "Beside every law, with priors:\ndrift, runs, delay, turns, ...;\nwhat no law describes",
         False,
     ),
-    (130, 230, "Is nothing driven? Then runs of\neach law, with start and length free", True),
+    (130, 230, "No drive? Then runs of each\nlaw, with start and length free", True),
     (430, 40, "Scales on a grid, best first:\none factor for all laws", False),
     (430, 130, "Probabilities of\nlaws and scales", False),
-    (430, 230, "Odds of friction below 100 : 1?\nThen it is not told from zero", True),
+    (430, 230, "Odds of friction below 100 : 1?\nThen no law is recommended", True),
     (733, 40, "600 draws: the band, readings,\nanother run or specimen", False),
     (733, 130, "Each draw on each law: ladder,\nname, parameters", False),
     (733, 230, "Measure next: what takes most\noff the variance of the band", False),
@@ -425,7 +408,7 @@ def house() -> None:
     )
 
 
-DRAWN = (house, choices, judge, reversal, separation, chatter, hunting, axis_record, report, cart)
+DRAWN = (house, choices, judge, reversal, chatter, hunting, axis_record, report, cart)
 """In the order in which they are made."""
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """Print the numbers by which the structure of the package is judged: python -m tools.structure.
 
-Everything is counted from the sources with `ast`, but for what one command and one function run,
-and how long an import and a run take, which is watched in processes of their own, and the tests,
-which pytest collects.
+Everything is counted from the sources with `ast` and from the text of pages, but for what one
+command and one function run, and how long an import and a run take, which is watched in processes
+of their own, and the tests, which pytest collects.
 """
 
 import ast
@@ -10,6 +10,7 @@ import importlib
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -341,6 +342,15 @@ def tests_collected() -> str:
     return done.stdout.strip().splitlines()[-1].partition(" tests")[0]
 
 
+def words_of_docs() -> tuple[int, int]:
+    """Return the words of all tracked pages of the documentation, and without their code blocks."""
+    listed = ["git", "ls-files", "docs/*.md"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    pages = [(ROOT / name).read_text(encoding="utf-8") for name in names.split()]
+    prose = [re.sub(r"```.*?```", "", page, flags=re.DOTALL) for page in pages]
+    return len(" ".join(pages).split()), len(" ".join(prose).split())
+
+
 def table() -> Iterator[tuple[str, object]]:
     """Yield what is counted and the number."""
     known = sources()
@@ -377,6 +387,9 @@ def table() -> Iterator[tuple[str, object]]:
     yield "select on a friction table: functions that ran", seen["functions"]
     yield "select on a friction table: frames to it", seen["frames"]
     yield "tests collected", tests_collected()
+    words, prose = words_of_docs()
+    yield "words of the documentation", words
+    yield "words of the documentation without code blocks", prose
 
 
 if __name__ == "__main__":

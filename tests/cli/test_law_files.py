@@ -90,7 +90,7 @@ def test_the_cart_runs_with_the_law_of_a_file_as_with_its_own(walk):
     assert "normal force of 9.81 N" in err  # here it is less, and that is said
 
 
-@pytest.mark.slow  # tests/docs/test_readme.py walks the same way, with a block of its own
+@pytest.mark.slow
 def test_an_author_walks_from_three_travels_to_a_page_of_his_cart(walk):
     text = BLOCK + "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
     Path("block.toml").write_text(text)

@@ -2,15 +2,15 @@
 
 import contextlib
 import io
-import re
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import pytest
 
-PAGE = (Path(__file__).parents[2] / "docs/explanation/capsule-literature.md").read_text("utf-8")
-CELLS = re.findall(r"^```\{code-cell\}\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "explanation/capsule-literature.md").read_text("utf-8")
+CELLS = (DOCS / "howto/files/capsule_literature.py").read_text("utf-8").split("\n# %% ")[1:]
 LONG = ("ensemble(", "progression(")
 """What cells call that take longer than all others together."""
 
@@ -20,7 +20,7 @@ def computed(cells: list[str]) -> dict[tuple[str, str, str], tuple[float, float,
     names: dict[str, Any] = {}
     with contextlib.redirect_stdout(io.StringIO()):
         for cell in cells:
-            exec(compile(cell, "capsule-literature.md", "exec"), names)
+            exec(compile(cell.partition("\n")[2], "capsule_literature.py", "exec"), names)
     plt.close("all")
     return {
         (source, whose, quantity): (theirs, ours, error)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Thresholds:
-    """Numbers that decide; studies are in ``benchmarks/bands.py`` and decisions 0140 and 0141."""
+    """Numbers that decide; studies are in ``benchmarks/bands.py``."""
 
     freedom: float = 4.0
     """Degrees of freedom of Student's t in the score: no single block decides (study: shares)."""

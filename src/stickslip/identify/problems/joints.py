@@ -63,7 +63,7 @@ AHEAD = 2.0
 """Band of the motion in the equations over that of the balance."""
 ROBOTS = 5.0
 """Band of the balances over the mean frequency of the fastest joint, at most: beyond it gears make
-accelerations that no torque of a motor goes with (decision 0114)."""
+accelerations that no torque of a motor goes with (docs: why/filters-and-rest)."""
 SEEN = 20.0
 """Range of the positions of a joint that moves, over their noise."""
 UNSHOWN = 2.0

@@ -3,7 +3,7 @@
 With few blocks and four parameters, the estimates follow each block's own error by a good part: a
 sandwich of the residuals that are left is a fifth too narrow, and covers 82 to 87 % where 95 % is
 said. Leaving a block out shows its error whole. Few of the blocks tell a parameter, and fewer than
-their number are the degrees of freedom of its error (`benchmarks.synthetic_truth`, decision 0016).
+their number are the degrees of freedom of its error (`benchmarks.synthetic_truth`).
 """
 
 import math

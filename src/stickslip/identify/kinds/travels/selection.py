@@ -47,7 +47,7 @@ RIG_DOUBT = 0.015
 nobody stated."""
 PLACES = (17, 41)
 """Settings of the band within those measured, and of bodies that carry their drive, which have
-resonances: half a second, and three (`docs/decisions/0151`)."""
+resonances: half a second, and three (docs: explanation/travels)."""
 
 
 def select_travels(
