@@ -65,7 +65,6 @@ CONSTRUCTED = (
     "stickslip.mechanisms.drives",
     "stickslip.study.characterization",
     "stickslip.study.control",
-    "stickslip.study.optimisation",
 )
 """Packages of whose classes with quantities the constructors are declared."""
 REGISTERED = {"friction": "LAW_MODULES", "mechanisms": "MECHANISM_MODULES"}

@@ -58,6 +58,18 @@ COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("sweep", "sobol.toml"),
         ("data", "path", "emps"),
     ),
+    "optimise": (
+        (
+            "optimise",
+            "block.toml",
+            "--vary",
+            "mass=1kg..2kg",
+            "--goal",
+            "speed",
+            "--goal",
+            "energy",
+        ),
+    ),
     "ros": ((*APPLY, "new.yaml", "controllers.yaml"),),
     "sensitivity": (("sweep", "saltelli.toml"),),
     "tdms": (("init", "record.tdms"), ("check", "record.tdms")),

@@ -192,6 +192,18 @@ def orbits(options: option_groups.OrbitOptions) -> None:
     run_orbits(options)
 
 
+@command(app, "optimise")
+def optimise(options: option_groups.OptimiseOptions) -> None:
+    """Optimise parameters of a driven rig for speed, energy or peak force, within limits.
+
+    Writes the best rig file, a figure and the numbers; with two goals, the front of both. Press
+    Ctrl-C once to stop with the best motion so far, twice to cancel.
+    """
+    from stickslip.cli.studies import run_optimise
+
+    run_optimise(options)
+
+
 @command(app, "plan")
 def plan(options: option_groups.PlanOptions) -> None:
     """Plan travel measurements.
@@ -314,24 +326,4 @@ def data_path(options: option_groups.PathOptions) -> None:
     run_path(options)
 
 
-profile_commands = typer.Typer(
-    context_settings=dict(CONTEXT),
-    no_args_is_help=True,
-    help="Optimise motion profiles within limits.",
-)
-
-
-@command(profile_commands, "optimise", group="profile")
-def profile_optimise(options: option_groups.ProfileOptions) -> None:
-    """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
-
-    Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a
-    search.
-    """
-    from stickslip.cli.studies import run_profile
-
-    run_profile(options)
-
-
 app.add_typer(data_commands, name="data")
-app.add_typer(profile_commands, name="profile")

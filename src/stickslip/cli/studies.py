@@ -1,5 +1,6 @@
-"""``stickslip sweep``, ``stickslip orbits`` and ``stickslip profile optimise``."""
+"""``stickslip sweep``, ``stickslip orbits`` and ``stickslip optimise``."""
 
+import itertools
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,10 +16,10 @@ from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, read_number, settled_speed
 from stickslip.engine.executors import Inline
-from stickslip.errors import InputError, check_size, concerning
+from stickslip.errors import InputError, UnknownNameError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
+from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
 from stickslip.show.formatting import joined, number, quantity
 from stickslip.study import optimisation
@@ -33,7 +34,7 @@ from stickslip.study.sweep import (
 )
 
 if TYPE_CHECKING:
-    from stickslip.study.optimisation import GoalName, KindName
+    from stickslip.study.optimisation import GoalName
 
 
 # ``stickslip sweep``.
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MAP_SIZE = (800, 360)
 MOST_AXES = 2
+MOST_CASES = 200
+"""Scenarios of a search."""
 
 
 def _figure_beside(output: Path, *, force: bool) -> Path:
@@ -315,38 +318,26 @@ def _range(text: str) -> tuple[str, tuple[float, float], Array | None]:
     return path, (low, high), np.array(numbers) if listed else None
 
 
-# ``stickslip profile optimise``.
+# ``stickslip optimise``.
 
-OPTIONS = {
-    "rate": "--rate",
-    "acceleration": "--acceleration",
-    "effort": "--torque",
-    "load_share": "--load-share",
-    "back_slip": "--back-slip",
-    "energy": "--energy",
-}
-"""Options by limit."""
-FILES = {"rig.toml", "profile.svg", "optimum.json"}
+FILES = {"rig.toml", "optimum.svg", "optimum.json"}
+INTERVAL_POINTS = 5
+"""Values of an uncertain parameter from end to end."""
 
 
-def run_profile(options: option_groups.ProfileOptions) -> None:
-    """Search, write rig file, figure and numbers, print what was found."""
-    folder = terminal.folder_of(options.output, "stickslip-profile", as_json=options.as_json)
+def run_optimise(options: option_groups.OptimiseOptions) -> None:
+    """Search, write rig file, figure and numbers, print the best motions."""
+    folder = terminal.folder_of(options.output, "stickslip-optimum", as_json=options.as_json)
     if folder is not None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=FILES)
     rig, chosen = inputs.rig_and_friction(
         option_groups.LawOptions(
-            rig=options.rig,
-            changes=options.changes,
-            law=options.law,
-            law_load=options.law_load,
+            rig=options.rig, changes=options.changes, law=options.law, law_load=options.law_load
         )
     )
-    laws = None
-    if options.draws is not None:
-        laws, _ = inputs.laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
-    found = _found(rig, inputs.friction_of(chosen), laws, options)
-    content = document("profile", inputs.rig_content(rig, chosen) | found.to_dict())
+    law = inputs.friction_of(chosen)
+    found = _optimum(rig, law, _scenarios(rig, chosen, law, options), options)
+    content = document("optimum", inputs.rig_content(rig, chosen) | found.to_dict())
     if folder is not None:
         write_folder(folder, _files(found, content))
     if options.as_json:
@@ -358,37 +349,62 @@ def run_profile(options: option_groups.ProfileOptions) -> None:
         terminal.note("The search was stopped early; this is the best motion so far.")
 
 
-def _found(
+def _optimum(
     rig: Rig,
     law: FrictionLaw | Laws,
-    laws: Sequence[FrictionLaw] | None,
-    options: option_groups.ProfileOptions,
+    scenarios: Sequence[optimisation.Scenario] | None,
+    options: option_groups.OptimiseOptions,
 ) -> optimisation.Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
-    goal = named(optimisation.GOALS, options.goal, "goal")
-    limits = _limits(rig.mechanism, options)
-    interval = dict(_interval(rig.mechanism, law, text) for text in options.interval)
+    mechanism = rig.mechanism
+    known = optimisation.known_paths(mechanism, law)
+    ends = dict(_ends("--vary", known, text) for text in options.vary)
+    slip, _ = slip_among(
+        mechanism, options.coordinate or optimisation.travelling(mechanism), "optimise"
+    )
+    units = optimisation.units_of(mechanism, slip)
+    names = cast("list[GoalName]", [*options.goal])  # names are checked where they are used
+    unit = units.get(names[0], "") if names else ""
     with (
         Interrupts() as interrupts,
-        Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
+        Improving(lambda best: f"{number(best, 5)} {unit}", interrupts) as watch,
         workers(options.count or 1, options.executor) as executor,
     ):
-        return optimisation.optimise_profile(
-            rig.mechanism,
+        return optimisation.optimise(
+            mechanism,
             law,
-            limits=limits,
-            goal=cast("GoalName", options.goal),  # names are checked where they are used
-            kind=cast("KindName", options.kind),
-            interval=interval,
-            scenarios=laws,
+            ends,
+            goals=names,
+            limits=dict(_limit(units, text) for text in options.limit),
+            scenarios=scenarios,
             quantile=_quantile(options.quantile),
-            knots=options.knots,
+            coordinate=slip,
             evaluations=options.evaluations,
             seed=options.seed,
-            state=options.resume,
             executor=executor,
             progress=watch,
         )
+
+
+def _scenarios(
+    rig: Rig,
+    chosen: inputs.ChosenLaw | inputs.ChosenLaws,
+    law: FrictionLaw | Laws,
+    options: option_groups.OptimiseOptions,
+) -> Sequence[optimisation.Scenario] | None:
+    """Return laws of an ensemble, or all combinations of values of uncertain parameters."""
+    if options.draws is not None and options.interval:
+        raise InputError("--ensemble and --interval are both given: leave one out.")
+    if options.draws is not None:
+        laws, _ = inputs.laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
+        return laws
+    if not options.interval:
+        return None
+    known = optimisation.known_paths(rig.mechanism, law)
+    axes = dict(_ends("--interval", known, text) for text in options.interval)
+    check_size("scenarios", INTERVAL_POINTS ** len(axes), "give fewer intervals", most=MOST_CASES)
+    values = [np.linspace(*ends, INTERVAL_POINTS).tolist() for ends in axes.values()]
+    return [dict(zip(axes, row, strict=True)) for row in itertools.product(*values)]
 
 
 def _quantile(text: str) -> float | Literal["mean"]:
@@ -398,129 +414,67 @@ def _quantile(text: str) -> float | Literal["mean"]:
         return read_number(text, Quantity("quantile", low=0, high=1))
 
 
-def _limits(mechanism: Mechanism, options: option_groups.ProfileOptions) -> optimisation.Limits:
-    """Read the limits, each in its unit."""
-    units, values = optimisation.units_of_limits(mechanism), {}
-    quantities = dict(fields_of(optimisation.Limits))
-    values["position"] = _position(options, quantities.pop("position"), units["position"])
-    for name, limit in quantities.items():
-        text: str | None = getattr(options, name)
-        if text is None:
-            continue
-        own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
-        with concerning(OPTIONS[name]):
-            values[name] = read_number(text, own)
-    return optimisation.Limits(**values)
-
-
-def _position(options: option_groups.ProfileOptions, quantity: Quantity, unit: str) -> float:
-    """Return the largest distance from the middle, by the option of its kind of motion."""
-    of_angle = unit == "rad"
-    option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
-    text, other = options.angle, options.stroke
-    if not of_angle:
-        text, other = other, text
-    if text is None or other is not None:
-        what = "turns" if of_angle else "moves along a line, from end to end"
-        got = "none of the two" if other is None else f"{wrong} {other}"
-        raise InputError(f"give {option}: the inner body of this rig {what}; got {got}.")
-    with concerning(option):
-        value = read_number(text, Quantity(quantity.symbol, unit, above=0))
-    return value if of_angle else 0.5 * value
-
-
-def _interval(
-    mechanism: Mechanism, law: FrictionLaw | Laws, text: str
-) -> tuple[str, tuple[float, float]]:
-    """Read ``path=low..high``, with units or in SI."""
+def _ends(option: str, known: Mapping[str, Quantity], text: str) -> tuple[str, tuple[float, float]]:
+    """Read ``path=low..high``, with units."""
     path, equals, ends = text.partition("=")
     if not (equals and ".." in ends and path.strip()):
         raise InputError(
-            "--interval takes PATH=LOW..HIGH such as friction.kinetic_coefficient=0.15..0.25,"
-            f" got {text!r}."
+            f"{option} takes PATH=LOW..HIGH such as mechanism.stiffness=10N/m..1kN/m, got {text!r}."
         )
-    known = {
-        full: quantity
-        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
-        for full, quantity, _ in parameters(root, prefix)
-    }
     full = full_path(path.strip(), known)
-    return full, terminal.range_of(f"--interval {full}", ends, known[full])
+    return full, terminal.range_of(f"{option} {full}", ends, known[full])
+
+
+def _limit(units: Mapping[str, str], text: str) -> tuple[str, float]:
+    """Read ``name=value``, with its unit."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (equals and name and value):
+        raise InputError(f"--limit takes NAME=VALUE such as xi=10mm, got {text!r}.")
+    if name not in units:
+        raise UnknownNameError("limit", name, [*units])
+    with concerning(f"--limit {name}"):
+        return name, read_number(value, Quantity(name, units[name], low=0))
 
 
 def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
-    from stickslip.show.plots import PROFILE_SIZES, draw_profile, standalone_svg
+    from stickslip.show.plots import draw_optimum, standalone_svg
 
-    figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
+    title = " and ".join(goal.title for goal in found.goals).capitalize()
+    figure = standalone_svg(draw_optimum(found), size=MAP_SIZE, title=title)
     return {
         "rig.toml": found.to_toml(),
-        "profile.svg": figure,
+        "optimum.svg": figure,
         "optimum.json": json_text(content),
     }
 
 
 def _show_optimum(found: optimisation.Optimum) -> None:
-    console, goal = terminal.stdout(), found.goal
-    title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
-    console.print(title, style="bold")
-    if len(found.scenarios) > 1:
-        console.print(f"Objective value: {found.scenarios.words}")
-    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))))
-    console.print()
+    console = terminal.stdout()
+    goals = [f"{goal.title}, {found.units[goal.name]}" for goal in found.goals]
+    if found.scenarios != optimisation.GIVEN_LAW:
+        console.print(f"Objectives: {found.scenarios}")
     rows = [
-        [
-            _limit_word(m),
-            f"{number(m.reached, 5)}",
-            f"{number(m.allowed, 5)}",
-            f"{number(m.margin)}",
-            m.unit,
-        ]
-        for m in found.margins
+        [*(number(v, 5) for v in motion.goals.values()), *_parameters(motion), motion.reason]
+        for motion in (*found.motions, found.start)
     ]
-    terminal.show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
-    console.print()
-    others = [("three-phase, optimised", found.three_phase, found.factor)]
-    others.append(("as given in the rig file", found.start, found.factor_over_start))
-    shown = [_compared(name, judged, factor) for name, judged, factor in others]
-    terminal.show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
-    if found.best is found.start:
-        how = "the motion as given"
-    else:
-        how = "refined locally" if found.polished else "from the evolution strategy"
+    names = [f"best {k}" if len(found.motions) > 1 else "best" for k in range(1, len(rows))]
+    table = [[name, *row] for name, row in zip([*names, "as given"], rows, strict=True)]
+    heads = ["", *goals, *found.best.parameters, ""]
+    terminal.show_table("", heads, table)
+    if found.best.margins:
+        console.print()
+        limits = [
+            [m.name, number(m.reached, 5), number(m.allowed, 5), m.unit] for m in found.best.margins
+        ]
+        terminal.show_table("", ["limit", "reached", "allowed", "unit"], limits)
     console.print(
-        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified."
+        f"\n{found.evaluations} motions evaluated, seed {found.seed}; the run of the first is"
+        f" {'certified' if found.run.certificate.certified else 'not certified'}."
     )
 
 
-def _compared(
-    name: str, judged: optimisation.ScoredMotion | None, factor: float | None
-) -> list[str]:
-    if judged is None:
-        return [name, "", "", "none satisfies the limits"]
-    remark = "" if judged.feasible else _broken(judged)
-    return [
-        name,
-        f"{number(judged.value, 5)}",
-        "" if factor is None else f"{number(factor, 4)}",
-        remark,
-    ]
-
-
-def _broken(judged: optimisation.ScoredMotion) -> str:
-    """Say what a motion breaks."""
-    if judged.early_end:
-        return judged.early_end
-    if not all(cycle.repeats for cycle in judged.cycles):
-        return "its cycles are not periodic"
-    names = [_limit_word(m) for m in judged.margins if m.margin < 0.0]
-    return f"violates {', '.join(names)}"
-
-
-def _limit_word(margin: optimisation.Margin) -> str:
-    """Return what a limit is of; the place of an inner mass is counted from its middle."""
-    if margin.name == "position":
-        return "angle" if margin.unit == "rad" else "half the stroke"
-    return margin.name.replace("_", " ")
+def _parameters(motion: optimisation.Motion) -> list[str]:
+    return [number(value, 5) for value in motion.parameters.values()]
 
 
 # ``stickslip characterize``.
