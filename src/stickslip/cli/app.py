@@ -79,9 +79,9 @@ def init(options: option_groups.InitOptions) -> None:
     Several files are films of a capsule or a cart that drives itself, at other frequencies each:
     tracked positions, and nothing else. The rig file has a question mark for what they do not show.
     """
-    from stickslip.cli.init import run
+    from stickslip.cli.check import run_init
 
-    run(options)
+    run_init(options)
 
 
 @command(app, "fit")
@@ -154,9 +154,9 @@ def animate(options: option_groups.AnimateOptions) -> None:
 
     The mechanism is drawn to scale beside its time plots.
     """
-    from stickslip.cli.animate import run
+    from stickslip.cli.simulate import run_animate
 
-    run(options)
+    run_animate(options)
 
 
 @command(app, "sweep")
@@ -305,7 +305,7 @@ data_commands = typer.Typer(
 @command(data_commands, "list", group="data")
 def data_list(options: option_groups.JsonOption) -> None:
     """List the records of the catalogue and where their files are."""
-    from stickslip.cli.data import run_list
+    from stickslip.cli.check import run_list
 
     run_list(as_json=options.as_json)
 
@@ -313,7 +313,7 @@ def data_list(options: option_groups.JsonOption) -> None:
 @command(data_commands, "show", group="data")
 def data_show(options: option_groups.RecordOptions) -> None:
     """Show a record in full: source, licence, columns, files, parameters."""
-    from stickslip.cli.data import run_show
+    from stickslip.cli.check import run_show
 
     run_show(options)
 
@@ -321,7 +321,7 @@ def data_show(options: option_groups.RecordOptions) -> None:
 @command(data_commands, "path", group="data")
 def data_path(options: option_groups.PathOptions) -> None:
     """Print the path of a record's table, downloading and converting it if necessary."""
-    from stickslip.cli.data import run_path
+    from stickslip.cli.check import run_path
 
     run_path(options)
 

@@ -1,10 +1,10 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.show.plots.animation.animation import animate as animate
-from stickslip.show.plots.animation.animation import animation_html as animation_html
-from stickslip.show.plots.animation.animation import draw_scene as draw_scene
-from stickslip.show.plots.animation.animation import encoder_of as encoder_of
-from stickslip.show.plots.animation.animation import frame_times as frame_times
-from stickslip.show.plots.animation.animation import picture_of as picture_of
+from stickslip.show.plots.animations import animate as animate
+from stickslip.show.plots.animations import animation_html as animation_html
+from stickslip.show.plots.animations import draw_scene as draw_scene
+from stickslip.show.plots.animations import encoder_of as encoder_of
+from stickslip.show.plots.animations import frame_times as frame_times
+from stickslip.show.plots.animations import picture_of as picture_of
 from stickslip.show.plots.axes import Sizes as Sizes
 from stickslip.show.plots.axes import horizon as horizon
 from stickslip.show.plots.axes import on_axes as on_axes
