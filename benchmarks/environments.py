@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from benchmarks import tables
 from benchmarks.measuring import Section
 from stickslip.exports.adapters import CART
-from stickslip.exports.adapters.motor_task import Steps
+from stickslip.exports.adapters.environments import Steps
 
 Array = NDArray[np.float64]
 COUNT, STEPS = 256, 100

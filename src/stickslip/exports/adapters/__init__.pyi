@@ -2,12 +2,12 @@
 from dataclasses import dataclass
 
 from stickslip.engine.solver import EventDriven as _EventDriven
+from stickslip.exports.adapters.environments import CAPSULE as CAPSULE
+from stickslip.exports.adapters.environments import CART as CART
 from stickslip.exports.adapters.environments import MotorEnvironment as MotorEnvironment
+from stickslip.exports.adapters.environments import MotorTask as _MotorTask
 from stickslip.exports.adapters.environments import MotorVectorEnvironment as MotorVectorEnvironment
-from stickslip.exports.adapters.motor_task import CAPSULE as CAPSULE
-from stickslip.exports.adapters.motor_task import CART as CART
-from stickslip.exports.adapters.motor_task import MotorTask as _MotorTask
-from stickslip.exports.adapters.motor_task import register_environments as register_environments
+from stickslip.exports.adapters.environments import register_environments as register_environments
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
 from stickslip.quantities import Given as _Given
