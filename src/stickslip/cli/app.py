@@ -174,7 +174,7 @@ def sweep(options: option_groups.SweepOptions) -> None:
 
         run_sweep(options)
     else:
-        from stickslip.cli.campaign import run
+        from stickslip.cli.studies import run
 
         run(options)
 
