@@ -13,7 +13,7 @@ from stickslip.engine.solver import EventDriven, IncrementalRun
 from stickslip.engine.trajectory import Status, Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import Friction, FrictionLaw, bound, is_bound
-from stickslip.mechanisms import Mechanism, within_limit
+from stickslip.mechanisms import Mechanism, slip_of, within_limit
 from stickslip.mechanisms.drives import PiecewiseAffine, Sampled
 from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
@@ -981,6 +981,20 @@ class _Line:
     slope: float
 
 
+def _table(found: Mapping[str, Any]) -> Any:
+    """Return accelerations and normal force (3, n + 1): free, by friction, by command.
+
+    Row 0 is what is without both; the others are what a unit of each adds.
+    """
+    right = [found["forces"], -found["friction_direction"][:, 0], found["command_direction"][:, 0]]
+    normal = (
+        found["normal"][0],
+        found["normal_by_friction"][0, 0],
+        found["normal_by_command"][0, 0],
+    )
+    return np.column_stack([np.linalg.solve(found["mass"], np.transpose(right)).T, normal])
+
+
 @dataclass(frozen=True, kw_only=True)
 class PartialLinearisation(Parametrised):
     """A controller that lets one coordinate of a mechanism follow a reference.
@@ -1066,14 +1080,16 @@ class PartialLinearisation(Parametrised):
         """Return the command at a sample."""
         memory = self._memory
         if memory.evaluator is None:
-            memory.evaluator = Evaluator(self.mechanism, self.drive)
+            place = places_of(self.mechanism, self.drive)
+            memory.evaluator = Evaluator(self.mechanism, place)
         names = (*self.mechanism.coordinates, *self.mechanism.rates)
         missing = [name for name in names if name not in measured]
         if missing:
             raise InputError(f"PartialLinearisation needs measurements of {', '.join(missing)}.")
-        table = memory.evaluator(t, [measured[name] for name in names])
-        speed = measured[self.mechanism.rates[memory.evaluator.slip]]
-        command = self._command(table, memory.evaluator.slip, speed, self._target(t, measured))
+        table = _table(memory.evaluator(t, [measured[name] for name in names]))
+        slip = self.mechanism.coordinates.index(slip_of(self.mechanism))
+        speed = measured[self.mechanism.rates[slip]]
+        command = self._command(table, slip, speed, self._target(t, measured))
         if command is None:
             memory.singular.append(t)
         else:
