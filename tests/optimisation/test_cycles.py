@@ -7,11 +7,11 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 
-from stickslip import Axis, Capsule, Coulomb, Mechanism, PendulumCart, TwoFeet
+from stickslip import Axis, Capsule, Coulomb, Mechanism, PendulumCart, TowedBlock, TwoFeet
 from stickslip.engine.simulation import event_driven_law
 from stickslip.errors import InputError
 from stickslip.mechanisms import Contact, Prescribed, Torque, static_normal_forces
-from stickslip.mechanisms.drives import SineSwing, SplineSwing, Square, ThreePhase
+from stickslip.mechanisms.drives import Sine, SineSwing, SplineSwing, Square, ThreePhase
 from stickslip.quantities import Quantity
 from stickslip.study.optimisation import measure, units_of
 
@@ -190,6 +190,16 @@ def test_a_cycle_on_two_runners_is_that_on_one_contact():
 
 def test_a_runner_that_bears_nothing_at_rest_has_no_share_of_its_load():
     assert measure(replace(SLED, share=0.0), LAW).load_share == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_force_that_presses_a_body_does_no_work():
+    towed = TowedBlock(
+        mass=1.0, stiffness=20.0, speed=0.1, modulation=Sine(amplitude=2.0, frequency=3.0)
+    )
+    cycle = measure(towed, LAW)
+    assert math.isnan(cycle.work)
+    assert math.isnan(cycle.peak_force)
+    assert cycle.speed == pytest.approx(0.1, rel=0.02)
 
 
 def test_laws_by_contact_act_together():

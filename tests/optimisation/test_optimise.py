@@ -15,7 +15,7 @@ import pytest
 
 from stickslip import Axis, Capsule, Coulomb, PendulumCart, load_rig, optimise, simulate
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
-from stickslip.mechanisms import DCMotor, Prescribed, SoftStop, Torque
+from stickslip.mechanisms import DCMotor, Link, Prescribed, SerialArm, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, SplineSwing, Square, ThreePhase
 from stickslip.study.optimisation import GOALS, Margin, Optimum, measure
 
@@ -194,6 +194,15 @@ def test_a_voltage_is_no_force():
     law = Coulomb(kinetic_coefficient=0.05)
     with pytest.raises(InputError, match="exert no force"):
         optimise(axis, law, {"inertia": (1e-3, 1e-2)}, goals="energy", evaluations=4)
+
+
+def test_a_voltage_at_a_joint_is_no_force_either():
+    motor = DCMotor(resistance=2.0, torque_constant=0.5, drive=Sine(amplitude=3.0, frequency=2.0))
+    link = Link(mass=0.5, length=0.3, centre=0.15, inertia=0.01, torque=motor)
+    arm = SerialArm(links=(link,))
+    law = Coulomb(kinetic_coefficient=0.05)
+    with pytest.raises(InputError, match="exert no force"):
+        optimise(arm, law, {"links.0.mass": (0.4, 0.6)}, goals="peak_force", evaluations=4)
 
 
 def test_a_run_that_ends_early_has_no_objective():

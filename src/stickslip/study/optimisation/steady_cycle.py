@@ -25,6 +25,7 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import DCMotor, Mechanism, cycle_of, slip_among, static_normal_forces
 from stickslip.mechanisms.drives import Drive
+from stickslip.quantities import Parametrised
 from stickslip.show.described import Described
 
 Array = NDArray[np.float64]
@@ -82,7 +83,7 @@ class Cycle(metaclass=Described):
     peak_force: float
     """Largest force [N] or torque [N m] of a drive; NaN where no drive exerts a force."""
     load_share: float
-    """Least normal force over that at rest, of all contacts."""
+    """Least normal force over that at rest, of all contacts; 1 where none bears any at rest."""
     largest: Mapping[str, float]
     """Largest absolute value of each column of the run, and acceleration of prescribed motions."""
 
@@ -240,11 +241,11 @@ def _nodes(mechanism: Mechanism, run: Trajectory, begin: float, end: float, cycl
 
 
 def _load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
-    """Return normal forces over those at rest, by contact."""
-    static = static_normal_forces(mechanism)
-    bearing = {contact: force for contact, force in static.items() if force != 0.0}
+    """Return normal forces over those at rest, by contact that bears any."""
     found = {}
-    for contact, force in (bearing or static).items():
+    for contact, force in static_normal_forces(mechanism).items():
+        if force == 0.0:  # bears nothing at rest
+            continue
         for column in ("normal_force", f"normal_force:{contact}"):
             if column in seen.names:
                 found[column] = seen[column] / force
@@ -269,15 +270,22 @@ def _efforts(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     idle = {name: 0.0 * x if name != GROUND else x for name, x in drives.items()}
     driven, still = (mechanism.forces(seen.t, q, q_dot, given) for given in (drives, idle))
     for name, force in driven.items():
+        if name not in q:  # what presses a body, and moves nothing
+            continue
         effort = np.broadcast_to(force - still.get(name, 0.0), seen.t.shape)
         if name not in guided and np.any(effort != 0.0):
             found[name] = effort
     return found
 
 
-def _has_electric_motor(mechanism: Mechanism) -> bool:
-    """Whether the drive is a voltage or a current, whose force depends on the motion too."""
-    return any(isinstance(value, DCMotor) for value in vars(mechanism).values())
+def _has_electric_motor(part: object) -> bool:
+    """Whether a drive is a voltage or a current, whose force depends on the motion too."""
+    if isinstance(part, DCMotor):
+        return True
+    inner = part if isinstance(part, tuple) else ()
+    if isinstance(part, Parametrised):
+        inner = tuple(vars(part).values())
+    return any(map(_has_electric_motor, inner))
 
 
 def values_of(drive: Drive, times: Array) -> Array:
