@@ -190,8 +190,7 @@ class Motion(metaclass=Described):
         for cycle in self.cycles:
             if cycle.lasted < 1.0:
                 return f"its run stopped at {quantity(cycle.run.span[1], 's')}: {cycle.run.ending}"
-        exceeded = [margin.name for margin in self.margins if not margin.kept]
-        if exceeded:
+        if exceeded := [margin.name for margin in self.margins if not margin.kept]:
             return f"exceeds {', '.join(exceeded)}"
         return "" if self.feasible else "does not travel forward"
 
@@ -689,7 +688,6 @@ def _single(
     """Return what covariance matrix adaptation tried, and whether it was stopped."""
     import cma
 
-    (goal,) = problem.goals
     normal = np.random.default_rng(seed).standard_normal
     options = {
         "bounds": [0.0, 1.0],
@@ -704,17 +702,11 @@ def _single(
         points = [np.asarray(point, dtype=np.float64) for point in strategy.ask()]
         motions = _evaluated(problem, points, executor)
         tried += motions
-        costs = [-goal.sign * motion.goals[goal.name] for motion in tried if motion.feasible]
-        worst = max(costs, default=0.0)  # beyond limits is worse than anything within
-        strategy.tell(
-            points,
-            [
-                -goal.sign * motion.goals[goal.name]
-                if motion.feasible
-                else worst + motion.violation
-                for motion in motions
-            ],
-        )
+        costs = [_costs(motion, problem.goals)[0] for motion in motions]
+        known = [_costs(motion, problem.goals)[0] for motion in tried if motion.feasible]
+        worst = max(known, default=0.0)  # beyond limits is worse than anything within
+        beyond = [0.0 if motion.feasible else worst + motion.violation for motion in motions]
+        strategy.tell(points, np.add(costs, beyond))
         if not _told(progress, tried, evaluations, problem.goals):
             return tried, True
     return tried, False
