@@ -26,7 +26,7 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.data import LawEstimates, Measurement
 from stickslip.errors import InputError, ParameterError, check_size
-from stickslip.exports.adapters import MotorEnvironment, MotorVectorEnvironment
+from stickslip.exports import MotorEnvironment, MotorVectorEnvironment
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.sweep import average_velocity, band_of
 

@@ -33,7 +33,6 @@ PACKAGES = (
     "stickslip.engine.formulation",
     "stickslip.engine.solver",
     "stickslip.exports",
-    "stickslip.exports.adapters",
     "stickslip.friction",
     "stickslip.identify",
     "stickslip.identify.fits",
@@ -59,7 +58,7 @@ EXTRA = {
 """Further names, which no module defines, with their types."""
 CONSTRUCTED = (
     "stickslip.engine.solver",
-    "stickslip.exports.adapters",
+    "stickslip.exports",
     "stickslip.friction",
     "stickslip.mechanisms",
     "stickslip.mechanisms.drives",

@@ -84,7 +84,7 @@ def to_xarray() -> None:
 
 
 def adapter(name: str) -> Callable[[], None]:
-    module = f"stickslip.exports.adapters.{name}"
+    module = f"stickslip.exports.{name}"
 
     def imported() -> None:
         sys.modules.pop(module, None)
@@ -94,7 +94,7 @@ def adapter(name: str) -> Callable[[], None]:
 
 
 IN_PYTHON = {
-    "gym": adapter("environments"),
+    "gym": adapter("gym"),
     "xarray": to_xarray,
 }
 
