@@ -27,7 +27,8 @@ ENTRIES = [
 ROOMS = ("engine", "exports", "identify", "mechanisms.drives", "study.control")
 WITHIN = {
     "identify.FixedStepRow", "identify.Interval", "identify.LawFit",
-    "exports.Applied", "exports.AppliedJoint", "exports.Export", "exports.TARGETS", "exports.Target", "exports.export",
+    "exports.Applied", "exports.AppliedJoint", "exports.Export", "exports.TARGETS",
+    "exports.Target", "exports.export",
 }  # fmt: skip
 """What a verdict or an export is made of: users meet them there; `export` is at the top."""
 NAMES = [name for name in stickslip.__all__ if name != "__version__"]
