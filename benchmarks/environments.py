@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from benchmarks import tables
 from benchmarks.measuring import Section
-from stickslip.exports.adapters import CART
-from stickslip.exports.adapters.motor_task import Steps
+from stickslip.exports import CART
+from stickslip.exports.gym import Steps
 
 Array = NDArray[np.float64]
 COUNT, STEPS = 256, 100

@@ -26,9 +26,8 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.data import LawEstimates, Measurement
 from stickslip.errors import InputError, ParameterError, check_size
-from stickslip.exports.adapters import MotorEnvironment, MotorVectorEnvironment
+from stickslip.exports import MotorEnvironment, MotorVectorEnvironment
 from stickslip.mechanisms.drives import Sine
-from stickslip.study.optimisation.search import Memory
 from stickslip.study.sweep import average_velocity, band_of
 
 MANY = 10**9
@@ -200,12 +199,6 @@ def test_what_a_logger_compressed_or_counted_beyond_measure_is_refused(
     Path("data.mf4").write_bytes(data)
     with pytest.raises(InputError, match=message):
         load_measurement("data.mf4")
-
-
-def test_a_saved_search_that_is_nested_without_end_is_refused():
-    Path("state.json").write_text("[" * 100_000)
-    with pytest.raises(InputError, match="not the saved state of a profile search"):
-        Memory("state.json", "any")
 
 
 def test_a_header_of_many_names_above_short_rows_is_refused():

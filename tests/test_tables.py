@@ -15,7 +15,7 @@ from stickslip.show.display import dataset_of
 from stickslip.study.control import closed_loop
 
 PLACES = (
-    "data", "engine", "engine.solver", "exports.adapters", "identify",
+    "data", "engine", "engine.solver", "exports", "identify",
     "identify.fits", "study.characterization", "study.control", "study.optimisation", "study.sweep",
 )  # fmt: skip
 

@@ -33,7 +33,6 @@ PACKAGES = (
     "stickslip.engine.formulation",
     "stickslip.engine.solver",
     "stickslip.exports",
-    "stickslip.exports.adapters",
     "stickslip.friction",
     "stickslip.identify",
     "stickslip.identify.fits",
@@ -59,13 +58,12 @@ EXTRA = {
 """Further names, which no module defines, with their types."""
 CONSTRUCTED = (
     "stickslip.engine.solver",
-    "stickslip.exports.adapters",
+    "stickslip.exports",
     "stickslip.friction",
     "stickslip.mechanisms",
     "stickslip.mechanisms.drives",
     "stickslip.study.characterization",
     "stickslip.study.control",
-    "stickslip.study.optimisation",
 )
 """Packages of whose classes with quantities the constructors are declared."""
 REGISTERED = {"friction": "LAW_MODULES", "mechanisms": "MECHANISM_MODULES"}

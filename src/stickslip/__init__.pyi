@@ -90,7 +90,7 @@ from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.mechanisms import TwoMassCapsule as TwoMassCapsule
 from stickslip.show.plots import animate as animate
 from stickslip.study.characterization import characterize as characterize
-from stickslip.study.optimisation import optimise_profile as optimise_profile
+from stickslip.study.optimisation import optimise as optimise
 
 __version__: str
 
@@ -171,7 +171,7 @@ __all__ = [
     "inverse_dynamics",
     "load_measurement",
     "load_rig",
-    "optimise_profile",
+    "optimise",
     "plan",
     "select",
     "simulate",

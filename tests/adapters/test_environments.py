@@ -18,7 +18,7 @@ from tests.support import module_at
 from stickslip import Axis, Coulomb, EventDriven, LuGre, Measurement, Stribeck, select, simulate
 from stickslip.engine import Status
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.exports.adapters import (
+from stickslip.exports import (
     CAPSULE,
     CART,
     MotorEnvironment,

@@ -28,8 +28,7 @@ from stickslip.identify.fits.records.fitting import OwnRouteName
 from stickslip.identify.kinds.registry import OWN
 from stickslip.lazy import Door
 from stickslip.mechanisms import MECHANISMS
-from stickslip.study.optimisation.parametrisation import KINDS, TYPES, KindName
-from stickslip.study.optimisation.problem import GOALS, GoalName
+from stickslip.study.optimisation import GOALS, GoalName
 
 ROOT = Path(__file__).parents[2]
 Reported = Mapping[str, Sequence[str]]
@@ -242,7 +241,7 @@ ensemble(block, law, {"friction.kinetic_coefficient": [0.1, 0.2]})  # !
 ensemble(block, law, {}, t_end=1.0, outputs={"fastest": "v"})  # !
 average_velocity(block, law, [1.0])  # !
 closed_loop(block, law, 3.0, period=0.001, t_end=1.0)  # !
-optimise_profile(block, law, limits=Limits(), goal="beauty")  # !
+optimise(block, law, {"mass": (1.0, 2.0)}, goals="beauty")  # !
 animate(simulate(block, law, t_end=1.0), law, "a.gif")  # !
 simulate(block, law, t_end=1.0).plot("axes")  # !
 simulate(block, law, t_end=1.0).plot().set_title("panels")  # !
@@ -435,7 +434,6 @@ def test_every_package_that_loads_lazily_has_a_stub() -> None:
     [
         (OwnRouteName, {name for kind in OWN for name in kind.routes if "route" in kind.uses}),
         (GoalName, tuple(GOALS)),
-        (KindName, (*KINDS, *TYPES)),
     ],
 )
 def test_a_type_of_names_lists_the_names_that_are_taken(

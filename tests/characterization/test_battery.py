@@ -19,9 +19,14 @@ from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
 from stickslip.show.documents import document, json_text
 from stickslip.study.characterization import TESTS, Bench, battery, cycle_energy
+from stickslip.study.characterization.battery import (
+    break_away,
+    drift,
+    passivity,
+    presliding,
+    steady_curve,
+)
 from stickslip.study.characterization.bench import there_and_back
-from stickslip.study.characterization.presliding_tests import break_away, drift, presliding
-from stickslip.study.characterization.sliding_tests import passivity, steady_curve
 
 LEVELS = {"kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-3}
 BRISTLE = {"bristle_stiffness": 1e5, "bristle_damping": 1e5**0.5}

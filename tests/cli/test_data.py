@@ -24,7 +24,7 @@ def run(capsys, monkeypatch, tmp_path):
 @pytest.fixture
 def slide(run, monkeypatch):
     """A record that a server on this machine has."""
-    monkeypatch.setattr("stickslip.cli.data.dataset", lambda name: text_record())
+    monkeypatch.setattr("stickslip.cli.check.dataset", lambda name: text_record())
     with Upstream() as upstream:
         upstream.offer("data/a%20slide.txt", TEXT.encode())
         monkeypatch.setenv("STICKSLIP_DATA_URL", upstream.address)
@@ -106,7 +106,7 @@ def test_path_takes_a_file_and_gives_json(run, slide):
 def test_what_is_odd_about_a_table_is_said_on_stderr(run, slide, monkeypatch, tmp_path):
     record = text_record(TEXT.encode() + b"0.6\t107\n")
     slide.offer("data/a%20slide.txt", TEXT.encode() + b"0.6\t107\n")
-    monkeypatch.setattr("stickslip.cli.data.dataset", lambda name: record)
+    monkeypatch.setattr("stickslip.cli.check.dataset", lambda name: record)
     code, out, err = run("path", "slide", "--file", "all")
     assert code == 0
     assert out.endswith("all.parquet\n")

@@ -58,6 +58,18 @@ COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("sweep", "sobol.toml"),
         ("data", "path", "emps"),
     ),
+    "optimise": (
+        (
+            "optimise",
+            "block.toml",
+            "--vary",
+            "mass=1kg..2kg",
+            "--goal",
+            "speed",
+            "--goal",
+            "energy",
+        ),
+    ),
     "ros": ((*APPLY, "new.yaml", "controllers.yaml"),),
     "sensitivity": (("sweep", "saltelli.toml"),),
     "tdms": (("init", "record.tdms"), ("check", "record.tdms")),
@@ -72,7 +84,7 @@ def to_xarray() -> None:
 
 
 def adapter(name: str) -> Callable[[], None]:
-    module = f"stickslip.exports.adapters.{name}"
+    module = f"stickslip.exports.{name}"
 
     def imported() -> None:
         sys.modules.pop(module, None)
@@ -82,7 +94,7 @@ def adapter(name: str) -> Callable[[], None]:
 
 
 IN_PYTHON = {
-    "gym": adapter("environments"),
+    "gym": adapter("gym"),
     "xarray": to_xarray,
 }
 

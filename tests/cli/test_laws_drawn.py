@@ -12,7 +12,6 @@ from tests.commands import commands
 from stickslip import Axis, Coulomb, Measurement, load_rig, select
 from stickslip.data import settled_speed
 from stickslip.identify.kinds import drawn_laws, write_verdict
-from stickslip.mechanisms.drives import ThreePhase
 from stickslip.study.optimisation import measure
 from stickslip.study.sweep import velocity_band
 
@@ -147,27 +146,24 @@ def test_an_ensemble_that_cannot_be_is_refused_with_a_cure(run, arguments, words
     assert words in " ".join(err.split())
 
 
-def test_a_motion_is_optimised_over_the_laws_that_the_selection_drew(run, monkeypatch):
-    monkeypatch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 1)
-    monkeypatch.setattr("stickslip.study.optimisation.optimise.POLISH", 1)
+def test_a_motion_is_optimised_over_the_laws_that_the_selection_drew(run):
     Path("stroke.toml").write_text(STROKE)
-    given = ("--rate", "5 m/s", "--stroke", "20 mm", "--acceleration", "100 m/s^2")
-    code, out, _ = run(
-        "profile", "optimise", "stroke.toml", *given, "--goal", "speed", "--kind", "three-phase",
-        "--evaluations", "2", "--law", "report/law.toml", "--ensemble", "2", "--quantile", "mean",
-        "--json",
-    )  # fmt: skip
-    assert code == 0
-    told = json.loads(out)
+    given = ("optimise", "stroke.toml", "--vary", "amplitude=1mm..10mm", "--evaluations", "2")
+    drawn = ("--law", "report/law.toml", "--ensemble", "2")
+    code, out, err = run(*given, *drawn, "--quantile", "mean", "--json")
+    assert code == 0, err
+    answer = json.loads(out)
     laws, _ = drawn_laws("report/law.toml")
-    profile = ThreePhase(**{k: v for k, v in told["profile"].items() if k not in ("type", "last")})
+    (best,) = answer["motions"]
+    profile = load_rig("stroke.toml").mechanism.drive.profile
+    amplitude = best["parameters"]["mechanism.drive.profile.amplitude"]
     capsule = load_rig("stroke.toml").mechanism
-    best = replace(capsule, drive=replace(capsule.drive, profile=profile))
-    cycles = [measure(best, law) for law in laws[:2]]
-    assert told["scenarios"] == "the mean of 2 laws"
-    assert told["value"] == pytest.approx(
-        np.mean([cycle.travel / cycle.period for cycle in cycles])
+    moved = replace(
+        capsule, drive=replace(capsule.drive, profile=replace(profile, amplitude=amplitude))
     )
-    code, _, err = run("profile", "optimise", "stroke.toml", *given, "--quantile", "most")
+    assert answer["scenarios"] == "the mean of 2 scenarios"
+    speeds = [measure(moved, law).speed for law in laws[:2]]
+    assert best["values"]["speed"] == pytest.approx(np.mean(speeds))
+    code, _, err = run(*given, *drawn, "--quantile", "most")
     assert code == 2
     assert "--quantile" in err

@@ -121,8 +121,8 @@ def test_without_a_rig_a_command_says_what_it_needs(run, tmp_path, command):
         (("export", "law.toml"), "--to", "c (C99)"),
         (("data", "show"), "NAME", "Name of a record"),
         (("data", "path"), "NAME", "Name of a record"),
-        (("profile", "optimise"), "RIG", "Rig file (TOML) with a prescribed motion"),
-        (("profile", "optimise", "rig.toml"), "--rate", "Largest "),
+        (("optimise",), "RIG", "Rig file (TOML) whose drives repeat themselves"),
+        (("optimise", "rig.toml"), "--vary", "Parameter to optimise"),
     ],
 )
 def test_without_what_it_needs_a_command_names_it_with_an_example(run, command, needed, meaning):

@@ -10,7 +10,7 @@ from stickslip.engine import Trajectory
 from stickslip.errors import ParameterError
 from stickslip.quantities import Parametrised, parameters, vary
 from stickslip.show.formatting import number
-from stickslip.study.testing.mechanisms import slip_rates
+from stickslip.study.testing.suites import slip_rates
 
 SHARE = 1e-5
 """Relative step of differences: what they leave out is its square, and rounding 1e-16 over it."""

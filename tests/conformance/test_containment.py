@@ -5,7 +5,7 @@ import pytest
 
 from stickslip.friction import FrictionLaw, bound, contained_laws, laws
 from stickslip.identify.fits.estimation.parameters import starting_law
-from stickslip.study.testing.friction import ORDINARY
+from stickslip.study.testing.suites import ORDINARY
 
 PAIRS = [(kind, one) for kind in laws().values() for one in kind.contained]
 LARGE = 1e12

@@ -7,8 +7,8 @@ from tests.support import EXAMPLES, SEVERAL, SHOWN, example_of, quick
 from stickslip import Axis, Coulomb
 from stickslip.friction import LAWS
 from stickslip.mechanisms import given_inputs
-from stickslip.study.testing import check_friction, check_mechanism, friction
-from stickslip.study.testing.mechanisms import slip_rates
+from stickslip.study.testing import check_friction, check_mechanism
+from stickslip.study.testing.suites import ORDINARY, slip_rates
 
 CHECKED = ("block-chain", "disc-brake", "two-feet")
 """Friction between bodies, on a turning body, and under an uneven load."""
@@ -39,7 +39,7 @@ def test_mechanisms_with_several_contacts_pass_the_suite_too(name, draws):
 def test_sensitivities_to_every_parameter_of_a_law_are_those_of_differences(kind):
     law = example_of(kind)
     axis = Axis(inertia=1.0, stiffness=11.0, load=10.0)
-    axis = given_inputs(axis, {name: friction.ORDINARY[name] for name in law.inputs})
+    axis = given_inputs(axis, {name: ORDINARY[name] for name in law.inputs})
     assert [*sensitivities_hold(axis, law, law, {"v": 1.0}, 2.0)] == []
 
 

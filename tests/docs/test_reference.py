@@ -24,9 +24,13 @@ ENTRIES = [
 ]
 
 
-ROOMS = ("engine", "exports.adapters", "identify", "mechanisms.drives", "study.control")
-WITHIN = {"identify.FixedStepRow", "identify.Interval", "identify.LawFit"}
-"""What a verdict is made of: users meet them there."""
+ROOMS = ("engine", "exports", "identify", "mechanisms.drives", "study.control")
+WITHIN = {
+    "identify.FixedStepRow", "identify.Interval", "identify.LawFit",
+    "exports.Applied", "exports.AppliedJoint", "exports.Export", "exports.TARGETS",
+    "exports.Target", "exports.export",
+}  # fmt: skip
+"""What a verdict or an export is made of: users meet them there; `export` is at the top."""
 NAMES = [name for name in stickslip.__all__ if name != "__version__"]
 NAMES += [
     f"{room}.{name}"

@@ -49,7 +49,7 @@ from stickslip.mechanisms.drives import (
     ThreePhase,
     TimedThreePhase,
 )
-from stickslip.mechanisms.drives.registry import DRIVES, PROFILES
+from stickslip.mechanisms.drives.shapes import DRIVES, PROFILES
 
 MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'
 BUNDLED = files("stickslip.data").joinpath("paper_rig.toml").read_bytes()

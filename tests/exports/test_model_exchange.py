@@ -41,7 +41,7 @@ from stickslip import (
 )
 from stickslip.engine.formulation import formulate
 from stickslip.engine.simulation import check_pair
-from stickslip.exports.fmu.description import variables_of
+from stickslip.exports.fmu.export import variables_of
 from stickslip.mechanisms import Mechanism, Torque
 from stickslip.mechanisms.drives import PiecewiseAffine, Sine, Square
 

@@ -34,7 +34,7 @@ from stickslip.mechanisms import (
     VelocityLoop,
 )
 from stickslip.mechanisms.drives import Sampled, Square
-from stickslip.show.plots.animation.frame import moments_of
+from stickslip.show.plots.animations import moments_of
 from stickslip.study.control import PID, closed_loop
 
 MOTOR = DCMotor(

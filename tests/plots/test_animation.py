@@ -32,10 +32,9 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import MECHANISMS, InnerMass, Prescribed, Torque
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.show.plots import animation_html, draw_scene, standalone_svg
-from stickslip.show.plots.animation.animation import frame_times
-from stickslip.show.plots.animation.frame import _PAINTERS as PAINTERS
-from stickslip.show.plots.animation.frame import MODE_COLOURS, Stage, moments_of
-from stickslip.show.plots.animation.scenes import (
+from stickslip.show.plots.animations import _PAINTERS as PAINTERS
+from stickslip.show.plots.animations import MODE_COLOURS, Stage, frame_times, moments_of
+from stickslip.show.plots.scenes import (
     Arrow,
     Ball,
     Box,

@@ -18,7 +18,7 @@ from stickslip.data.readers.layout import is_number, is_stamp, layout_of, second
 from stickslip.data.readers.tracks import seconds
 from stickslip.data.units import read_gain
 from stickslip.errors import InputError
-from stickslip.exports.applying.consumers import read_model
+from stickslip.exports.applying.verb import read_model
 from stickslip.friction import law
 from stickslip.show.formatting import printable, unbroken
 from stickslip.units import is_unit, number_in

@@ -34,7 +34,7 @@ from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, given_inputs
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.quantities import Quantity, vary
-from stickslip.study.testing.friction import ORDINARY
+from stickslip.study.testing.suites import ORDINARY
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 DECAY = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 
 from stickslip import Axis, Measurement, Stribeck, select
-from stickslip.exports.adapters import CAPSULE, MotorEnvironment, MotorVectorEnvironment
+from stickslip.exports import CAPSULE, MotorEnvironment, MotorVectorEnvironment
 from stickslip.mechanisms.drives import ThreePhase
 
 TASK = dataclasses.replace(CAPSULE, work_weight=0.5 * CAPSULE.work_weight)

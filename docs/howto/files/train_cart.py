@@ -12,7 +12,7 @@ from pathlib import Path
 import cma
 import numpy as np
 
-from stickslip.exports.adapters import CART, MotorVectorEnvironment
+from stickslip.exports import CART, MotorVectorEnvironment
 
 CANDIDATES, EPISODES, GENERATIONS = 32, 4, 120
 """Candidates of a generation, episodes of each, generations."""

@@ -79,9 +79,9 @@ def init(options: option_groups.InitOptions) -> None:
     Several files are films of a capsule or a cart that drives itself, at other frequencies each:
     tracked positions, and nothing else. The rig file has a question mark for what they do not show.
     """
-    from stickslip.cli.init import run
+    from stickslip.cli.check import run_init
 
-    run(options)
+    run_init(options)
 
 
 @command(app, "fit")
@@ -154,9 +154,9 @@ def animate(options: option_groups.AnimateOptions) -> None:
 
     The mechanism is drawn to scale beside its time plots.
     """
-    from stickslip.cli.animate import run
+    from stickslip.cli.simulate import run_animate
 
-    run(options)
+    run_animate(options)
 
 
 @command(app, "sweep")
@@ -174,7 +174,7 @@ def sweep(options: option_groups.SweepOptions) -> None:
 
         run_sweep(options)
     else:
-        from stickslip.cli.campaign import run
+        from stickslip.cli.studies import run
 
         run(options)
 
@@ -190,6 +190,18 @@ def orbits(options: option_groups.OrbitOptions) -> None:
     from stickslip.cli.studies import run_orbits
 
     run_orbits(options)
+
+
+@command(app, "optimise")
+def optimise(options: option_groups.OptimiseOptions) -> None:
+    """Optimise parameters of a driven rig for speed, energy or peak force, within limits.
+
+    Writes the best rig file, a figure and the numbers; with two goals, the front of both. Press
+    Ctrl-C once to stop with the best motion so far, twice to cancel.
+    """
+    from stickslip.cli.studies import run_optimise
+
+    run_optimise(options)
 
 
 @command(app, "plan")
@@ -293,7 +305,7 @@ data_commands = typer.Typer(
 @command(data_commands, "list", group="data")
 def data_list(options: option_groups.JsonOption) -> None:
     """List the records of the catalogue and where their files are."""
-    from stickslip.cli.data import run_list
+    from stickslip.cli.check import run_list
 
     run_list(as_json=options.as_json)
 
@@ -301,7 +313,7 @@ def data_list(options: option_groups.JsonOption) -> None:
 @command(data_commands, "show", group="data")
 def data_show(options: option_groups.RecordOptions) -> None:
     """Show a record in full: source, licence, columns, files, parameters."""
-    from stickslip.cli.data import run_show
+    from stickslip.cli.check import run_show
 
     run_show(options)
 
@@ -309,29 +321,9 @@ def data_show(options: option_groups.RecordOptions) -> None:
 @command(data_commands, "path", group="data")
 def data_path(options: option_groups.PathOptions) -> None:
     """Print the path of a record's table, downloading and converting it if necessary."""
-    from stickslip.cli.data import run_path
+    from stickslip.cli.check import run_path
 
     run_path(options)
 
 
-profile_commands = typer.Typer(
-    context_settings=dict(CONTEXT),
-    no_args_is_help=True,
-    help="Optimise motion profiles within limits.",
-)
-
-
-@command(profile_commands, "optimise", group="profile")
-def profile_optimise(options: option_groups.ProfileOptions) -> None:
-    """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
-
-    Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a
-    search.
-    """
-    from stickslip.cli.studies import run_profile
-
-    run_profile(options)
-
-
 app.add_typer(data_commands, name="data")
-app.add_typer(profile_commands, name="profile")

@@ -1,22 +1,33 @@
-"""``stickslip check``."""
+"""``stickslip check``, ``stickslip init`` and ``stickslip data``."""
 
+import os
+import re
+import shlex
 import tempfile
+import warnings
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import typer
+from rich.console import Console
 
+from stickslip import data
 from stickslip.cli.console import (
     MOST_NAMED,
+    check_rig_file,
+    columns_of,
     note,
     print_json,
     reading_of,
     refuse_overwriting,
+    say,
+    show_table,
     stdout,
 )
-from stickslip.cli.options import CheckOptions
+from stickslip.cli.options import CheckOptions, InitOptions, PathOptions, RecordOptions
 from stickslip.data import (
     SEVERITIES,
     Checks,
@@ -28,9 +39,236 @@ from stickslip.data import (
     load_rig,
     read_data,
 )
-from stickslip.errors import InputError
-from stickslip.show.documents import document, json_text, write_folder
+from stickslip.data.catalogue import Column, DataFile, Dataset, dataset, names
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.show.documents import document, json_text, write_file, write_folder
 from stickslip.show.formatting import count, joined
+
+# ``stickslip data``.
+
+
+def run_list(*, as_json: bool) -> None:
+    """List the records."""
+    records = [dataset(name) for name in names()]
+    if as_json:
+        print_json(document("data", {"records": [_record(record) for record in records]}))
+        return
+    rows = [[file.name, file.title, _short(file.licence), _places(file)] for file in records]
+    show_table("", ["name", "title", "licence", "where"], rows, whole=["name", "where"])
+    stdout().print(
+        "\nDetails of a record: stickslip data show NAME. Its table: stickslip data path NAME"
+    )
+
+
+def run_show(options: RecordOptions) -> None:
+    """Show a record in full."""
+    record = dataset(options.name)
+    if options.as_json:
+        print_json(document("data", _record(record)))
+        return
+    console = stdout()
+    console.print(record.title, style="bold")
+    for label, text in _head(record).items():
+        if text:
+            console.print(f"{label:<11}{text}")
+    console.print()
+    rows = [[c.name, c.unit, c.quantity, _number(c), c.meaning] for c in record.columns]
+    show_table("", ["column", "unit", "quantity", "gain", "meaning"], rows)
+    for file in record.files.values():
+        _show_file(console, record, file)
+    for title, known in {"known": record.known, **record.published}.items():
+        if known:
+            console.print(f"\n{title}", style="bold")
+        for key, value in known.items():
+            console.print(f"  {key} = {value}")
+    if record.notes:
+        console.print(f"\n{record.notes}")
+
+
+def run_path(options: PathOptions) -> None:
+    """Print the path of a table; what is downloaded for it is said on stderr."""
+    record, file = dataset(options.name), options.file
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always", UserWarning)
+        path = record.path(file, report=note)
+    for warning in warned:
+        note(f"stickslip: {warning.message}")
+    if options.as_json:
+        content = {"name": options.name, "file": record.file(file).name, "path": str(path)}
+        print_json(document("data", content))
+    else:
+        print(path)
+
+
+def _places(record: Dataset) -> str:
+    """Return where the files of a record are, each place once."""
+    return ", ".join(dict.fromkeys(record.place(file).value for file in record.files))
+
+
+def _short(licence: str) -> str:
+    """Return a licence without what is said about it."""
+    return re.split(r"[:(]", licence)[0].strip()
+
+
+def _head(record: Dataset) -> dict[str, str]:
+    return {
+        "kind": record.kind,
+        "citation": record.citation,
+        "licence": record.licence,
+        "source": f"https://github.com/{record.repository}",
+        "commit": record.commit,
+        "format": record.format,
+        "sampling": record.sampling,
+    }
+
+
+def _number(column: Column) -> str:
+    return f"{column.gain:.12g}" if column.quantity else ""
+
+
+def _show_file(console: Console, record: Dataset, file: DataFile) -> None:
+    place = record.place(file.name).value
+    console.print(f"\nfile {file.name} ({place})", style="bold")
+    about = {
+        "about": file.about,
+        "rows": "" if file.rows is None else str(file.rows),
+        "sha256": file.sha256,
+        "upstream": file.source,
+        "its sha256": file.source_sha256,
+        **file.known,
+    }
+    for key, value in about.items():
+        if value != "":
+            text = f"  {key} = {value}" if key in file.known else f"  {key:<11}{value}"
+            console.print(text)
+
+
+def _record(record: Dataset) -> dict[str, Any]:
+    return {
+        **vars(record),
+        "columns": [_column(column) for column in record.columns],
+        "files": {name: _file(record, file) for name, file in record.files.items()},
+    }
+
+
+def _column(column: Column) -> dict[str, Any]:
+    about = {"name": column.name, "unit": column.unit, "meaning": column.meaning}
+    if not column.quantity:
+        return about
+    return {**about, "quantity": column.quantity, "gain": column.gain}
+
+
+def _file(record: Dataset, file: DataFile) -> dict[str, Any]:
+    own = {key: value for key, value in vars(file).items() if key not in ("name", "ending")}
+    return {**own, "where": record.place(file.name).value}
+
+
+# ``stickslip init``.
+
+
+def run_init(options: InitOptions) -> None:
+    """Find out what a file holds, or films do, write a rig file, and print what was found."""
+    file, urdf, reading = options.files[0], options.urdf, columns_of(options)
+    if len(options.files) > 1:
+        if urdf is not None:
+            raise InputError("--urdf takes one log of a robot, got several files.")
+        _films(options, reading)
+        return
+    named = file if file.name else file.absolute()  # "." is the folder that it stands for
+    if not named.name:
+        raise InputError(f"{str(file)!r} is no data file: give the file, or the folder of a log.")
+    ended = named.suffix[1:2].isalpha()  # run_0.5mm has no ending
+    own = named.with_suffix(".toml") if ended else named.with_name(f"{named.name}.toml")
+    target = options.output or own
+    check_rig_file(target)
+    refuse_overwriting(target, target.parent, force=options.force)
+    try:
+        guess = _guess(file, reading, urdf)
+    except UnknownNameError:
+        raise
+    except InputError as error:
+        raise type(error)(data.spelled(str(error), "options")) from None
+    if not options.as_json:  # all of the file is read once more below
+        say(str(guess))
+    name = _relative(data.data_file(file), target)
+    if urdf is None:
+        record = data.read_data([file], replace(guess.reading, by="options"))
+        inertia, swing = data.inertia_of(record) or 1.0, data.swing_of(record)
+        text = data.guessed_rig(guess, name, inertia=inertia, swing=swing)
+    else:
+        text = data.guessed_rig(guess, name, robot=_relative(urdf, target))
+    write_file(target, text)
+    if options.as_json:
+        found: dict[str, Any] = {"file": str(file), "rig": str(target)}
+        found |= {"columns": dict(guess.columns)}
+        found |= {"units": dict(guess.units), "turning": guess.turning}
+        if urdf is not None:
+            found |= {"moving": list(guess.moving), "locked": dict(guess.locked)}
+            found |= {"delays": dict(guess.delays)}
+        found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
+        print_json(document("init", found))
+        return
+    typed = shlex.quote(str(target))
+    left = " Replace each question mark in it." if '"? ' in text else ""
+    say(
+        f"\nThe rig file is {target}.{left} Next: stickslip check {typed}; stickslip select {typed}"
+    )
+
+
+def _films(options: InitOptions, reading: data.Reading) -> None:
+    """Find out what films of one body show, write its rig file, and print what was found."""
+    target = options.output or options.files[0].with_name("capsule.toml")
+    check_rig_file(target)
+    refuse_overwriting(target, target.parent, force=options.force)
+    files = options.files
+    found = data.guess_films(files, reading)
+    write_file(target, data.filmed_rig(found, {file: _relative(file, target) for file in files}))
+    if options.as_json:
+        runs = [
+            {"file": str(run_init.file), "frequency": run_init.frequency, "travel": run_init.travel}
+            for run_init in found.runs
+        ]
+        content = {"rig": str(target), "films": runs, "doubts": list(found.doubts)}
+        print_json(document("init", content))
+        return
+    typed = shlex.quote(str(target))
+    low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency
+    say(str(found))
+    say(
+        f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
+        f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
+        f" travel; stickslip sweep {typed} --law stickslip-report/law.toml --vary"
+        f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24"
+    )
+
+
+def _guess(file: Path, reading: data.Reading, urdf: Path | None) -> data.Guess:
+    """Return what a file holds of one axis, or of the joints of a robot."""
+    if urdf is None:
+        return data.guess_data(
+            file,
+            columns=reading.columns,
+            units=reading.units,
+            gain=reading.gain,
+            motor_constant=reading.motor_constant.get("current"),
+        )
+    if reading.columns or reading.gain or reading.motor_constant:
+        raise InputError(
+            "--columns, --rate, --gain and --motor-constant are those of one axis: with --urdf,"
+            " change the rig file that is written, as columns = { position.elbow = ... }."
+        )
+    return data.guess_robot(file, urdf, units=reading.units)
+
+
+def _relative(file: Path, target: Path) -> str:
+    """Return the data file as its rig file names it."""
+    try:
+        return Path(os.path.relpath(file.absolute(), target.absolute().parent)).as_posix()
+    except ValueError:  # another drive
+        return str(file.absolute())
+
+
+# ``stickslip check``.
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}

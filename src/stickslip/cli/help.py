@@ -24,7 +24,7 @@ CONTEXT: Final = {"help_option_names": ["-h", "--help"]}
 PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Start here": ("demo", "init", "check", "select"),
     "Fit and plan": ("fit", "plan"),
-    "Simulate": ("simulate", "animate", "sweep", "orbits", "profile"),
+    "Simulate": ("simulate", "animate", "sweep", "orbits", "optimise"),
     "Hand over": ("export", "apply"),
     "Look up": ("models", "characterize", "cite", "schema", "data", "paper"),
     "Set up": ("doctor", "warmup"),
@@ -73,7 +73,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "data list": ("stickslip data list",),
     "data show": ("stickslip data show emps",),
     "data path": ("stickslip data path reciprocating_tribometer --file record",),
-    "profile optimise": ('stickslip profile optimise rig.toml --angle "60 deg" --rate "12 rad/s"',),
+    "optimise": (
+        "stickslip optimise capsule.toml --vary drive.drive.duty=0.1..0.9 --limit xi=5mm",
+        "stickslip optimise rig.toml --vary stiffness=10N/m..1kN/m --goal speed --goal energy",
+    ),
 }
 """Commands as one may type them, by the name of the command."""
 

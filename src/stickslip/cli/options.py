@@ -596,43 +596,28 @@ class PathOptions(RecordOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ProfileOptions(FrictionOptions, ChangeOption, DrawOptions, WorkerOptions, ReportOptions):
-    """Options of `stickslip profile optimise`."""
+class OptimiseOptions(FrictionOptions, ChangeOption, DrawOptions, WorkerOptions, ReportOptions):
+    """Options of `stickslip optimise`."""
 
     rig: Annotated[Path, typer.Argument()]
-    """Rig file (TOML) with a prescribed motion."""
-    rate: str
-    """Largest angular velocity or speed, e.g. "12 rad/s" or "0.5 m/s"."""
-    angle: str | None = None
-    """Largest angle of a pendulum from its middle, e.g. "60 deg"."""
-    stroke: str | None = None
-    """Largest stroke of an inner mass, from end to end, e.g. "20 mm"."""
-    acceleration: str | None = None
-    """Largest acceleration of the inner body, e.g. "50 m/s^2"."""
-    effort: Annotated[str | None, typer.Option("--torque", "--force-limit")] = None
-    """Largest torque or force, e.g. "0.6 N m"."""
-    load_share: str = "0 %"
-    """Smallest normal force, relative to the weight, e.g. "10 %"."""
-    back_slip: str | None = None
-    """Largest back-slip per cycle, e.g. "1 mm"."""
-    energy: str | None = None
-    """Largest work of the motor per travel, e.g. "2 J/m"."""
-    goal: str = "travel"
-    """Objective: travel (per cycle), speed, or economy (travel per joule)."""
-    kind: str = "spline"
-    """three-phase, three-accelerations, seven-step, sine(-swing), spline(-swing)."""
+    """Rig file (TOML) whose drives repeat themselves."""
+    vary: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW..HIGH")]
+    """Parameter to optimise and its range, e.g. drive.drive.duty=0.1..0.9 or
+    upper_soft_stop.place=0.1mm..3mm. May be repeated."""
+    goal: Annotated[Sequence[str], typer.Option()] = ("speed",)
+    """Objective: speed, energy (per travel) or peak_force. Given twice, the front of both."""
+    limit: Annotated[Sequence[str], typer.Option(metavar="NAME=VALUE")] = ()
+    """Largest value of a coordinate, rate or effort, of acceleration, back_slip, energy or
+    peak_force, or least load_share, e.g. xi=10mm or load_share=10%. May be repeated."""
     interval: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW..HIGH")] = ()
-    """Range of an uncertain parameter, e.g. kinetic_coefficient=0.15..0.25; the worst case is
-    optimised. May be repeated."""
+    """Range of an uncertain parameter, e.g. kinetic_coefficient=0.15..0.25: objectives are taken
+    over five values of it. May be repeated."""
     quantile: str = "0.05"
-    """Statistic over the laws of --ensemble: a quantile of the objective, 0 for the worst case, or
-    mean."""
-    knots: int = 12
-    """Number of knots of a spline."""
-    evaluations: Annotated[int, typer.Option(min=1)] = 2000
-    """Evaluation budget per search. Local refinement may use up to six times as many, or 80 (n + 1)
-    for n parameters of the motion, whichever is larger."""
+    """Statistic over --ensemble or --interval: a quantile of the objective, counted from the worst
+    (0), or mean."""
+    coordinate: str | None = None
+    """Coordinate of the travel; default: the one along which contacts slip."""
+    evaluations: Annotated[int, typer.Option(min=1)] = 800
+    """Motions to try."""
     seed: Seed = 0
     """Random seed."""
-    resume: Annotated[Path | None, typer.Option(metavar="FILE")] = None
-    """Save the state of the search to this file, and resume from it if it exists."""

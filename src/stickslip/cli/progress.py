@@ -302,9 +302,9 @@ class Searching(_ByLaw):
 
 
 class Improving(_Shown):
-    """A bar that counts what searches try, with the best so far.
+    """A bar that counts what a search tries, with the best so far.
 
-    Callable as ``watch(search, done, total, best)``; the answer is whether to go on.
+    Callable as ``watch(done, total, best)``; the answer is whether to go on.
 
     Parameters
     ----------
@@ -319,18 +319,11 @@ class Improving(_Shown):
         self._told, self._interrupts = wording, interrupts
         self._task = self._bars.add_task("Searching ", total=None, runs="")
 
-    def __call__(self, search: str, done: int, total: int, best: float) -> bool:
-        """Note how far a search is; a polish does not know how long it takes."""
+    def __call__(self, done: int, total: int, best: float) -> bool:
+        """Note how far a search is."""
         reached = self._told(best) if math.isfinite(best) else "no feasible motion yet"
-        step = f"Searching {search}" if total else "Refining"
-        self._say(step, done, total)
-        self._bars.update(
-            self._task,
-            completed=min(done, total) if total else done,
-            total=total or None,
-            description=step,
-            runs=reached,
-        )
+        self._say("Searching", done, total)
+        self._bars.update(self._task, completed=min(done, total), total=total, runs=reached)
         return not self._interrupts.stopped
 
 

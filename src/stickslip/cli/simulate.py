@@ -1,4 +1,4 @@
-"""``stickslip simulate``."""
+"""``stickslip simulate`` and ``stickslip animate``."""
 
 import io
 import re
@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
+from rich.text import Text
 
 from stickslip import mechanisms
 from stickslip.cli import console as terminal
+from stickslip.cli import inputs
+from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
@@ -24,7 +27,7 @@ from stickslip.cli.inputs import (
     rig_content,
     show_heading,
 )
-from stickslip.cli.options import SimulateOptions
+from stickslip.cli.options import AnimateOptions, SimulateOptions
 from stickslip.cli.progress import Drawing
 from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
@@ -37,20 +40,84 @@ from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
 from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
-from stickslip.show.formatting import (
-    Scale,
-    fixed,
-    number,
-    quantity,
-    residue,
-    scale_of,
-    within,
-)
+from stickslip.show.formatting import Scale, fixed, number, quantity, residue, scale_of, within
 from stickslip.study import sweep
 
 if TYPE_CHECKING:
     import pandas as pd
 
+
+# ``stickslip animate``.
+
+SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
+
+
+def run_animate(options: AnimateOptions) -> None:
+    """Simulate, draw, show; a run_animate that ends early is shown up to its end."""
+    from stickslip.show.plots import animate, encoder_of, frame_times
+
+    output, fps, speed = options.output, options.fps, options.speed
+    size = _size(options.size)
+    encoder_of(output)
+    refuse_overwriting(output, output.parent, force=options.force)
+    rig, chosen = inputs.rig_and_friction(options)
+    law = inputs.friction_of(chosen)
+    end = rig.t_end if options.t_end is None else options.t_end
+    start = rig.start(law)
+    seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
+    count = frame_times(seen, rig.mechanism, fps=fps, speed=speed).size
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with Drawing() as progress:
+        animate(
+            seen,
+            rig.mechanism,
+            output,
+            fps=fps,
+            speed=speed,
+            size=size,
+            dpi=options.dpi,
+            progress=progress,
+        )
+    if options.as_json:
+        print_json(document("animate", _animation_content(rig, chosen, seen, int(count), output)))
+    else:
+        _show_animation(rig, inputs.friction_title(chosen), seen, int(count), output)
+
+
+def _animation_content(
+    rig: Rig,
+    chosen: inputs.ChosenLaw | inputs.ChosenLaws,
+    seen: Trajectory,
+    count: int,
+    output: Path,
+) -> dict[str, Any]:
+    return {
+        **inputs.rig_content(rig, chosen),
+        "status": seen.status.name,
+        "meaning": seen.ending,
+        "certified": seen.certificate.certified,
+        "frames": count,
+        "file": str(output),
+    }
+
+
+def _show_animation(rig: Rig, friction: str, seen: Trajectory, count: int, output: Path) -> None:
+    console = stdout()
+    console.print(Text.assemble((rig.heading, "bold"), f", {friction} friction"))
+    console.print(seen.ending)
+    for problem in seen.certificate.problems:
+        console.print(f"Not certified: {problem}")
+    console.print(f"\nAnimation: {output}, {count} frames")
+
+
+def _size(text: str) -> tuple[float, float]:
+    match = SIZE.fullmatch(text.strip())
+    if match is None:
+        raise InputError(f"--size takes WIDTHxHEIGHT such as 880x400, got {text!r}.")
+    return float(match[1]), float(match[2])
+
+
+# ``stickslip simulate``.
 
 CRITERIA_FAILED = 4
 DRAWS = 200

@@ -1,30 +1,60 @@
-"""``stickslip sweep``, ``stickslip orbits`` and ``stickslip profile optimise``."""
+"""``stickslip sweep``, ``stickslip orbits`` and ``stickslip optimise``."""
 
+import dataclasses
+import itertools
+import os
+import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Final, Literal, cast
 
 import numpy as np
+import typer
 from numpy.typing import NDArray
 
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli import options as option_groups
+from stickslip.cli.console import note, print_json, show_table, stdout
+from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
+from stickslip.cli.options import LawOptions, SweepOptions
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
-from stickslip.data import Rig, load_rig, read_number, settled_speed
+from stickslip.data import Rig, load_rig, parse, read_bytes, read_number, settled_speed
 from stickslip.engine.executors import Inline
-from stickslip.errors import InputError, check_size, concerning
+from stickslip.engine.solver import (
+    EventCount,
+    EventTimes,
+    Max,
+    Mean,
+    Min,
+    Output,
+    Samples,
+    Sensitivity,
+    path_units,
+)
+from stickslip.engine.solver import Final as Last
+from stickslip.engine.trajectory import Status
+from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
+from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.quantities import Quantity, all_paths, full_path, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
-from stickslip.show.formatting import joined, number, quantity
+from stickslip.show.formatting import count, joined, number, printable, quantity
 from stickslip.study import optimisation
 from stickslip.study.characterization import TESTS, Characterization, characterize
 from stickslip.study.sweep import (
+    Campaign,
+    CampaignRuns,
+    Case,
+    Estimate,
+    Factor,
+    Levels,
+    Normal,
     OrbitDiagram,
+    SensitivityIndices,
+    Uniform,
     VelocityBand,
     VelocityMap,
     average_velocity,
@@ -33,14 +63,359 @@ from stickslip.study.sweep import (
 )
 
 if TYPE_CHECKING:
-    from stickslip.study.optimisation import GoalName, KindName
+    from stickslip.study.optimisation import GoalName
 
+
+# ``stickslip sweep campaign.toml``: the file of a campaign, and its runs.
+
+CANCELLED: Final = 130
+KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
+KINDS: Final[Mapping[str, type[Output]]] = {
+    "final": Last,
+    "max": Max,
+    "min": Min,
+    "mean": Mean,
+    "samples": Samples,
+    "event-times": EventTimes,
+    "event-count": EventCount,
+    "sensitivity": Sensitivity,
+}
+"""Outputs by the key that says of which state or event they are."""
+FACTORS: Final[Mapping[str, type[Factor]]] = {"values": Levels, "mean": Normal, "low": Uniform}
+"""Factors by the key that only they have, or have to have."""
+TIMES: Final = ("since", "last", "times")
+TIME: Final = Quantity("t", "s")
+SIZE: Final = (700, 320)
+CUT_SHORT: Final = (
+    "Outputs of runs that ended early are those of the time up to then, or empty: see their status."
+)
+
+
+def run(options: SweepOptions) -> None:
+    """Read the file, make the runs that are missing, show what is there."""
+    given = {
+        "--law": options.law,
+        "--law-load": options.law_load,
+        "--set": options.changes,
+        "--coordinate": options.coordinate,
+        "--ensemble": options.draws,
+    }
+    if unused := [option for option, value in given.items() if value]:
+        raise InputError(
+            f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
+            " rigs, laws and factors itself."
+        )
+    if options.rig is None:
+        raise InputError("give a campaign file, or a rig file with --vary PATH=LOW:HIGH:N.")
+    folder, count = options.output or Path("stickslip-campaign"), options.count
+    plans, cases = _read(options.rig, allow_import=options.allow_import)
+    if options.dry_run:
+        shared = 1 if options.executor else count or os.cpu_count() or 1
+        _show_estimate(plans.estimate(), cases, shared, as_json=options.as_json)
+        return
+    begun = time.perf_counter()
+    with (
+        Interrupts() as interrupts,
+        Drawing("Running", "runs") as bar,
+        workers(count or 1, options.executor) as pool,
+    ):
+        interrupts.promise = "Stopping after the files in work; press Ctrl-C again to cancel."
+
+        def progress(done: int, total: int) -> bool:
+            bar(done, total)
+            return not interrupts.stopped
+
+        inline = Inline() if count == 1 else None
+        found = plans.run(folder, executor=pool or inline, progress=progress, replace=options.force)
+    took = time.perf_counter() - begun
+    if not found.complete:
+        note(f"{len(found)} of {len(plans)} runs are there: the same command goes on.")
+        raise typer.Exit(CANCELLED)
+    indices = _indices(plans, found, cases)
+    if options.as_json:
+        rows = {index.output: index.to_dataframe().to_dict("records") for index in indices}
+        content = {
+            "runs": len(found),
+            "certified": found.certified,
+            "status": found.status,
+            "meaning": {name: Status[name].value for name in found.status},
+            "files": len(found.parts),
+            "bytes": found.size,
+            "made": found.made,
+            "seconds": took,
+            "sensitivity": rows,
+            "folder": str(folder),
+        }
+        print_json(document("campaign-runs", content))
+        return
+    _show_campaign(found, indices, cases, took)
+
+
+def _indices(
+    plans: Campaign, found: CampaignRuns, cases: Sequence[str]
+) -> list[SensitivityIndices]:
+    """Return the indices of each output that is one number, and write them beside the runs."""
+    if plans.whole.block == 1:
+        return []
+    if len(cases) > 1:
+        note("Sensitivity indices are of one case: make a campaign of each.")
+        return []
+    import pandas as pd
+
+    from stickslip.show.plots import draw_sensitivity, standalone_svg
+
+    indices = []
+    for name in plans.outputs or found.units:
+        several = f"{name}.0" in found.units or name in plans.factors or name not in found.columns
+        if several:
+            continue
+        try:
+            indices.append(found.sensitivity(name))
+        except InputError as error:
+            note(str(error))
+    if indices:
+        table = pd.concat([index.to_dataframe().assign(output=index.output) for index in indices])
+        size = (SIZE[0], SIZE[1] * len(indices))
+        svg = standalone_svg(draw_sensitivity(indices), size=size, title="Sensitivity indices")
+        rows = table[["output", *(column for column in table if column != "output")]]
+        files = {"sensitivity.csv": rows.to_csv(index=False), "sensitivity.svg": svg}
+        write_files({found.folder / name: content for name, content in files.items()})
+    return indices
+
+
+def _show_estimate(found: Estimate, cases: Sequence[str], shared: int, *, as_json: bool) -> None:
+    if as_json:
+        content = {**dataclasses.asdict(found), "workers": shared, "cases": [*cases]}
+        print_json(document("campaign-estimate", content))
+        return
+    console = stdout()
+    for case in cases:
+        console.print(printable(case))
+    console.print(
+        f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about {_size(found.size)};"
+        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these."
+    )
+
+
+def _size(size: float) -> str:
+    return f"{number(size / 1e9)} GB" if size >= 1e9 else f"{number(size / 1e6)} MB"
+
+
+def _show_campaign(
+    found: CampaignRuns, indices: Sequence[SensitivityIndices], cases: Sequence[str], took: float
+) -> None:
+    console = stdout()
+    for case in cases:
+        console.print(printable(case))
+    console.print(
+        f"{count(len(found), 'run')}, {found.certified:,} certified, in"
+        f" {count(len(found.parts), 'file')}"
+        f" ({_size(found.size)})."
+    )
+    for name, runs in found.status.items():
+        console.print(f"  {name}: {runs:,}. {Status[name].value}")
+    if any(not Status[name].complete for name in found.status):
+        console.print(CUT_SHORT)
+    if found.made:
+        console.print(
+            f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
+            " second."
+        )
+    for index in indices:
+        console.print(f"\n{index.sentence}")
+        rows = [
+            [path, *(index.text_of(name, place) for name in index.indices)]
+            for place, path in enumerate(index.factors)
+        ]
+        show_table("", ["factor", *index.indices], rows)
+    console.print(f"\nWritten: {found.folder}")
+
+
+def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
+    """Return the campaign of a file, and its cases in words."""
+    file = str(path)
+    raw = parse(read_bytes(path), file)
+    if "mechanism" in raw:
+        raise InputError(
+            f"{file} is a rig file: say what varies, as --vary PATH=LOW:HIGH:N, or name it in a"
+            ' campaign file, as rigs = "..." beside [factors].'
+        )
+    _known(raw, KEYS, file)
+    rigs = _named(raw, "rigs", file)
+    laws = _named(raw, "laws", file) if "laws" in raw else {"": ""}
+    cases, titles = [], []
+    for rig_name, rig_text in rigs.items():
+        for law_name, law_text in laws.items():
+            source = None if rig_text == "demo" else path.parent / rig_text
+            law = str(path.parent / law_text) if FILE.fullmatch(law_text) else law_text
+            options = LawOptions(rig=source, law=law or None, allow_import=allow_import)
+            rig, chosen = rig_and_friction(options)
+            friction = friction_of(chosen)
+            labels = {"rig": rig_name} if len(rigs) > 1 else {}
+            labels |= {"law": law_name} if len(laws) > 1 else {}
+            last = _read_value(raw, "t_end", TIME, file) if "t_end" in raw else rig.t_end
+            start = rig.start(friction)
+            cases.append(
+                Case(mechanism=rig.mechanism, law=friction, t_end=last, y0=start, labels=labels)
+            )
+            titles.append(f"{rig.heading}, {friction_title(chosen)} friction")
+    campaign = Campaign(
+        cases=tuple(cases),
+        factors=_factors(raw.get("factors"), cases[0], file),
+        outputs=_outputs(raw.get("outputs"), file),
+        **{key: raw[key] for key in ("design", "runs", "seed", "part") if key in raw},
+    )
+    return campaign, titles
+
+
+def _known(table: object, known: Collection[str], where: str) -> None:
+    """Refuse what is no table, and keys that are not known."""
+    if not isinstance(table, dict):
+        raise InputError(f"{where} must be a table, got {table!r}.")
+    for key in table:
+        if key not in known:
+            raise UnknownNameError(f"key of {where}:", key, known)
+
+
+def _named(raw: Mapping[str, Any], key: str, file: str) -> dict[str, str]:
+    """Return files or names by what they are called: those given, or their own."""
+    given = raw.get(key)
+    if isinstance(given, str):
+        given = [given]
+    if isinstance(given, list) and given and all(isinstance(law, str) for law in given):
+        given = {Path(law).stem if law.endswith(".toml") else law: law for law in given}
+        if len(given) < len(raw[key]) and not isinstance(raw[key], str):
+            raise InputError(f'{file}: {key} have equal names: give them as a = "...", b = "...".')
+    if not (given and isinstance(given, dict) and all(isinstance(x, str) for x in given.values())):
+        raise InputError(
+            f"{file}: {key} must be a file or a name, a list of them, or a table of them, got"
+            f" {given!r}."
+        )
+    return given
+
+
+def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
+    """Return what varies, by full path."""
+    where = f"[factors] of {file}"
+    if not isinstance(table, dict) or not table:
+        raise InputError(
+            f'{where} is missing: say what varies, such as "friction.kinetic_coefficient" ='
+            " {low = 0.2, high = 0.3}."
+        )
+    varying = _varying(case)
+    found = {}
+    for name, given in _leaves(table):
+        path = full_path(name, varying)
+        known = varying[path]
+        own: Any = given if isinstance(given, dict) else {"values": given}
+        kind = next((FACTORS[key] for key in FACTORS if key in own), None)
+        at = f"{name} in {where}"
+        if kind is None:
+            raise InputError(f"{at} needs values, or low and high, or mean and sd.")
+        fields = {field.name for field in dataclasses.fields(kind)}
+        _known(own, fields, at)
+        for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
+            if key in own and not isinstance(own[key], kinds):
+                raise InputError(f"{at}: {key} must be {said}, got {own[key]!r}.")
+        needed = [field.name for field in dataclasses.fields(kind) if _needed(field)]
+        if lacking := [key for key in needed if key not in own]:
+            raise InputError(f"{at} lacks {' and '.join(lacking)}.")
+        if own.get("times"):
+            known = Quantity(known.symbol)
+            own = {**own, "times": full_path(own["times"], varying)}
+        read: dict[str, Any] = {}
+        for key, value in own.items():
+            wanted = Quantity(known.symbol, known.unit) if key == "sd" else known
+            if key in ("number", "log", "times"):
+                read[key] = value
+            elif key == "values" and isinstance(value, list):
+                read[key] = [_number(text, wanted, f"{at}: {key}") for text in value]
+            else:
+                read[key] = _number(value, wanted, f"{at}: {key}")
+        try:
+            found[path] = cast("Any", kind)(**read)
+        except (ParameterError, TypeError) as error:
+            raise ParameterError(f"{at}: {error}") from None
+    return found
+
+
+def _varying(case: Case) -> dict[str, Quantity]:
+    """Return what may vary, by full path; what was not given as well, as in `ensemble`."""
+    roots = ((cast("Any", case.mechanism), "mechanism"), (cast("Any", case.law), "friction"))
+    declared = {path: measured for root in roots for path, measured in all_paths(*root).items()}
+    ranges = {path: known for root in roots for path, known, _ in parameters(*root)}
+    units = path_units(case.mechanism, cast("Any", case.law))
+    return declared | {
+        path: ranges.get(path, Quantity(path.rpartition(".")[2], unit))
+        for path, unit in units.items()
+    }
+
+
+def _needed(field: "dataclasses.Field[Any]") -> bool:
+    return field.default is dataclasses.MISSING
+
+
+def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Return what stands at each dotted path, of which TOML makes tables without quotes."""
+    found: list[tuple[str, Any]] = []
+    for key, value in table.items():
+        inner = (
+            isinstance(value, dict) and value and all(isinstance(x, dict) for x in value.values())
+        )
+        found += _leaves(value, f"{prefix}{key}.") if inner else [(f"{prefix}{key}", value)]
+    return found
+
+
+def _number(value: object, known: Quantity, where: str) -> float:
+    with concerning(where):
+        return read_number(value, known)
+
+
+def _read_value(raw: Mapping[str, Any], key: str, known: Quantity, file: str) -> float:
+    return _number(raw[key], known, f"{file}: {key}")
+
+
+def _outputs(table: object, file: str) -> dict[str, Output] | None:
+    """Return what is kept of each run, by name."""
+    if table is None:
+        return None
+    where = f"[outputs] of {file}"
+    _known(table, [*cast("dict[str, Any]", table)] if isinstance(table, dict) else [], where)
+    found: dict[str, Output] = {}
+    for name, own in cast("dict[str, Any]", table).items():
+        at = f"{name} in {where}"
+        kind = next((key for key in KINDS if isinstance(own, dict) and key in own), None)
+        if kind is None:
+            raise InputError(f'{at} needs one of {", ".join(KINDS)}, such as {{final = "x"}}.')
+        first, *others = [field.name for field in dataclasses.fields(cast("Any", KINDS[kind]))]
+        _known(own, [kind, *others], at)
+        if "times" in own and not isinstance(own["times"], list):
+            raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
+        read = {
+            key: [_number(text, TIME, f"{at}: {key}") for text in value]
+            if isinstance(value, list)
+            else _number(value, TIME, f"{at}: {key}")
+            if key in TIMES
+            else value
+            for key, value in own.items()
+            if key != kind
+        }
+        try:
+            found[name] = cast("Any", KINDS[kind])(**{first: own[kind], **read})
+        except TypeError:
+            raise InputError(f"{at} needs {', '.join([kind, *others])}.") from None
+    return found
+
+
+# ``stickslip sweep``, ``stickslip orbits`` and ``stickslip optimise``.
 
 # ``stickslip sweep``.
 
 Array = NDArray[np.float64]
 MAP_SIZE = (800, 360)
 MOST_AXES = 2
+MOST_CASES = 200
+"""Scenarios of a search."""
 
 
 def _figure_beside(output: Path, *, force: bool) -> Path:
@@ -315,38 +690,26 @@ def _range(text: str) -> tuple[str, tuple[float, float], Array | None]:
     return path, (low, high), np.array(numbers) if listed else None
 
 
-# ``stickslip profile optimise``.
+# ``stickslip optimise``.
 
-OPTIONS = {
-    "rate": "--rate",
-    "acceleration": "--acceleration",
-    "effort": "--torque",
-    "load_share": "--load-share",
-    "back_slip": "--back-slip",
-    "energy": "--energy",
-}
-"""Options by limit."""
-FILES = {"rig.toml", "profile.svg", "optimum.json"}
+FILES = {"rig.toml", "optimum.svg", "optimum.json"}
+INTERVAL_POINTS = 5
+"""Values of an uncertain parameter from end to end."""
 
 
-def run_profile(options: option_groups.ProfileOptions) -> None:
-    """Search, write rig file, figure and numbers, print what was found."""
-    folder = terminal.folder_of(options.output, "stickslip-profile", as_json=options.as_json)
+def run_optimise(options: option_groups.OptimiseOptions) -> None:
+    """Search, write rig file, figure and numbers, print the best motions."""
+    folder = terminal.folder_of(options.output, "stickslip-optimum", as_json=options.as_json)
     if folder is not None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=FILES)
     rig, chosen = inputs.rig_and_friction(
         option_groups.LawOptions(
-            rig=options.rig,
-            changes=options.changes,
-            law=options.law,
-            law_load=options.law_load,
+            rig=options.rig, changes=options.changes, law=options.law, law_load=options.law_load
         )
     )
-    laws = None
-    if options.draws is not None:
-        laws, _ = inputs.laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
-    found = _found(rig, inputs.friction_of(chosen), laws, options)
-    content = document("profile", inputs.rig_content(rig, chosen) | found.to_dict())
+    law = inputs.friction_of(chosen)
+    found = _optimum(rig, law, _scenarios(rig, chosen, law, options), options)
+    content = document("optimum", inputs.rig_content(rig, chosen) | found.to_dict())
     if folder is not None:
         write_folder(folder, _files(found, content))
     if options.as_json:
@@ -358,37 +721,62 @@ def run_profile(options: option_groups.ProfileOptions) -> None:
         terminal.note("The search was stopped early; this is the best motion so far.")
 
 
-def _found(
+def _optimum(
     rig: Rig,
     law: FrictionLaw | Laws,
-    laws: Sequence[FrictionLaw] | None,
-    options: option_groups.ProfileOptions,
+    scenarios: Sequence[optimisation.Scenario] | None,
+    options: option_groups.OptimiseOptions,
 ) -> optimisation.Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
-    goal = named(optimisation.GOALS, options.goal, "goal")
-    limits = _limits(rig.mechanism, options)
-    interval = dict(_interval(rig.mechanism, law, text) for text in options.interval)
+    mechanism = rig.mechanism
+    known = optimisation.known_paths(mechanism, law)
+    ends = dict(_ends("--vary", known, text) for text in options.vary)
+    slip, _ = slip_among(
+        mechanism, options.coordinate or optimisation.travelling(mechanism), "optimise"
+    )
+    units = optimisation.units_of(mechanism, slip)
+    names = cast("list[GoalName]", [*options.goal])  # names are checked where they are used
+    unit = units.get(names[0], "") if names else ""
     with (
         Interrupts() as interrupts,
-        Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
+        Improving(lambda best: f"{number(best, 5)} {unit}", interrupts) as watch,
         workers(options.count or 1, options.executor) as executor,
     ):
-        return optimisation.optimise_profile(
-            rig.mechanism,
+        return optimisation.optimise(
+            mechanism,
             law,
-            limits=limits,
-            goal=cast("GoalName", options.goal),  # names are checked where they are used
-            kind=cast("KindName", options.kind),
-            interval=interval,
-            scenarios=laws,
+            ends,
+            goals=names,
+            limits=dict(_limit(units, text) for text in options.limit),
+            scenarios=scenarios,
             quantile=_quantile(options.quantile),
-            knots=options.knots,
+            coordinate=slip,
             evaluations=options.evaluations,
             seed=options.seed,
-            state=options.resume,
             executor=executor,
             progress=watch,
         )
+
+
+def _scenarios(
+    rig: Rig,
+    chosen: inputs.ChosenLaw | inputs.ChosenLaws,
+    law: FrictionLaw | Laws,
+    options: option_groups.OptimiseOptions,
+) -> Sequence[optimisation.Scenario] | None:
+    """Return laws of an ensemble, or all combinations of values of uncertain parameters."""
+    if options.draws is not None and options.interval:
+        raise InputError("--ensemble and --interval are both given: leave one out.")
+    if options.draws is not None:
+        laws, _ = inputs.laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
+        return laws
+    if not options.interval:
+        return None
+    known = optimisation.known_paths(rig.mechanism, law)
+    axes = dict(_ends("--interval", known, text) for text in options.interval)
+    check_size("scenarios", INTERVAL_POINTS ** len(axes), "give fewer intervals", most=MOST_CASES)
+    values = [np.linspace(*ends, INTERVAL_POINTS).tolist() for ends in axes.values()]
+    return [dict(zip(axes, row, strict=True)) for row in itertools.product(*values)]
 
 
 def _quantile(text: str) -> float | Literal["mean"]:
@@ -398,129 +786,67 @@ def _quantile(text: str) -> float | Literal["mean"]:
         return read_number(text, Quantity("quantile", low=0, high=1))
 
 
-def _limits(mechanism: Mechanism, options: option_groups.ProfileOptions) -> optimisation.Limits:
-    """Read the limits, each in its unit."""
-    units, values = optimisation.units_of_limits(mechanism), {}
-    quantities = dict(fields_of(optimisation.Limits))
-    values["position"] = _position(options, quantities.pop("position"), units["position"])
-    for name, limit in quantities.items():
-        text: str | None = getattr(options, name)
-        if text is None:
-            continue
-        own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
-        with concerning(OPTIONS[name]):
-            values[name] = read_number(text, own)
-    return optimisation.Limits(**values)
-
-
-def _position(options: option_groups.ProfileOptions, quantity: Quantity, unit: str) -> float:
-    """Return the largest distance from the middle, by the option of its kind of motion."""
-    of_angle = unit == "rad"
-    option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
-    text, other = options.angle, options.stroke
-    if not of_angle:
-        text, other = other, text
-    if text is None or other is not None:
-        what = "turns" if of_angle else "moves along a line, from end to end"
-        got = "none of the two" if other is None else f"{wrong} {other}"
-        raise InputError(f"give {option}: the inner body of this rig {what}; got {got}.")
-    with concerning(option):
-        value = read_number(text, Quantity(quantity.symbol, unit, above=0))
-    return value if of_angle else 0.5 * value
-
-
-def _interval(
-    mechanism: Mechanism, law: FrictionLaw | Laws, text: str
-) -> tuple[str, tuple[float, float]]:
-    """Read ``path=low..high``, with units or in SI."""
+def _ends(option: str, known: Mapping[str, Quantity], text: str) -> tuple[str, tuple[float, float]]:
+    """Read ``path=low..high``, with units."""
     path, equals, ends = text.partition("=")
     if not (equals and ".." in ends and path.strip()):
         raise InputError(
-            "--interval takes PATH=LOW..HIGH such as friction.kinetic_coefficient=0.15..0.25,"
-            f" got {text!r}."
+            f"{option} takes PATH=LOW..HIGH such as mechanism.stiffness=10N/m..1kN/m, got {text!r}."
         )
-    known = {
-        full: quantity
-        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
-        for full, quantity, _ in parameters(root, prefix)
-    }
     full = full_path(path.strip(), known)
-    return full, terminal.range_of(f"--interval {full}", ends, known[full])
+    return full, terminal.range_of(f"{option} {full}", ends, known[full])
+
+
+def _limit(units: Mapping[str, str], text: str) -> tuple[str, float]:
+    """Read ``name=value``, with its unit."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (equals and name and value):
+        raise InputError(f"--limit takes NAME=VALUE such as xi=10mm, got {text!r}.")
+    if name not in units:
+        raise UnknownNameError("limit", name, [*units])
+    with concerning(f"--limit {name}"):
+        return name, read_number(value, Quantity(name, units[name], low=0))
 
 
 def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
-    from stickslip.show.plots import PROFILE_SIZES, draw_profile, standalone_svg
+    from stickslip.show.plots import draw_optimum, standalone_svg
 
-    figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
+    title = " and ".join(goal.title for goal in found.goals).capitalize()
+    figure = standalone_svg(draw_optimum(found), size=MAP_SIZE, title=title)
     return {
         "rig.toml": found.to_toml(),
-        "profile.svg": figure,
+        "optimum.svg": figure,
         "optimum.json": json_text(content),
     }
 
 
 def _show_optimum(found: optimisation.Optimum) -> None:
-    console, goal = terminal.stdout(), found.goal
-    title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
-    console.print(title, style="bold")
-    if len(found.scenarios) > 1:
-        console.print(f"Objective value: {found.scenarios.words}")
-    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))))
-    console.print()
+    console = terminal.stdout()
+    goals = [f"{goal.title}, {found.units[goal.name]}" for goal in found.goals]
+    if found.scenarios != optimisation.GIVEN_LAW:
+        console.print(f"Objectives: {found.scenarios}")
     rows = [
-        [
-            _limit_word(m),
-            f"{number(m.reached, 5)}",
-            f"{number(m.allowed, 5)}",
-            f"{number(m.margin)}",
-            m.unit,
-        ]
-        for m in found.margins
+        [*(number(v, 5) for v in motion.goals.values()), *_parameters(motion), motion.reason]
+        for motion in (*found.motions, found.start)
     ]
-    terminal.show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
-    console.print()
-    others = [("three-phase, optimised", found.three_phase, found.factor)]
-    others.append(("as given in the rig file", found.start, found.factor_over_start))
-    shown = [_compared(name, judged, factor) for name, judged, factor in others]
-    terminal.show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
-    if found.best is found.start:
-        how = "the motion as given"
-    else:
-        how = "refined locally" if found.polished else "from the evolution strategy"
+    names = [f"best {k}" if len(found.motions) > 1 else "best" for k in range(1, len(rows))]
+    table = [[name, *row] for name, row in zip([*names, "as given"], rows, strict=True)]
+    heads = ["", *goals, *found.best.parameters, ""]
+    terminal.show_table("", heads, table)
+    if found.best.margins:
+        console.print()
+        limits = [
+            [m.name, number(m.reached, 5), number(m.allowed, 5), m.unit] for m in found.best.margins
+        ]
+        terminal.show_table("", ["limit", "reached", "allowed", "unit"], limits)
     console.print(
-        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified."
+        f"\n{found.evaluations} motions evaluated, seed {found.seed}; the run of the first is"
+        f" {'certified' if found.run.certificate.certified else 'not certified'}."
     )
 
 
-def _compared(
-    name: str, judged: optimisation.ScoredMotion | None, factor: float | None
-) -> list[str]:
-    if judged is None:
-        return [name, "", "", "none satisfies the limits"]
-    remark = "" if judged.feasible else _broken(judged)
-    return [
-        name,
-        f"{number(judged.value, 5)}",
-        "" if factor is None else f"{number(factor, 4)}",
-        remark,
-    ]
-
-
-def _broken(judged: optimisation.ScoredMotion) -> str:
-    """Say what a motion breaks."""
-    if judged.early_end:
-        return judged.early_end
-    if not all(cycle.repeats for cycle in judged.cycles):
-        return "its cycles are not periodic"
-    names = [_limit_word(m) for m in judged.margins if m.margin < 0.0]
-    return f"violates {', '.join(names)}"
-
-
-def _limit_word(margin: optimisation.Margin) -> str:
-    """Return what a limit is of; the place of an inner mass is counted from its middle."""
-    if margin.name == "position":
-        return "angle" if margin.unit == "rad" else "half the stroke"
-    return margin.name.replace("_", " ")
+def _parameters(motion: optimisation.Motion) -> list[str]:
+    return [number(value, 5) for value in motion.parameters.values()]
 
 
 # ``stickslip characterize``.

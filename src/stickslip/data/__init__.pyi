@@ -1,13 +1,5 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.data import catalogue as catalogue
-from stickslip.data.carrying import CarriedLaw as CarriedLaw
-from stickslip.data.carrying import CarriedLaws as CarriedLaws
-from stickslip.data.carrying import bristle_remark as bristle_remark
-from stickslip.data.carrying import carried as carried
-from stickslip.data.carrying import carried_by_contact as carried_by_contact
-from stickslip.data.carrying import estimates_by_contact as estimates_by_contact
-from stickslip.data.carrying import extrapolations as extrapolations
-from stickslip.data.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.data.checking.coverage import resting_readings as resting_readings
 from stickslip.data.checking.coverage import volts_sentence as volts_sentence
 from stickslip.data.checking.coverage import with_order as with_order
@@ -76,14 +68,22 @@ from stickslip.data.readers.toml import parse as parse
 from stickslip.data.readers.toml import read_bytes as read_bytes
 from stickslip.data.records import load_measurement as load_measurement
 from stickslip.data.records import read_data as read_data
+from stickslip.data.rig import CarriedLaw as CarriedLaw
+from stickslip.data.rig import CarriedLaws as CarriedLaws
 from stickslip.data.rig import KnownLaws as KnownLaws
 from stickslip.data.rig import LoopSamples as LoopSamples
 from stickslip.data.rig import Published as Published
 from stickslip.data.rig import Rig as Rig
 from stickslip.data.rig import as_recorded as as_recorded
 from stickslip.data.rig import as_tolerance as as_tolerance
+from stickslip.data.rig import bristle_remark as bristle_remark
+from stickslip.data.rig import carried as carried
+from stickslip.data.rig import carried_by_contact as carried_by_contact
 from stickslip.data.rig import command_of as command_of
+from stickslip.data.rig import estimates_by_contact as estimates_by_contact
+from stickslip.data.rig import extrapolations as extrapolations
 from stickslip.data.rig import loop_samples as loop_samples
+from stickslip.data.rig import unfitted_bristles as unfitted_bristles
 from stickslip.data.rig import with_voltage as with_voltage
 from stickslip.data.rigs.guessed_rig import filmed_rig as filmed_rig
 from stickslip.data.rigs.guessed_rig import guess_films as guess_films

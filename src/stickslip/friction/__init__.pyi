@@ -21,8 +21,8 @@ from stickslip.friction.base import force_parameters as force_parameters
 from stickslip.friction.base import given_to as given_to
 from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.base import law_of as law_of
+from stickslip.friction.classes import containment_of as containment_of
 from stickslip.friction.classes import said_of as said_of
-from stickslip.friction.containment import containment_of as containment_of
 from stickslip.friction.parts import PARTS as PARTS
 from stickslip.friction.parts.levels import curve_through as curve_through
 from stickslip.friction.parts.levels import curves_beside as curves_beside

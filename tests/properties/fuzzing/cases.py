@@ -22,7 +22,7 @@ from stickslip.friction import FrictionLaw, Laws, PowerViscous
 from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, InnerMass, Mechanism, Motor
 from stickslip.mechanisms.drives import Drive
-from stickslip.mechanisms.drives.registry import DRIVES
+from stickslip.mechanisms.drives.shapes import DRIVES
 from stickslip.quantities import fields_of
 
 Kinds = tuple[type[Drive], ...]

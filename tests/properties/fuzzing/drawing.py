@@ -16,7 +16,7 @@ from stickslip.mechanisms.drives import (
     Square,
     Sum,
 )
-from stickslip.mechanisms.drives.registry import DRIVES
+from stickslip.mechanisms.drives.shapes import DRIVES
 
 WIDEST: Mapping[str, tuple[float, float]] = {
     "kg": (1e-6, 1e4),

@@ -32,7 +32,7 @@ from stickslip.mechanisms import (
     TwoLinkArm,
 )
 from stickslip.mechanisms.drives import Drive
-from stickslip.mechanisms.drives.registry import DRIVES
+from stickslip.mechanisms.drives.shapes import DRIVES
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,12 +1,16 @@
 """Builds a rig from its file."""
 
 import hashlib
+import importlib
 import json
 import numbers
+import re
+import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from pydantic import ValidationError
@@ -19,7 +23,6 @@ from stickslip.data.readers.columns import Reading, column_of, motor_constants
 from stickslip.data.readers.layout import Layout
 from stickslip.data.records import read_data
 from stickslip.data.rigs import laws, schema
-from stickslip.data.rigs.plugin_imports import Imported, imported
 from stickslip.data.rigs.rig_models import (
     Given,
     Number,
@@ -30,10 +33,29 @@ from stickslip.data.rigs.rig_models import (
     fill_friction,
     robot_of,
 )
+from stickslip.data.rigs.schema import (
+    ContactTable,
+    EstimatesTable,
+    ReadTable,
+    RigTable,
+    TrialTable,
+    flat,
+    rig_table,
+)
 from stickslip.data.travels import scale_of
 from stickslip.data.units import read_number
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
-from stickslip.friction import PARTS, FrictionLaw, Laws
+from stickslip.friction import (
+    PARTS,
+    FrictionLaw,
+    Laws,
+    curves_beside,
+    is_composition,
+    law_type,
+)
+from stickslip.friction import (
+    laws as registered_laws,
+)
 from stickslip.mechanisms import (
     LINKS,
     PREFIX,
@@ -53,6 +75,194 @@ from stickslip.mechanisms.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.quantities import Quantity, fields_of, is_rotary, motion_kinds
 from stickslip.show.documents import with_files
 from stickslip.show.formatting import joined
+
+# Classes that a rig file names by import path; nothing is imported unless the user allows it.
+
+_PATH = re.compile(r"(?P<module>[^\W\d]\w*(\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What was imported for one file."""
+
+    mechanism: tuple[str, type[Mechanism]] | None = None
+    """Its import path and the class."""
+    laws: Mapping[str, type[FrictionLaw]] = field(default_factory=dict)
+    """By name."""
+    tables: Mapping[str, str] = field(default_factory=dict)
+    """Paths of tables of laws by those that the file calls them."""
+
+
+def imported(raw: dict[str, Any], file: RigFile, *, beside: Path | None, allow: bool) -> Imported:
+    """Import what the tables name by import path, and take those names of laws out of them."""
+    wanted = dict(_wanted(raw))
+    for key, path in wanted.items():
+        where = f"{file.place(key)}: {key}"
+        match = _PATH.fullmatch(path)
+        if match is None:
+            raise InputError(
+                f"{where} must be a name, or module:Class such as my_module:MyClass, got {path!r}."
+            )
+        if not allow:
+            raise InputError(
+                f"{where} requests the import of {match['name']} from the Python module"
+                f" {match['module']}, which runs its code. Nothing was imported. If you trust it,"
+                " give --allow-import on the command line or load_rig(..., allow_import=True)."
+            )
+    found = {key: _class(path, f"{file.place(key)}: {key}", beside) for key, path in wanted.items()}
+    mechanism = found.pop("mechanism.type", None)
+    own: dict[str, type[FrictionLaw]] = {}
+    tables: dict[str, str] = {}
+    for where, table, law in _composed(raw, file, beside):
+        tables[f"{where}.{table}"] = f"{where}.{law.name}"
+        if law.name not in registered_laws():
+            own[law.name] = law
+    for key, kind in found.items():
+        *above, table, _ = key.split(".")
+        _check_name(kind, table, f"{file.place(key)}: {key}")
+        holder = raw
+        for step in above:
+            holder = holder[step]
+        del holder[table]["type"]
+        own[table] = kind
+    given = None if mechanism is None else (wanted["mechanism.type"], mechanism)
+    return Imported(given, own, tables)
+
+
+def _composed(
+    raw: dict[str, Any], file: RigFile, beside: Path | None
+) -> Iterator[tuple[str, str, type[FrictionLaw]]]:
+    """Put tables of composed laws under the names of these; yield where, both names and law."""
+    friction = raw.get("friction")
+    if not isinstance(friction, dict):
+        return
+    inner = {f"friction.{key}": item for key, item in friction.items() if isinstance(item, dict)}
+    if "law" in friction:  # its values are shared ones
+        kind = _law(friction.pop("law"), f"{file}: friction", beside)
+        friction.setdefault(kind.name, {})
+        yield "friction", kind.name, kind
+    for above, tables in {"friction": friction, **inner}.items():  # one contact, or several
+        for name, table in list(tables.items()):
+            if not isinstance(table, dict):
+                continue
+            named_by = is_composition(name) and not name.isidentifier()  # not a contact "ramp"
+            text = table.pop("law", name if named_by else None)
+            if text is None:
+                continue
+            where = f"{file}: {above}.{name}"
+            kind = _law(text, where, beside)
+            if registered_laws().get(name, kind) is not kind:
+                raise InputError(
+                    f"{where} has the name of another law than its law = {text!r}: rename the"
+                    f" table, such as [{above}.own], or leave law out."
+                )
+            other = tables.pop(kind.name, {}) if kind.name != name else {}
+            if any(f"{above}.{kind.name}.{key}" not in file.overridden for key in other):
+                raise InputError(
+                    f"{where} is the law {kind.name}, which has a table already: leave one out."
+                )
+            tables[kind.name] = tables.pop(name) | other
+            yield above, name, kind
+
+
+def _law(text: object, where: str, beside: Path | None) -> type[FrictionLaw]:
+    """Return the law of a table."""
+    if not isinstance(text, str):
+        raise InputError(f"{where}.law must be a text such as 'level + viscous', got {text!r}.")
+    with concerning(f"{where}:", InputError):
+        return law_type(text if beside is None else curves_beside(text, beside))
+
+
+def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the keys under which import paths stand."""
+    mechanism, friction = raw.get("mechanism"), raw.get("friction")
+    tables = {"mechanism": mechanism}
+    if isinstance(friction, dict):
+        tables |= {f"friction.{name}": table for name, table in friction.items()}
+        tables |= {  # the laws of one of several contacts
+            f"friction.{contact}.{name}": table
+            for contact, inner in friction.items()
+            if isinstance(inner, dict)
+            for name, table in inner.items()
+        }
+    for name, table in tables.items():
+        path = table.get("type") if isinstance(table, dict) else None
+        if isinstance(path, str) and ":" in path:
+            yield f"{name}.type", path
+
+
+def _class(path: str, where: str, beside: Path | None) -> Any:
+    """Import a class and check that it is one of which objects can be made."""
+    module, _, name = path.partition(":")
+    found = getattr(_module(module, where, beside), name, None)
+    if found is None:
+        raise InputError(f"{where}: the module {module} has no {name}.")
+    base: type = Mechanism if where.endswith("mechanism.type") else FrictionLaw
+    if not (isinstance(found, type) and issubclass(found, base)):
+        raise InputError(
+            f"{where}: {path} must be a class derived from stickslip.{base.__name__},"
+            f" got {found!r}."
+        )
+    missing = ", ".join(_missing(found, base))
+    if missing:
+        raise InputError(f"{where}: {path} is abstract: implement {missing}.")
+    return found
+
+
+def _missing(kind: type, base: type) -> list[str]:
+    """Return what a class has yet to define or to say of itself."""
+    required: tuple[str, ...] = ("name", "coordinates", "rates", "units")
+    if base is FrictionLaw:
+        required = ("name", "title", "formula", "sources")
+    abstract: Collection[str] = getattr(kind, "__abstractmethods__", ())
+    return [*sorted(abstract), *(name for name in required if not hasattr(kind, name))]
+
+
+def _module(name: str, where: str, beside: Path | None) -> ModuleType:
+    """Import a module, from beside the rig file too."""
+    folder = None if beside is None else str(beside.resolve())
+    if folder is not None and folder not in sys.path:
+        # at the end, so that no file there hides another module; it stays for worker processes
+        sys.path.append(folder)
+        importlib.invalidate_caches()
+    try:
+        module = importlib.import_module(name)
+    except (Exception, SystemExit) as error:  # a module of somebody else may raise anything
+        raise InputError(
+            f"{where}: the module {name} cannot be imported: {type(error).__name__}: {error}."
+            " Modules are searched for on Python's path and in the folder of the rig file."
+        ) from error
+    _check_is_the_one_beside(module, where, folder)
+    return module
+
+
+def _check_is_the_one_beside(module: ModuleType, where: str, folder: str | None) -> None:
+    """Check that another module does not hide the one in the folder of the rig file."""
+    if folder is None:
+        return
+    stem = Path(folder, *module.__name__.split("."))
+    for own in (stem.with_suffix(".py"), stem / "__init__.py"):
+        actual = getattr(module, "__file__", None) or "none"
+        if own.exists() and Path(actual).resolve() != own.resolve():
+            raise InputError(
+                f"{where}: {own} is shadowed by a module of the same name, {actual}. Rename it."
+            )
+
+
+def _check_name(law: type[FrictionLaw], table: str, where: str) -> None:
+    """Check that a law stands under its name, which no other law has."""
+    if law.name != table:
+        raise InputError(
+            f"{where}: the law {law.__name__} is named {law.name!r}: write [friction.{law.name}]."
+        )
+    if registered_laws().get(table, law) is not law:
+        raise InputError(
+            f"{where}: {table!r} is already the name of another law; give {law.__name__}.name"
+            " another value."
+        )
+
+
+# Builds a rig from its file.
 
 BUNDLED = "paper_rig.toml"
 SWING_FILE = ("file", "column", "unit")
@@ -91,7 +301,7 @@ def read_rig(
             )
     kinds = laws.laws_of(friction, [contact.name for contact in contacts], own.laws)
     with concerning(f"{file}:", InputError):
-        kind = schema.rig_table(own.mechanism, tuple(kinds.values()), contacts)
+        kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
     table = _validated(kind, raw, file)
     mechanism = _mechanism(table, file)
     conditions = tuple(table.data.conditions)
@@ -104,7 +314,7 @@ def read_rig(
         measurement
     ):  # so that levels are over it
         over_load = tuple(contact._replace(in_forces=False) for contact in contacts)
-        _validated(schema.rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
+        _validated(rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file))
     names = tuple(contact.name for contact in contacts) if len(contacts) > 1 else ()
     of_contacts = laws.by_contact(table.friction, names, file, kinds)
@@ -144,9 +354,7 @@ def read_rig(
     )
 
 
-def _validated(
-    kind: type[schema.RigTable], raw: Mapping[str, Any], file: RigFile
-) -> schema.RigTable:
+def _validated(kind: type[RigTable], raw: Mapping[str, Any], file: RigFile) -> RigTable:
     try:
         return kind.model_validate(raw)
     except ValidationError as error:
@@ -265,7 +473,7 @@ def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[laws.C
     Friction levels that a robot description gives are put in where the file says nothing else.
     """
     try:
-        table = schema.rig_table(own.mechanism).model_validate(
+        table = rig_table(own.mechanism).model_validate(
             {key: value for key, value in raw.items() if key == "mechanism"}
         )
     except ValidationError as error:
@@ -297,7 +505,7 @@ def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _mechanism(table: schema.RigTable, file: RigFile) -> Mechanism:
+def _mechanism(table: RigTable, file: RigFile) -> Mechanism:
     built = _build(table.mechanism, "mechanism", file)
     assert isinstance(built, Mechanism)
     return built
@@ -384,7 +592,7 @@ def _values(table: Table, key: str, file: RigFile) -> dict[str, Any]:
     values = {}
     for name, value in table.given().items():
         path = f"{key}.{name}"
-        if isinstance(value, schema.ContactTable):
+        if isinstance(value, ContactTable):
             continue  # of one of several contacts
         if isinstance(value, Table):
             values[name] = _build(value, path, file)
@@ -418,7 +626,7 @@ def _sum(drives: list[Drive]) -> Drive:
 
 
 def _measured(
-    table: schema.RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
 ) -> measurements.Measurement | None:
     """Return what the trials say, or what stands in files; not both."""
     data = table.data
@@ -431,7 +639,7 @@ def _measured(
 
 
 def _estimates(
-    table: schema.EstimatesTable | None,
+    table: EstimatesTable | None,
     known: rig.KnownLaws,
     of_contacts: Mapping[str, rig.KnownLaws | None],
     file: RigFile,
@@ -473,7 +681,7 @@ def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
     ]
 
 
-def _reading(table: schema.ReadTable, file: RigFile, key: str = "data") -> Reading:
+def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
     """Return how a table says that files are read."""
     offset = {}
     for name, value in table.offset.items():
@@ -505,7 +713,7 @@ def _reading(table: schema.ReadTable, file: RigFile, key: str = "data") -> Readi
     )
 
 
-def _paths(table: schema.RigTable, file: RigFile) -> list[Path]:
+def _paths(table: RigTable, file: RigFile) -> list[Path]:
     """Return the files that a rig file names, which lie beside it."""
     data = table.data
     own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
@@ -541,7 +749,7 @@ def _files(
 
 
 def _trials(
-    table: schema.RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
 ) -> measurements.Measurement | None:
     """Return the trials; files are read as `[data]` and then the trial itself say."""
     if not table.trial:
@@ -564,7 +772,7 @@ FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
 
 
 def _filed(
-    trial: schema.TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
+    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
 ) -> tuple[measurements.Measurement, ...]:
     """Return what stands in the file of a trial, with the settings of that trial."""
     key = f"trial.{index}"
@@ -604,7 +812,7 @@ def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -
 
 
 def _record(
-    trial: schema.TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
+    trial: TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
 ) -> measurements.Measurement:
     label, given = f"{file}: trial.{index}", trial.given()
     names = [name for name in measurements.TRAVELS if name in given]
@@ -652,7 +860,7 @@ def _overrides(
     """Return what a trial sets, by path, and the uncertainties of that."""
     found: dict[str, float] = {}
     doubts: dict[str, float] = {}
-    for name, value in schema.flat(given):
+    for name, value in flat(given):
         try:
             path = canonical_path(mechanism, name)
             number = Number(quantity_at(mechanism, path), measured=True).read(value)
@@ -735,6 +943,4 @@ def rig_schema() -> dict[str, Any]:
     >>> sorted(rig_schema()["properties"])[:3]
     ['contact', 'data', 'estimates']
     """
-    from stickslip.data.rigs.schema import json_schema
-
-    return json_schema()
+    return schema.json_schema()

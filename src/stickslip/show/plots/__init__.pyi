@@ -1,10 +1,10 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.show.plots.animation.animation import animate as animate
-from stickslip.show.plots.animation.animation import animation_html as animation_html
-from stickslip.show.plots.animation.animation import draw_scene as draw_scene
-from stickslip.show.plots.animation.animation import encoder_of as encoder_of
-from stickslip.show.plots.animation.animation import frame_times as frame_times
-from stickslip.show.plots.animation.animation import picture_of as picture_of
+from stickslip.show.plots.animations import animate as animate
+from stickslip.show.plots.animations import animation_html as animation_html
+from stickslip.show.plots.animations import draw_scene as draw_scene
+from stickslip.show.plots.animations import encoder_of as encoder_of
+from stickslip.show.plots.animations import frame_times as frame_times
+from stickslip.show.plots.animations import picture_of as picture_of
 from stickslip.show.plots.axes import Sizes as Sizes
 from stickslip.show.plots.axes import horizon as horizon
 from stickslip.show.plots.axes import on_axes as on_axes
@@ -69,18 +69,16 @@ from stickslip.show.plots.runs import plot_run as plot_run
 from stickslip.show.plots.runs import plot_runs as plot_runs
 from stickslip.show.plots.studies import CYCLE_SIZES as CYCLE_SIZES
 from stickslip.show.plots.studies import EXCITATION_SIZES as EXCITATION_SIZES
-from stickslip.show.plots.studies import PROFILE_SIZES as PROFILE_SIZES
 from stickslip.show.plots.studies import VALIDATION_SIZES as VALIDATION_SIZES
 from stickslip.show.plots.studies import draw_cycles as draw_cycles
 from stickslip.show.plots.studies import draw_excitations as draw_excitations
 from stickslip.show.plots.studies import draw_fixed_steps as draw_fixed_steps
-from stickslip.show.plots.studies import draw_profile as draw_profile
+from stickslip.show.plots.studies import draw_optimum as draw_optimum
 from stickslip.show.plots.studies import draw_validation as draw_validation
 from stickslip.show.plots.studies import plot_band as plot_band
 from stickslip.show.plots.studies import plot_ensemble as plot_ensemble
-from stickslip.show.plots.studies import plot_front as plot_front
 from stickslip.show.plots.studies import plot_limit_cycle as plot_limit_cycle
-from stickslip.show.plots.studies import plot_profile as plot_profile
+from stickslip.show.plots.studies import plot_optimum as plot_optimum
 from stickslip.show.plots.studies import plot_validation as plot_validation
 from stickslip.show.plots.svg import Draw as Draw
 from stickslip.show.plots.svg import NARROW as NARROW
@@ -149,7 +147,7 @@ __all__ = [
     "draw_overview",
     "draw_pieces",
     "draw_presliding",
-    "draw_profile",
+    "draw_optimum",
     "draw_record",
     "draw_residuals",
     "draw_run",
@@ -174,13 +172,12 @@ __all__ = [
     "plot_fit",
     "plot_friction_map",
     "plot_friction_velocity",
-    "plot_front",
     "plot_joints",
     "plot_law",
     "plot_limit_cycle",
     "plot_measurement",
     "plot_presliding",
-    "plot_profile",
+    "plot_optimum",
     "plot_residuals",
     "plot_run",
     "plot_runs",

@@ -19,7 +19,7 @@ from stickslip.show.plots.axes import Panels, PanelTarget
 from stickslip.show.plots.fits import plot_fit, plot_verdict
 from stickslip.show.plots.measurements import plot_measurement, plot_trials
 from stickslip.show.plots.runs import plot_closed_loop, plot_run
-from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_profile, plot_validation
+from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_optimum, plot_validation
 from stickslip.show.plots.svg import standalone_svg
 from stickslip.show.plots.sweep_maps import plot_sweep, plot_velocity_band
 from stickslip.study import sweep
@@ -47,7 +47,7 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         sweep.OrbitDiagram: plot_sweep,
         sweep.Branch: plot_sweep,
         sweep.SensitivityIndices: plot_sweep,
-        Optimum: plot_profile,
+        Optimum: plot_optimum,
         Measurement: plot_measurement,
     }
 )

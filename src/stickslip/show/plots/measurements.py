@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Sequence
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from matplotlib.patches import Arc, Circle, Polygon, Rectangle
+from matplotlib.patches import Arc, Rectangle
 
 from stickslip import data
 from stickslip.errors import InputError, UnknownNameError
@@ -19,7 +19,8 @@ from stickslip.identify.fits import load_along
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.show.formatting import Scale, scale_of, unit_text
-from stickslip.show.plots import theme
+from stickslip.show.plots import scenes, theme
+from stickslip.show.plots.animations import artists_of
 from stickslip.show.plots.axes import Array, Panels, PanelTarget, Sizes, on_panels
 from stickslip.show.plots.laws import characteristic
 from stickslip.show.plots.svg import Draw, Size, inline_svg
@@ -359,33 +360,36 @@ def _shades() -> ListedColormap:
 
 
 # Sketches of the rig in its three readings, and schematics of rig and cart with their symbols.
+# Places are CSS px, upwards from the ground.
 
 SKETCH_SIZE: Final[Size] = (250, 84)
-GROUND: Final = 70.0
-BLOCK: Final = (40.0, 44.0)
-TURNS: Final = 5
 SCHEMATIC_SIZE: Final[Size] = (358, 220)
+BELOW: Final = MappingProxyType({SKETCH_SIZE: 14, SCHEMATIC_SIZE: 40})
+"""Room below the ground."""
+BLOCK: Final = (40.0, 44.0)
+AS_DRAWN: Final = scenes.Scales(metres=1.0, torque=1.0)
+"""Arrows are as long as their values."""
+
+
+def _on_ground(figure: Figure, size: Size, shapes: Sequence[scenes.Shape]) -> Axes:
+    """Return axes with shapes on the ground."""
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set_xlim(0, size[0])
+    axes.set_ylim(-BELOW[size], size[1] - BELOW[size])
+    axes.set_axis_off()
+    artists_of(axes, [scenes.Ground(), *shapes], {}, AS_DRAWN)
+    return axes
 
 
 def draw_sketch(kind: str, *, mass: str = "1 kg", force: str = "10 N") -> Draw:
     """Return a drawing of a rig."""
-    body = _BODIES[kind]
+    left, shapes = _BODIES[kind](force)
+    width, height = BLOCK
+    block = scenes.Box(left=left, bottom=0.0, width=width, height=height)
+    name = scenes.Word(at=(left + 0.5 * width, 0.5 * height - 4.0), text=mass, align="center")
 
     def draw(figure: Figure, _narrow: bool) -> None:
-        axes = figure.add_axes((0, 0, 1, 1))
-        axes.set_xlim(0, SKETCH_SIZE[0])
-        axes.set_ylim(SKETCH_SIZE[1], 0)  # as on a page: downwards
-        axes.set_axis_off()
-        _ground_line(axes, 8, 242, GROUND)
-        left = body(axes, force)
-        axes.add_patch(
-            Rectangle(
-                (left, GROUND - BLOCK[1]), *BLOCK, fill=False, edgecolor=theme.INK, linewidth=1.4
-            )
-        )
-        axes.text(
-            left + BLOCK[0] / 2, GROUND - BLOCK[1] / 2, mass, ha="center", va="center", fontsize=12
-        )
+        _on_ground(figure, SKETCH_SIZE, [*shapes, block, name])
 
     return draw
 
@@ -402,45 +406,37 @@ def sketch(kind: str, *, alt: str, prefix: str, mass: str = "1 kg", force: str =
     return inline_svg(draw, alt=alt, prefix=prefix, wide=SKETCH_SIZE, narrow=None)
 
 
-def _ground_line(axes: Axes, left: int, right: int, height: float) -> None:
-    for x in range(left + 6, right, 12):
-        axes.plot([x, x - 6], [height, height + 7], color=theme.MUTED, linewidth=0.8, alpha=0.6)
-    axes.plot([left, right], [height, height], color=theme.INK, linewidth=1.4)
+Body: TypeAlias = tuple[float, list[scenes.Shape]]
+"""Left side of the block, and what acts on it."""
 
 
-def _arrow(axes: Axes, force: str) -> float:
-    axes.plot([38, 82], [48, 48], color=theme.C2, linewidth=1.8, solid_capstyle="butt")
-    axes.add_patch(Polygon([(89, 48), (79, 43), (79, 53)], facecolor=theme.C2, edgecolor="none"))
-    axes.text(38, 36, force, va="center", fontsize=12)
-    return 90.0
+def _pushed(force: str) -> Body:
+    push = scenes.Arrow(at=(38.0, 22.0), along=(1.0, 0.0), value=50.0, role="friction")
+    return 90.0, [push, scenes.Word(at=(38.0, 32.0), text=force)]
 
 
-def _spring(axes: Axes, start: float, end: float, *, middle: float, bulge: float) -> None:
-    x = np.linspace(start, end, 2 * TURNS + 3)
-    turns = [middle + bulge * (-1) ** turn for turn in range(2 * TURNS + 1)]
-    axes.plot(x, [middle, *turns, middle], color=theme.INK, linewidth=1.4)
+def _spring(
+    wall: float, top: float, end: float, middle: float, radius: float
+) -> list[scenes.Shape]:
+    return [
+        scenes.Wall(start=(wall, 0.0), end=(wall, top)),
+        scenes.Coil(start=(wall, middle), end=(end, middle), radius=radius, turns=5),
+    ]
 
 
-def _held_spring(axes: Axes, end: float) -> None:
-    axes.plot([14, 14], [20, GROUND], color=theme.INK, linewidth=1.4)
-    _spring(axes, 14, end, middle=46, bulge=7)
+def _released(_force: str) -> Body:
+    speed = ((14.0, 194.0), (22.0, 204.0), (30.0, 194.0))
+    lines = [scenes.Rod(points=((160.0, y), (end, y)), width=1.0) for y, end in speed]
+    return 112.0, [*_spring(14.0, 50.0, 82.0, 24.0, 7.0), *lines]
 
 
-def _released(axes: Axes, _force: str) -> float:
-    _held_spring(axes, 82)
-    for y, length in ((40, 34), (48, 44), (56, 34)):
-        axes.plot([160, 160 + length], [y, y], color=theme.MUTED, linewidth=1.0)
-    return 112.0
+def _fixed(_force: str) -> Body:
+    joint = scenes.Ball(centre=(105.0, 24.0), radius=3.0, fill="solid")
+    return 108.0, [*_spring(14.0, 50.0, 104.0, 24.0, 7.0), joint]
 
 
-def _fixed(axes: Axes, _force: str) -> float:
-    _held_spring(axes, 104)
-    axes.plot([106], [46], "o", color=theme.INK, markersize=6)
-    return 108.0
-
-
-_BODIES: Final = MappingProxyType[str, Callable[[Axes, str], float]](
-    {"push": _arrow, "released-spring": _released, "fixed-spring": _fixed}
+_BODIES: Final = MappingProxyType[str, Callable[[str], Body]](
+    {"push": _pushed, "released-spring": _released, "fixed-spring": _fixed}
 )
 SKETCHES: Final = tuple(_BODIES)
 """The rigs that can be drawn."""
@@ -455,59 +451,50 @@ def schematic(kind: str, *, alt: str, prefix: str) -> str:
     '<svg'
     """
     body = _SCHEMATICS[kind]
-
-    def draw(figure: Figure, _narrow: bool) -> None:
-        axes = figure.add_axes((0, 0, 1, 1))
-        axes.set_xlim(0, SCHEMATIC_SIZE[0])
-        axes.set_ylim(SCHEMATIC_SIZE[1], 0)
-        axes.set_axis_off()
-        _ground_line(axes, 10, 348, 180)
-        body(axes)
-
-    return inline_svg(draw, alt=alt, prefix=prefix, wide=SCHEMATIC_SIZE, narrow=None)
-
-
-def _cart(axes: Axes) -> None:
-    pivot, ball = (150.0, 132.0), (84.0, 38.0)
-    axes.add_patch(Rectangle((94, 132), 112, 48, fill=False, edgecolor=theme.INK, linewidth=1.6))
-    axes.plot(
-        [pivot[0], pivot[0]],
-        [pivot[1], 30],
-        color=theme.MUTED,
-        linewidth=0.9,
-        linestyle=(0, (5, 4)),
+    return inline_svg(
+        lambda figure, _narrow: body(figure),
+        alt=alt,
+        prefix=prefix,
+        wide=SCHEMATIC_SIZE,
+        narrow=None,
     )
-    axes.plot([pivot[0], ball[0]], [pivot[1], ball[1]], color=theme.INK, linewidth=1.8)
-    axes.add_patch(Circle(ball, 14, facecolor=theme.INK, edgecolor=theme.INK))
-    axes.add_patch(
-        Circle(pivot, 4, facecolor=theme.SURFACE, edgecolor=theme.INK, linewidth=1.6, zorder=4)
-    )
-    axes.add_patch(Arc(pivot, 130, 130, theta1=235, theta2=270, color=theme.MUTED, linewidth=1.1))
-    axes.add_patch(Arc(pivot, 62, 62, theta1=275, theta2=30, color=theme.C4, linewidth=1.6))
-    _head(axes, (146.0, 101.0), (-1.0, 0.0), theme.C4)
-    _text(axes, 128, 58, "θ")
-    _text(axes, 104, 88, "l")
-    _text(axes, 60, 34, "m")
-    _text(axes, 150, 158, "M")
-    _text(axes, 196, 118, "τ", theme.C4)
-    _text(axes, 60, 168, "μ")
-    _arrow_to(axes, (264, 120), (324, 120), theme.C1)
-    _text(axes, 294, 106, "x", theme.C1)
-    _arrow_to(axes, (88, 190), (44, 190), theme.C2)
-    _text(axes, 66, 204, theme.symbol_label("F_f"), theme.C2)
-    _arrow_to(axes, (222, 180), (222, 132), theme.MUTED)
-    _text(axes, 234, 152, "N")
 
 
-def _rig(axes: Axes) -> None:
-    axes.plot([30, 30], [96, 180], color=theme.INK, linewidth=1.8)
-    for height in range(102, 184, 10):
-        axes.plot([30, 23], [height, height + 6], color=theme.MUTED, linewidth=0.8, alpha=0.6)
-    _spring(axes, 30, 110, middle=152, bulge=10)
-    axes.add_patch(Rectangle((110, 124), 58, 56, fill=False, edgecolor=theme.INK, linewidth=1.6))
+def _cart(figure: Figure) -> None:
+    pivot, ball = (150.0, 48.0), (84.0, 142.0)
+    shapes: list[scenes.Shape] = [
+        scenes.Box(left=94.0, bottom=0.0, width=112.0, height=48.0),
+        scenes.Rod(points=(pivot, ball), width=1.8),
+        scenes.Ball(centre=ball, radius=14.0, fill="solid"),
+        scenes.Ball(centre=pivot, radius=4.0),
+        scenes.Turn(centre=pivot, radius=31.0, value=1.0, role="drive"),
+    ]
+    axes = _on_ground(figure, SCHEMATIC_SIZE, shapes)
+    axes.plot([150, 150], [48, 150], color=theme.MUTED, linewidth=0.9, linestyle=(0, (5, 4)))
+    axes.add_patch(Arc(pivot, 130, 130, theta1=90, theta2=125, color=theme.MUTED, linewidth=1.1))
+    for x, y, name, colour in (
+        (128, 122, "θ", theme.INK),
+        (104, 92, "l", theme.INK),
+        (60, 146, "m", theme.INK),
+        (150, 22, "M", theme.INK),
+        (108, 58, "τ", theme.C4),
+        (60, 12, "μ", theme.INK),
+        (294, 74, "x", theme.C1),
+        (66, -24, theme.symbol_label("F_f"), theme.C2),
+        (234, 28, "N", theme.INK),
+    ):
+        _text(axes, x, y, name, colour)
+    _arrow(axes, (264, 60), (324, 60), theme.C1)
+    _arrow(axes, (88, -10), (44, -10), theme.C2)
+    _arrow(axes, (222, 0), (222, 48), theme.MUTED)
+
+
+def _rig(figure: Figure) -> None:
+    block = scenes.Box(left=110.0, bottom=0.0, width=58.0, height=56.0)
+    axes = _on_ground(figure, SCHEMATIC_SIZE, [*_spring(30.0, 84.0, 110.0, 28.0, 10.0), block])
     axes.add_patch(
         Rectangle(
-            (266, 124),
+            (266, 0),
             58,
             56,
             fill=False,
@@ -516,41 +503,30 @@ def _rig(axes: Axes) -> None:
             linestyle=(0, (5, 4)),
         )
     )
-    _text(axes, 139, 152, "m")
-    _text(axes, 70, 128, "K")
-    _arrow_to(axes, (172, 152), (216, 152), theme.C2)
-    _text(axes, 196, 138, "F = K x", theme.C2)
-    for left, right, height, name in ((110, 150, 104, "x"), (110, 266, 82, "s")):
+    _text(axes, 139, 28, "m")
+    _text(axes, 70, 52, "K")
+    _arrow(axes, (172, 28), (216, 28), theme.C2)
+    _text(axes, 196, 42, "F = K x", theme.C2)
+    for left, right, height, name in ((110, 150, 76, "x"), (110, 266, 98, "s")):
         for end in (left, right):
             axes.plot([end, end], [height - 7, height + 7], color=theme.MUTED, linewidth=0.8)
-        _arrow_to(axes, (left, height), (right, height), theme.C1)
-        _text(axes, (left + right) / 2, height - 13, name, theme.C1)
-    _text(axes, 60, 200, f"{theme.symbol_label('mu_d')}, {theme.symbol_label('mu_s')}")
+        _arrow(axes, (left, height), (right, height), theme.C1)
+        _text(axes, (left + right) / 2, height + 13, name, theme.C1)
+    _text(axes, 60, -20, f"{theme.symbol_label('mu_d')}, {theme.symbol_label('mu_s')}")
 
 
 def _text(axes: Axes, x: float, y: float, text: str, colour: str = theme.INK) -> None:
-    axes.text(x, y, text, ha="center", va="center", fontsize=13, style="italic", color=colour)
-
-
-def _arrow_to(
-    axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str
-) -> None:
-    way = np.subtract(end, start) / np.hypot(*np.subtract(end, start))
-    stop = np.subtract(end, 8 * way)
-    axes.plot([start[0], stop[0]], [start[1], stop[1]], color=colour, linewidth=1.6)
-    _head(axes, end, (float(way[0]), float(way[1])), colour)
-
-
-def _head(axes: Axes, tip: tuple[float, float], way: tuple[float, float], colour: str) -> None:
-    along = np.array(way) / np.hypot(*way)
-    across = np.array([-along[1], along[0]])
-    base = np.array(tip) - 9 * along
-    axes.add_patch(
-        Polygon([tip, base + 4 * across, base - 4 * across], facecolor=colour, edgecolor="none")
+    axes.text(
+        x, y, text, ha="center", va="center", fontsize=13, style="italic", color=colour, zorder=80
     )
 
 
-_SCHEMATICS: Final = MappingProxyType[str, Callable[[Axes], None]]({"cart": _cart, "rig": _rig})
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+    style = {"arrowstyle": "-|>", "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0, "color": colour}
+    axes.annotate("", end, start, arrowprops=style)
+
+
+_SCHEMATICS: Final = MappingProxyType[str, Callable[[Figure], None]]({"cart": _cart, "rig": _rig})
 """What is drawn with the symbols of the source paper."""
 
 

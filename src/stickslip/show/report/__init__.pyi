@@ -30,9 +30,6 @@ from stickslip.show.report.blocks import made_sections as made_sections
 from stickslip.show.report.blocks import render as render
 from stickslip.show.report.blocks import versions as versions
 from stickslip.show.report.blocks import write as write
-from stickslip.show.report.contacts import ContactsReport as ContactsReport
-from stickslip.show.report.contacts import contacts_page as contacts_page
-from stickslip.show.report.laws import characterization_page as characterization_page
 from stickslip.show.report.markup import formula_text as formula_text
 from stickslip.show.report.markup import inline as inline
 from stickslip.show.report.markup import label_of as label_of
@@ -42,9 +39,12 @@ from stickslip.show.report.markup import published_dict as published_dict
 from stickslip.show.report.markup import symbol as symbol
 from stickslip.show.report.markup import symbol_text as symbol_text
 from stickslip.show.report.markup import typeset as typeset
+from stickslip.show.report.runs import ContactsReport as ContactsReport
 from stickslip.show.report.runs import RunReport as RunReport
+from stickslip.show.report.runs import contacts_page as contacts_page
 from stickslip.show.report.runs import run_page as run_page
 from stickslip.show.report.shared_sections import candidates_heading as candidates_heading
+from stickslip.show.report.shared_sections import characterization_page as characterization_page
 from stickslip.show.report.shared_sections import identified_heading as identified_heading
 from stickslip.show.report.shared_sections import law_references as law_references
 from stickslip.show.report.shared_sections import opening as opening

@@ -5,31 +5,820 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Final, TypeAlias
+from typing import Any, ClassVar, Final, Literal, TypeAlias
 
 import numpy as np
 
+from stickslip.engine.simulation import simulate
+from stickslip.engine.solver import EventDriven
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import FrictionLaw, law_type, with_typical_values
 from stickslip.identify.fits import starting_law
-from stickslip.mechanisms import Mechanism
+from stickslip.maths import Latches
+from stickslip.mechanisms import Axis, Mechanism
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
+from stickslip.mechanisms.drives import Pulse, Ramp, Sine
 from stickslip.quantities import Quantity, fields_of
 from stickslip.show.display import InPanels, Summary
-from stickslip.show.formatting import capital, joined, number, unit_text
-from stickslip.study.characterization import presliding_tests, sliding_tests
-from stickslip.study.characterization.bench import Bench, Characteristic
+from stickslip.show.formatting import capital, joined, number, quantity, unit_text
+from stickslip.study.characterization.bench import (
+    Array,
+    Bench,
+    Characteristic,
+    presliding_length,
+    there_and_back,
+)
+
+# Tests before sliding: break-away by rate and dwell, drift, small loops.
+
+# The force at which a body breaks away: against how fast it grows, and how long it rested.
+
+RATES = (2.0 / 3.0, 4.0 / 3.0, 20.0 / 3.0, 20.0)
+"""Rates of force over break-away [1/s]."""
+DWELLS = (0.1, 1.0, 10.0, 100.0)
+"""Times at rest [s]."""
+FINE = 4001
+"""Times at which a peak is looked at."""
+PEAK_TOLERANCE = 0.01
+"""Share by which peaks have to differ to depend on anything."""
+MOST_STEPS = 100_000
+"""Steps after which a run with a rest is given up: some laws switch without end at rest."""
+LATE_FALL = 0.005
+"""Share of the largest force by which it has to fall after a peak."""
+GONE = 20.0
+"""Presliding lengths that a body slides before it rests, and after."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class BreakAway(Characteristic):
+    """Peaks of friction as a body breaks away."""
+
+    test: ClassVar[str] = "break-away"
+    title: ClassVar[str] = "Break-away"
+    columns: ClassVar[Mapping[str, str]] = {"rate": "N/s", "dwell": "s", "force": "N"}
+
+    rate: Array
+    """Rates at which the force grows (n,) [N/s]."""
+    force: Array
+    """Peak of friction at each rate (n,) [N]; NaN where friction has none."""
+    dwell: Array
+    """Times at rest (m,) [s]."""
+    force_after: Array
+    """Peak of friction after each (m,) [N]; NaN where friction has none, or switches without end at
+    rest."""
+
+    @property
+    def sentence(self) -> str:
+        if np.isnan(self.force).all():
+            return (
+                "Friction has no peak at break-away: the body creeps or deflects into sliding, and"
+                " no threshold is met."
+            )
+        peaked = ~np.isnan(self.force)
+        seen = self.force[peaked]
+        if np.ptp(seen) > PEAK_TOLERANCE * seen.max():
+            slow, fast = (quantity(self.rate[peaked][i], "N/s") for i in (0, -1))
+            verb = "falls" if seen[-1] < seen[0] else "rises"
+            by_rate = (
+                f"Break-away {verb} from {quantity(seen[0], 'N', 4)} at {slow} to"
+                f" {quantity(seen[-1], 'N', 4)} at {fast}: a static level measured by hand does"
+                " not hold for fast starts."
+            )
+        else:
+            by_rate = (
+                f"Break-away takes {quantity(seen.max(), 'N', 4)} however fast the force grows."
+            )
+        after = self.force_after[~np.isnan(self.force_after)]
+        if len(after) > 1 and np.ptp(after) > PEAK_TOLERANCE * after.max():
+            return (
+                f"{by_rate} It goes from {quantity(after[0], 'N')} after"
+                f" {quantity(self.dwell[0], 's')} at rest to {quantity(after[-1], 'N')} after"
+                f" {quantity(self.dwell[-1], 's')}."
+            )
+        return f"{by_rate} The time at rest does not matter." if len(after) else by_rate
+
+    def _values(self) -> Mapping[str, Array]:
+        """Return a row for each rate, then for each time at rest."""
+        return {
+            "rate": np.append(self.rate, np.full(len(self.dwell), np.nan)),
+            "force": np.append(self.force, self.force_after),
+            "dwell": np.append(np.full(len(self.rate), np.nan), self.dwell),
+        }
+
+
+def break_away(
+    bench: Bench, *, rates: Sequence[float] | None = None, dwells: Sequence[float] = DWELLS
+) -> BreakAway:
+    """Pull a body with forces that grow at several rates, and after several times at rest.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> [round(float(one), 6) for one in break_away(Bench(law=law), rates=(1.0, 30.0)).force]
+    [1.5, 1.5]
+    """
+    top = bench.force
+    rates = [top * rate for rate in RATES] if rates is None else rates
+    return BreakAway(
+        rate=np.array(rates, dtype=np.float64),
+        force=np.array([_pulled(bench, rate) for rate in rates]),
+        dwell=np.array(dwells, dtype=np.float64),
+        force_after=np.array([_rested(bench, dwell) for dwell in dwells]),
+        conditions=(
+            f"{quantity(bench.mass, 'kg')} pulled by a growing force; normal force"
+            f" {quantity(bench.load, 'N')}. After rest: moved at up to"
+            f" {quantity(0.1 * bench.speed, 'm/s')}."
+        ),
+    )
+
+
+def _pulled(bench: Bench, rate: float) -> float:
+    """Return the first peak of friction under a force that grows."""
+    if not bench.sticks:
+        return float("nan")
+    axis = Axis(inertia=bench.mass, drive=Ramp(rate=rate), load=bench.load)
+    run = simulate(bench.on(axis), bench.law, t_end=2.0 * bench.levels[1] / rate)
+    for event in run.events:
+        if event.reason == "break-away":
+            return float(rate * event.t)
+    return _first_peak(run, run.t)
+
+
+def _rested(bench: Bench, dwell: float) -> float:
+    """Return the peak of friction as a body goes on that was stopped."""
+    if not bench.sticks:
+        return float("nan")
+    way = GONE * bench.reach
+    speeds = (10.0 * bench.speed, 0.1 * bench.speed)
+    path, arrivals = there_and_back([way, 2.0 * way], speeds, [dwell, 0.0])
+    try:
+        run = simulate(
+            bench.guided(path),
+            bench.law,
+            t_end=arrivals[-1],
+            y0=bench.deflected(),
+            solver=EventDriven(max_steps=MOST_STEPS),
+        )
+    except SimulationError:
+        return float("nan")
+    again = arrivals[0] + dwell
+    for event in run.events:
+        if event.reason == "break-away" and event.t >= again:
+            return float(run.at([event.t])["pull"][0])
+    last = again + 0.5 * (arrivals[-1] - again)  # as far as the body is not slowed down
+    times = np.union1d(np.linspace(again, last, FINE), run.t[(run.t > again) & (run.t < last)])
+    return _first_peak(run, times[times <= run.span[1]])
+
+
+def _first_peak(run: Trajectory, times: Array) -> float:
+    """Return the first peak of friction at some times and between them; NaN if there is none."""
+    force = run.at(times)["friction"]
+    least = 1e-9 * np.abs(force).max()
+    inner = (force[1:-1] > force[:-2] + least) & (force[1:-1] >= force[2:])
+    # A peak counts only where friction falls below it later, by more than ripples do.
+    lowest_later = np.minimum.accumulate(force[::-1])[::-1][2:]
+    falls = lowest_later < force[1:-1] - LATE_FALL * np.abs(force).max()
+    found = np.flatnonzero(inner & falls)
+    if not len(found):
+        return float("nan")
+    i = int(found[0]) + 1
+    near = np.linspace(times[max(i - 2, 0)], times[min(i + 2, len(times) - 1)], FINE)
+    return float(run.at(near)["friction"].max())
+
+
+# Forces below the level of sliding that pulse: whether the body drifts.
+
+BIAS, RIPPLE, FREQUENCY = 0.5, 0.4, 10.0
+"""Constant and swinging part of the force over the lowest level; frequency [Hz]."""
+DRIFT_SETTLED, DRIFT_TIME, DRIFT_WINDOW = 2.0, 8.0, 0.5
+"""When drift begins to count, how long it counts, and over how long positions are means [s]."""
+DRIFT_SAMPLES = 2000
+FOREVER = 1e9
+DRIFT_TOLERANCE = 1e-3
+"""Drift over the presliding length that counts as none."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Drift(Characteristic):
+    """The motion of a body under a force that swings and never reaches break-away."""
+
+    test: ClassVar[str] = "drift"
+    title: ClassVar[str] = "Drift below break-away"
+    columns: ClassVar[Mapping[str, str]] = {"t": "s", "position": "m"}
+    over: ClassVar[str] = "t"
+
+    t: Array
+    """Times (n,) [s]."""
+    position: Array
+    """Position (n,) [m]."""
+    distance: float
+    """How far the mean position moves in the time that counts [m]."""
+    lasts: float
+    """That time [s]."""
+    length: float
+    """Displacement that counts as large here: the presliding length [m]."""
+    threshold: str
+    """What the load stays below."""
+
+    @property
+    def stays(self) -> bool:
+        """Whether the body stays in its place."""
+        return abs(self.distance) <= DRIFT_TOLERANCE * self.length
+
+    @property
+    def rate(self) -> float:
+        """Speed of the drift [m/s]."""
+        return self.distance / self.lasts
+
+    @property
+    def sentence(self) -> str:
+        if self.stays:
+            return "It does not drift: under a load below break-away the body stays in its place."
+        return (
+            f"It drifts: {quantity(abs(self.distance), 'm')} in {quantity(self.lasts, 's')} under a"
+            f" load that never reaches {self.threshold}."
+        )
+
+
+def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = None) -> Drift:
+    """Push a body with a constant force and a ripple that together stay below break-away.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=1.5, bristle_stiffness=1e5, viscous_coefficient=0.4)
+    >>> print(drift(Bench(law=law), bias=0.5, ripple=0.4).sentence)
+    It drifts: 0.616 mm in 8 s under a load that never reaches break-away.
+    """
+    low, high = bench.levels
+    bias = BIAS * low if bias is None else bias
+    ripple = RIPPLE * low if ripple is None else ripple
+    if not abs(bias) + abs(ripple) < high:
+        raise InputError(
+            f"bias and ripple must stay below {bench.threshold} at {quantity(high, 'N')}, got"
+            f" {quantity(bias, 'N')} and {quantity(ripple, 'N')}."
+        )
+    end = DRIFT_SETTLED + DRIFT_TIME
+    run = _pushed(bench, bias, ripple, end)
+    t = np.linspace(0.0, end, DRIFT_SAMPLES + 1)
+    return Drift(
+        t=t,
+        position=run.at(np.minimum(t, run.span[1]))["x"],
+        distance=_mean(run, end) - _mean(run, DRIFT_SETTLED),
+        lasts=DRIFT_TIME,
+        length=bench.reach,
+        threshold=bench.threshold,
+        conditions=(
+            f"{quantity(bench.mass, 'kg')} under {quantity(bias, 'N')} and a ripple of"
+            f" {quantity(ripple, 'N')} at {quantity(FREQUENCY, 'Hz')}; {bench.threshold}:"
+            f" {quantity(high, 'N')}."
+        ),
+    )
+
+
+def _pushed(bench: Bench, bias: float, ripple: float, end: float) -> Trajectory:
+    """Return the run of a body under a force and a ripple."""
+    force = Pulse(level=bias, duration=FOREVER) + Sine(amplitude=ripple, frequency=FREQUENCY)
+    axis = Axis(inertia=bench.mass, drive=force, load=bench.load)
+    return simulate(bench.on(axis), bench.law, t_end=end, y0=bench.deflected())
+
+
+def _mean(run: Trajectory, until: float) -> float:
+    """Return the mean position in the half second before a time."""
+    times = np.linspace(until - DRIFT_WINDOW, until, DRIFT_SAMPLES)
+    return float(run.at(np.minimum(times, run.span[1]))["x"].mean())
+
+
+# Small displacements to and fro: what deflects before it slips, and what it remembers.
+
+SLOW, SLOW_ENOUGH = 1e-4, 1e-2
+"""Highest speed on the path over the one at which friction changes, so that only the path matters:
+wanted, and allowed."""
+LONGEST_WAY = 100.0
+"""Time of a way as long as the amplitude for which the allowed speed is taken rather [s]."""
+BRIEFEST_WAY = 1.0
+"""The same of a contact that neither deflects nor holds, whose friction follows the speed alone:
+small smoothing velocities ask for so many steps that a longer way ends a run early [s]."""
+TURNS = (1.0, -1.0, 0.5, -0.25, 0.5, -1.0, 1.0)
+"""Where the path turns, over its amplitude; the inner loop goes from the third and back to it."""
+INNER = (0.8, 0.4, 0.8)
+"""The same on first loading, where the memory is tested, over the presliding length."""
+WAY_POINTS = 120
+"""Points on each way."""
+MEMORY_KEPT = 1e-3
+"""Change of the force after a closed inner loop, over break-away, from which it is one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Presliding(Characteristic):
+    """Friction along a slow path to and fro, with a closed inner loop."""
+
+    test: ClassVar[str] = "presliding"
+    title: ClassVar[str] = "Presliding and memory"
+    columns: ClassVar[Mapping[str, str]] = {"displacement": "m", "force": "N"}
+
+    displacement: Array
+    """Displacement (n,) [m]."""
+    force: Array
+    """Friction force (n,) [N]."""
+    reversals: Array
+    """Displacements at which the path turns (m,) [m]."""
+    length: float
+    """Displacement at which the first stiffness reaches break-away [m]; 0 if nothing deflects."""
+    change: float
+    """Force after a closed inner loop less the force before, on first loading [N]."""
+    memory: Literal["local", "non-local", "none"]
+    """Whether the force returns after a closed inner loop; none if nothing deflects."""
+    sticks: bool
+    """Whether some force leaves the body at rest."""
+
+    @property
+    def sentence(self) -> str:
+        if not self.sticks:
+            return (
+                "It neither deflects nor holds: at small velocities there is next to no friction,"
+                " so that reversals are smoother than measured ones."
+            )
+        if self.memory == "none":
+            return (
+                "It does not deflect: below break-away the contact is rigid, so that no force"
+                " springs back when a motion turns."
+            )
+        deflects = f"It deflects by some {quantity(self.length, 'm')} before it slides"
+        if self.memory == "non-local":
+            return (
+                f"{deflects}. After a closed inner loop the force is the one before: its memory is"
+                " non-local, as that of measured contacts is."
+            )
+        way = "less" if self.change < 0.0 else "more"
+        return (
+            f"{deflects}. After a closed inner loop the force is"
+            f" {quantity(abs(self.change), 'N')} {way} than before: its memory is local, so that"
+            " small swings on top of a motion are predicted wrongly."
+        )
+
+
+def presliding(
+    bench: Bench, *, amplitude: float | None = None, inner: tuple[float, float] | None = None
+) -> Presliding:
+    """Move the contact slowly along a path that turns, and test its memory.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=1.5, bristle_stiffness=1e5, viscous_coefficient=0.4)
+    >>> found = presliding(Bench(law=law), inner=(1.2e-5, 0.6e-5))
+    >>> found.memory, round(found.change, 3)
+    ('local', -0.292)
+    """
+    reach = 2.0 * bench.reach if amplitude is None else amplitude
+    wanted, allowed = SLOW * bench.speed, SLOW_ENOUGH * bench.speed
+    if amplitude is None and not (bench.law.states or bench.sticks):
+        reach = min(reach, BRIEFEST_WAY * allowed)
+    speed = min(max(wanted, reach / LONGEST_WAY), allowed) if bench.law.states else allowed
+    turns = reach * np.array(TURNS)
+    x, force = _followed(bench, turns, speed)
+    change = 0.0
+    memory: Literal["local", "non-local", "none"] = "none"
+    if bench.length > 0.0:
+        begins, to = inner or (INNER[0] * bench.length, INNER[1] * bench.length)
+        change = _changed(bench, begins, to, speed)
+        local = abs(change) > MEMORY_KEPT * bench.levels[1]
+        memory = "local" if local else "non-local"
+    return Presliding(
+        displacement=x,
+        force=force,
+        reversals=turns,
+        length=bench.length,
+        change=change,
+        memory=memory,
+        sticks=bench.sticks,
+        conditions=(
+            f"{quantity(reach, 'm')} to and fro at no more than {quantity(speed, 'm/s')}, normal"
+            f" force {quantity(bench.load, 'N')}."
+        ),
+    )
+
+
+def _followed(bench: Bench, turns: Array, speed: float) -> tuple[Array, Array]:
+    """Return displacement and friction along a path."""
+    path, arrivals = there_and_back([*turns], speed)
+    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
+    share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, WAY_POINTS))  # even steps of displacement
+    starts = np.concatenate([[0.0], arrivals[:-1]])
+    times = np.concatenate([a + (b - a) * share[1:] for a, b in zip(starts, arrivals, strict=True)])
+    times = np.union1d(times, run.t)  # steps end where a contact gives way
+    seen = run.at(np.minimum(times, run.span[1]))
+    return seen["x"], seen["friction"]
+
+
+def _changed(bench: Bench, begins: float, to: float, speed: float) -> float:
+    """Return by how much a closed inner loop changes the force."""
+    path, arrivals = there_and_back([begins, to, begins], speed)
+    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
+    before, after = run.at(np.minimum(arrivals[[0, 2]], run.span[1]))["friction"]
+    return float(after - before)
+
+
+# The battery: all tests of a law, and of several side by side.
+
+# Tests of sliding: steady friction, and the energy that it takes in a cycle.
+#
+# Passivity is searched for, not proved: cycles of motion at piecewise constant velocity are drawn,
+# the states of the law are followed through each by the method of Runge and Kutta, and the search
+# goes on around those in which friction takes the least energy.
+
+# Friction after long sliding at each velocity, and what the contact holds at rest.
+
+DECADES = 2
+"""Speeds are looked at so many decades below and above the one at which friction changes."""
+SEEN = 2.0
+"""Friction over the highest level, up to which they are looked at one decade farther."""
+SAMPLES = 201
+"""Speeds on each side."""
+FALL = 0.01
+"""Share of the force by which it has to fall for a drive to stick and slip."""
+ROUNDING = 1e-9
+"""Share of the force by which it has to fall, or to rise, to depend on speed."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SteadyCurve(Characteristic):
+    """The steady curve of a law."""
+
+    test: ClassVar[str] = "steady"
+    title: ClassVar[str] = "Steady sliding"
+    columns: ClassVar[Mapping[str, str]] = {"velocity": "m/s", "force": "N"}
+    over: ClassVar[str] = "velocity"
+
+    velocity: Array
+    """Slip velocity (n,) [m/s], from backwards to forwards; 0 is left out."""
+    force: Array
+    """Friction force (n,) [N]."""
+    break_away: tuple[float, float]
+    """Largest force at rest, backwards and forwards [N]."""
+    holds: bool
+    """Whether the body stays at rest under any smaller force."""
+
+    @property
+    def sentence(self) -> str:
+        ahead, back = (self._side(side) for side in (1, -1))
+        same = ahead == back
+        return ahead if same else f"Forwards: {_lower(ahead)} Backwards: {_lower(back)}"
+
+    def _side(self, side: int) -> str:
+        """Return what one direction of slip says."""
+        chosen = self.velocity * side > 0.0
+        speed, force = np.abs(self.velocity[chosen]), np.abs(self.force[chosen])
+        order = np.argsort(speed)
+        speed, force = speed[order], force[order]
+        rest = self.break_away[(side + 1) // 2]
+        if rest <= 0.0:
+            top = int(np.argmax(force >= 0.9 * force.max()))
+            return (
+                f"At rest it holds nothing: friction grows from 0 to {quantity(force[top], 'N')} at"
+                f" {quantity(speed[top], 'm/s')}, so that a body never sticks."
+            )
+        low = int(np.argmin(force))
+        start = max(rest, float(force[0]))
+        if force[low] < (1.0 - FALL) * start:
+            falls = force[0] >= (1.0 + FALL) * force[low]
+            where = f" at {quantity(speed[low], 'm/s')}" if falls else ""
+            what = "A drive that is soft can stick and slip"
+            rises = " and rises beyond" if force[-1] > (1.0 + FALL) * force[low] else ""
+            return (
+                f"Break-away takes {quantity(start, 'N')}, sliding {quantity(force[low], 'N')}"
+                f"{where}{rises}. {what}{' below this speed' if falls and rises else ''}."
+            )
+        begins = f"Break-away and slow sliding take {quantity(rest, 'N')}; friction"
+        steps = np.diff(force) / force.max()
+        if (steps < -ROUNDING).any():
+            most = quantity(speed[-1], "m/s")
+            return f"{begins} falls by no more than 1 % at speeds up to {most}."
+        how = "grows with" if force[-1] > (1.0 + ROUNDING) * force[0] else "does not depend on"
+        return f"{begins} {how} speed, so that steady sliding is stable."
+
+
+def steady_curve(bench: Bench) -> SteadyCurve:
+    """Return the steady curve of a law.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> print(steady_curve(Bench(law=law)).sentence)
+    Break-away takes 1.5 N, sliding 1 N. A drive that is soft can stick and slip.
+    """
+    law, load = bench.curve, bench.load
+    reach = 10.0**DECADES
+    farther = np.abs(law.steady(bench.speed * 10.0 * reach * np.array([-1.0, 1.0]), load))
+    slow = np.max(farther) <= SEEN * bench.levels[1]  # viscous friction is hardly seen before
+    speeds = bench.speed * np.geomspace(1.0 / reach, 10.0 * reach if slow else reach, SAMPLES)
+    velocity = np.concatenate([-speeds[::-1], speeds])
+    force = np.asarray(law.steady(velocity, load), dtype=np.float64) + np.zeros_like(velocity)
+    back, ahead = (float(law.towards(side).break_away(load)) for side in (-1, 1))
+    least, most = (quantity(speed, "m/s") for speed in speeds[[0, -1]])
+    return SteadyCurve(
+        velocity=velocity,
+        force=force,
+        break_away=(back, ahead),
+        holds=law.holds,
+        conditions=f"{least} to {most} both ways, normal force {quantity(load, 'N')}.",
+    )
+
+
+def _lower(text: str) -> str:
+    return text[0].lower() + text[1:]
+
+
+# Whether friction can return more work than it takes, and the motion in which it does.
+
+TRIED, KEPT, ROUNDS = 120, 8, 4
+"""Motions that the search begins with, those it goes on from, and how often it does."""
+AROUND, SPREAD = 6, 0.5
+"""Motions around each, and how far their speeds and ways scatter in the first round [ln 1]."""
+PIECES = 3
+"""Pieces of constant velocity of a motion."""
+CYCLE_SPEEDS = (1e-2, 1e2)
+"""Speeds of a motion over the one at which friction changes."""
+WAYS = (0.05, 4.0)
+"""Ways at one velocity over the presliding length."""
+ENERGY_CYCLES = 6
+"""Cycles until a motion repeats itself."""
+SEARCHED = 3
+"""The same in the search."""
+LENGTH_STEPS = 32
+"""Steps of Runge-Kutta for each presliding length."""
+FEWEST_STEPS = 64
+"""Steps of each piece at least."""
+CHECKED, FINER, AGREED = 10, 4, 1e-3
+"""Motions that are looked at with shorter steps, how much shorter these are, and how far their
+energies may differ, over break-away times presliding length."""
+SMALL = 1e-6
+"""Energy of a cycle over break-away times presliding length that counts as none."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Passivity(Characteristic):
+    """The least energy that a search found a cycle of motion to take."""
+
+    test: ClassVar[str] = "passivity"
+    title: ClassVar[str] = "Passivity"
+    columns: ClassVar[Mapping[str, str]] = {"velocity": "m/s", "duration": "s"}
+
+    worst: float
+    """Energy that friction takes in the worst cycle [J]; negative if it returns some."""
+    velocity: Array
+    """Velocities of that cycle (n,) [m/s]."""
+    duration: Array
+    """How long each lasts (n,) [s]."""
+    cycles: int
+    """Number of motions tried; 0 where none is needed."""
+    scale: float
+    """Break-away times presliding length [J]."""
+
+    @property
+    def passive(self) -> bool:
+        """Whether no motion was found that gains energy from friction."""
+        return self.worst >= -SMALL * self.scale
+
+    @property
+    def sentence(self) -> str:
+        if not self.passive:
+            motion = ", ".join(
+                f"{quantity(v, 'm/s')} for {quantity(t, 's')}"
+                for v, t in zip(self.velocity, self.duration, strict=True)
+            )
+            return (
+                f"It is not passive: friction returns {quantity(-self.worst, 'J')} in each cycle of"
+                f" {motion}; a proof of stability that takes friction as passive does not hold."
+            )
+        if not self.cycles:
+            return "It is passive at all speeds tried: friction acts against the velocity."
+        return (
+            f"No cycle of {self.cycles} that were tried gains energy from friction; this is no"
+            " proof that none does."
+        )
+
+
+def cycle_energy(
+    law: FrictionLaw,
+    velocity: Sequence[float] | Array,
+    duration: Sequence[float] | Array,
+    *,
+    load: float = 1.0,
+    cycles: int = ENERGY_CYCLES,
+    finer: int = 1,
+) -> Array:
+    """Return the energy that friction takes in a cycle of motion at piecewise constant velocity.
+
+    The states are followed by the equations of the law at these velocities, which no body of finite
+    mass can take on; the energy is that of the last cycle.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law; its states begin at 0.
+    velocity : sequence of float or array (n,) or (n, m)
+        Velocity of each piece, of one motion or of several [m/s].
+    duration : sequence of float or array (n,) or (n, m)
+        How long each piece lasts [s].
+    load : float
+        Normal force [N].
+    cycles : int
+        How often the motion is repeated.
+    finer : int
+        How many times shorter the steps are than usual.
+
+    Returns
+    -------
+    array (m,)
+        Energy [J]; negative if friction returns more than it takes.
+
+    Raises
+    ------
+    InputError
+        If velocities and durations do not belong together.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> float(cycle_energy(Coulomb(kinetic_coefficient=0.5), [0.1, -0.1], [1.0, 1.0])[0])
+    0.1
+    """
+    v, t = (np.atleast_2d(np.asarray(item, dtype=np.float64).T).T for item in (velocity, duration))
+    if v.shape != t.shape or not (t > 0.0).all():
+        raise InputError(
+            f"a cycle needs as many durations above 0 s as velocities, got {v.shape[0]} velocities"
+            f" and {t.shape[0]} durations."
+        )
+    # Without states friction follows from the velocity: no steps are needed.
+    if not law.states:
+        force = np.array([law.steady(item, load) for item in v]) + np.zeros_like(v)
+        return np.asarray((force * v * t).sum(axis=0))
+    length = presliding_length(law, load)
+    z = tuple(np.zeros(v.shape[1]) for _ in law.states)
+    flags = Latches(off=True)
+    for _ in range(cycles):
+        energy = np.zeros(v.shape[1])
+        for speed, lasts in zip(v, t, strict=True):
+            way = float(np.abs(speed * lasts).max()) / length
+            # So many steps for each presliding length, over which states relax.
+            count = finer * max(FEWEST_STEPS, int(np.ceil(LENGTH_STEPS * way)))
+            z, work = _moved(law, load, speed, lasts / count, count, z, flags)
+            energy = energy + work
+    return energy
+
+
+def _moved(
+    law: FrictionLaw,
+    load: float,
+    v: Array,
+    h: Array,
+    count: int,
+    z: tuple[Array, ...],
+    flags: Latches,
+) -> tuple[tuple[Array, ...], Array]:
+    """Return the states after some steps at constant velocities, and the work of friction."""
+
+    def rates(at: tuple[Array, ...]) -> tuple[Array, ...]:
+        with flags:
+            return tuple(np.asarray(rate) + np.zeros_like(v) for rate in law.rates(v, load, at))
+
+    def power(at: tuple[Array, ...]) -> Array:
+        with flags:
+            return np.asarray(law.force(v, load, at)) * v
+
+    def after(step: Array, by: tuple[Array, ...]) -> tuple[Array, ...]:
+        return tuple(array + step * rate for array, rate in zip(z, by, strict=True))
+
+    work = np.zeros_like(v)
+    before, k1 = power(z), rates(z)
+    for _ in range(count):
+        k2 = rates(after(0.5 * h, k1))
+        k3 = rates(after(0.5 * h, k2))
+        k4 = rates(after(h, k3))
+        start, first = z, k1
+        z = tuple(
+            array + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+            for array, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
+        )
+        k1 = rates(z)
+        half = tuple(  # of the cubic through both ends
+            0.5 * (a + b) + h / 8.0 * (c - d)
+            for a, b, c, d in zip(start, z, first, k1, strict=True)
+        )
+        now = power(z)
+        # Simpson's rule, with the state half-way.
+        work = work + h / 6.0 * (before + 4.0 * power(half) + now)
+        before = now
+        # Latches turn between steps only; rates are those of their new sides then.
+        if flags:
+            rates(z)
+            flags.turn()
+            before, k1 = power(z), rates(z)
+    return z, work
+
+
+def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
+    """Search for a cycle of motion in which friction returns more work than it takes.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> print(passivity(Bench(law=Coulomb(kinetic_coefficient=0.5))).sentence)
+    It is passive at all speeds tried: friction acts against the velocity.
+    """
+    law, load = bench.curve, bench.load
+    conditions = f"Normal force {quantity(load, 'N')}; velocities that jump and stay constant"
+    scale = bench.levels[1] * bench.reach
+    if not law.states:
+        speeds = bench.speed * np.geomspace(1e-4, 1e4, 401)
+        speeds = np.concatenate([-speeds, speeds])
+        power = (np.asarray(law.steady(speeds, load)) + np.zeros_like(speeds)) * speeds
+        gaining = speeds[[int(np.argmin(power))]] if power.min() < 0.0 else speeds[:0]
+        duration = bench.reach / np.abs(gaining)
+        return Passivity(
+            worst=float(sum(power.min() * duration)),
+            velocity=gaining,
+            duration=duration,
+            cycles=0,
+            scale=scale,
+            conditions=(
+                f"Normal force {quantity(load, 'N')}; steady curve up to"
+                f" {quantity(speeds[-1], 'm/s')}."
+            ),
+        )
+
+    def searched(speed: Array, way: Array) -> Array:
+        with np.errstate(all="ignore"):  # of motions that are too fast for the steps
+            found = cycle_energy(law, speed, way / np.abs(speed), load=load, cycles=SEARCHED)
+        return np.where(np.isfinite(found), found, np.inf)
+
+    random = np.random.default_rng(seed)
+    way, speed = (
+        size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, tried)))
+        for size, (low, high) in ((bench.reach, WAYS), (bench.speed, CYCLE_SPEEDS))
+    )
+    # The first half goes one way; in the rest each piece goes either way.
+    speed[:, tried // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, tried - tried // 2))
+    # slow, then too fast for the states to follow
+    speed[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0])
+    way[:, 0] = bench.reach * np.array([1.7, 1.2, 0.1])
+    energy = searched(speed, way)
+    count = tried
+    for n in range(ROUNDS):
+        best = np.argsort(energy)[:KEPT]
+        speed, way, energy = speed[:, best], way[:, best], energy[best]
+        spread = SPREAD / (n + 1)
+        near = [
+            np.repeat(array, AROUND, axis=1)
+            * np.exp(random.normal(scale=spread, size=(PIECES, KEPT * AROUND)))
+            for array in (speed, way)
+        ]
+        fastest = CYCLE_SPEEDS[1] * bench.speed
+        near = [np.clip(near[0], -fastest, fastest), np.minimum(near[1], WAYS[1] * bench.reach)]
+        count += KEPT * AROUND
+        energy = np.append(energy, searched(*near))
+        speed, way = (np.append(a, b, axis=1) for a, b in zip((speed, way), near, strict=True))
+    lasts = way / np.abs(speed)
+    # An energy that differs with the steps is an artefact: the next motion is looked at.
+    for i in np.argsort(energy)[:CHECKED]:
+        with np.errstate(all="ignore"):
+            worst, finer = (
+                float(cycle_energy(law, speed[:, i], lasts[:, i], load=load, finer=n)[0])
+                for n in (1, FINER)
+            )
+        if abs(worst - finer) <= AGREED * (scale + abs(finer)):
+            break
+    else:
+        raise SimulationError(
+            "The equations change too fast for the search: its energies differ with the steps."
+        )
+    return Passivity(
+        worst=worst,
+        velocity=speed[:, i],
+        duration=lasts[:, i],
+        cycles=count,
+        scale=scale,
+        conditions=f"{conditions}; energy of the last of {ENERGY_CYCLES} cycles.",
+    )
+
+
+# The battery: all tests of a law, and of several side by side.
 
 Given: TypeAlias = FrictionLaw | type[FrictionLaw] | str
 """A law, its type, or its name or composition."""
 
 TESTS: Final[Mapping[str, Callable[[Bench], Characteristic]]] = MappingProxyType(
     {
-        "steady": sliding_tests.steady_curve,
-        "presliding": presliding_tests.presliding,
-        "break-away": presliding_tests.break_away,
-        "drift": presliding_tests.drift,
-        "passivity": sliding_tests.passivity,
+        "steady": steady_curve,
+        "presliding": presliding,
+        "break-away": break_away,
+        "drift": drift,
+        "passivity": passivity,
     }
 )
 """The tests by name, in the order of pages."""
@@ -49,15 +838,15 @@ class Characterization(InPanels):
     """The law with the parameters that were tried."""
     load: float
     """Normal force [N]."""
-    steady: sliding_tests.SteadyCurve | None = None
+    steady: SteadyCurve | None = None
     """Friction after long sliding."""
-    presliding: presliding_tests.Presliding | None = None
+    presliding: Presliding | None = None
     """Loop of small displacements, and its memory."""
-    break_away: presliding_tests.BreakAway | None = None
+    break_away: BreakAway | None = None
     """Break-away against rate and rest."""
-    drift: presliding_tests.Drift | None = None
+    drift: Drift | None = None
     """Motion under a ripple below break-away."""
-    passivity: sliding_tests.Passivity | None = None
+    passivity: Passivity | None = None
     """Least energy of a cycle."""
     failed: Mapping[str, str] = field(default_factory=dict)
     """Why a test could not be made, by its name."""
@@ -247,8 +1036,8 @@ def _matched(law: FrictionLaw, first: FrictionLaw) -> tuple[FrictionLaw, str]:
         if value is not None:
             values[name] = float(value)
     # A level at rest may not lie below one that was matched above it.
-    for name, quantity in fields_of(type(law)).items():
-        least = quantity.at_least
+    for name, field_of_law in fields_of(type(law)).items():
+        least = field_of_law.at_least
         if least in values and name not in values and (own_value := getattr(law, name)) is not None:
             values[name] = max(float(own_value), values[least])
     words = dict.fromkeys(name.rpartition("ward_")[2].replace("_", " ") for name in values)

@@ -6,19 +6,19 @@ from collections.abc import Mapping as _Mapping
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
 from stickslip.quantities import Given as _Given
-from stickslip.study.control.controllers import FrictionCompensation as _FrictionCompensation
-from stickslip.study.control.controllers import Load as _Load
-from stickslip.study.control.controllers import PID as _PID
-from stickslip.study.control.controllers import PartialLinearisation as _PartialLinearisation
-from stickslip.study.control.controllers import Signal as _Signal
-from stickslip.study.control.controllers import compensation as compensation
 from stickslip.study.control.equations_of_motion import Dynamics as Dynamics
 from stickslip.study.control.equations_of_motion import dynamics_at as dynamics_at
 from stickslip.study.control.feedback_loop import ClosedLoop as ClosedLoop
 from stickslip.study.control.feedback_loop import Controller as Controller
 from stickslip.study.control.feedback_loop import Controller as _Controller
+from stickslip.study.control.feedback_loop import FrictionCompensation as _FrictionCompensation
 from stickslip.study.control.feedback_loop import LimitCycle as LimitCycle
+from stickslip.study.control.feedback_loop import Load as _Load
+from stickslip.study.control.feedback_loop import PID as _PID
+from stickslip.study.control.feedback_loop import PartialLinearisation as _PartialLinearisation
+from stickslip.study.control.feedback_loop import Signal as _Signal
 from stickslip.study.control.feedback_loop import closed_loop as closed_loop
+from stickslip.study.control.feedback_loop import compensation as compensation
 from stickslip.study.control.feedback_loop import limit_cycle as limit_cycle
 
 @dataclass(frozen=True, kw_only=True, init=False)

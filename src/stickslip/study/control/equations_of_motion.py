@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Viscous
-from stickslip.mechanisms import Mechanism, normal_of, slip_of
+from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.drives import Drive, PiecewiseAffine, Profile, Sampled
 from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
@@ -154,8 +154,6 @@ def every_place(mechanism: Mechanism) -> dict[str, Place]:
 # The equations of motion of a mechanism as numbers: M, h, the directions of friction and drive.
 
 TIME = Quantity("t", "s")
-ROUNDING = 1e-12
-"""Share of the largest that is none in the direction of a drive."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -232,45 +230,6 @@ class Dynamics(metaclass=Described):
         return total if self.contacts else total.item()
 
 
-class Evaluator:
-    """Evaluates accelerations and normal force of a mechanism, affine in friction and command."""
-
-    def __init__(self, mechanism: Mechanism, drive: str | None = None) -> None:
-        """Derive the equations; `drive` names what is commanded, as in `closed_loop`."""
-        from stickslip.engine.formulation import formulate
-        from stickslip.engine.kernels.state_layout import NUMBERS
-        from stickslip.engine.solver import Equations, gather
-
-        _refuse_prescribed(mechanism)
-        # A command of 0 makes room for commands among the drives' numbers.
-        none = Sampled(times=(0.0,), values=(0.0,))
-        mechanism, name = place_of(mechanism, drive).commanded(mechanism, none)
-        law = Viscous(viscous_coefficient=0.0)  # friction is given; any law will do
-        model = formulate(mechanism, law)
-        self.mechanism = mechanism
-        self.slip = mechanism.coordinates.index(slip_of(mechanism))
-        self._equations = Equations(model, gather(mechanism, law, model, 0.0))
-        self._place = NUMBERS + 3 * model.drives.index(name)
-
-    def __call__(self, t: float, state: Sequence[float]) -> Any:
-        """Return accelerations and normal force (3, n + 1): free, by friction, by command.
-
-        Row 0 is what is without both; the others are what a unit of each adds.
-        """
-        # All is affine in both: three evaluations tell everything.
-        rows = [self._at(t, state, *unit) for unit in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))]
-        found = np.array(rows)
-        found[1:] -= found[0]
-        return found
-
-    def _at(self, t: float, state: Sequence[float], friction: float, command: float) -> list[Any]:
-        equations = self._equations
-        equations.load_at(t)
-        equations.w[self._place] += command
-        n = len(self.mechanism.coordinates)
-        return equations("diagram", 0, 0, t, state, (friction,))[: n + 1]
-
-
 def _times(direction: Any, amount: Any) -> Any:
     """Return what an amount does along a direction, or several along their columns."""
     if np.ndim(direction) < 2:
@@ -278,17 +237,28 @@ def _times(direction: Any, amount: Any) -> Any:
     return np.asarray(direction) @ np.broadcast_to(amount, np.shape(direction)[-1:])
 
 
-class DynamicsOfContacts:
-    """Evaluates the equations of a mechanism with several contacts."""
+class Evaluator:
+    """Evaluates the equations of a mechanism, affine in frictions and commands, by their parts."""
 
-    def __init__(self, mechanism: Mechanism, drives: Sequence[str]) -> None:
-        """Derive them; any law will do, for friction is given."""
-        from stickslip.engine.formulation import formulate
+    def __init__(self, mechanism: Mechanism, places: Mapping[str, Place]) -> None:
+        """Derive them, with the drives at these places commanded."""
+        from stickslip.engine.formulation import contact_model
         from stickslip.engine.kernels.state_layout import NUMBERS
         from stickslip.engine.solver import Equations, gather
 
-        law = Viscous(viscous_coefficient=0.0)
-        self.model = model = formulate(mechanism, law)
+        if mechanism.guided():
+            raise InputError(
+                f"{type(mechanism).__name__} has a prescribed motion, whose effort is an output:"
+                " give it a torque or a force instead."
+            )
+        drives = []
+        for place in places.values():
+            # A command of 0 makes room for commands among the drives' numbers.
+            mechanism, name = place.commanded(mechanism, Sampled(times=(0.0,), values=(0.0,)))
+            drives.append(name)
+        self.mechanism = mechanism
+        law = Viscous(viscous_coefficient=0.0)  # friction is given; any law will do
+        self.model = model = contact_model(mechanism, law)
         self.equations = Equations(model, gather(mechanism, law, model, 0.0))
         self.places = [NUMBERS + 3 * model.drives.index(name) for name in drives]
 
@@ -329,7 +299,7 @@ class DynamicsOfContacts:
         forces, load = whole[at.FORCE], whole[at.LOAD]
         return np.array(w[forces : forces + n]), np.array(w[load : load + count])
 
-    def dynamics(self, mechanism: Mechanism, t: float, state: Sequence[float]) -> dict[str, Any]:
+    def __call__(self, t: float, state: Sequence[float]) -> dict[str, Any]:
         """Return the numbers of `Dynamics` in coordinates of the mechanism."""
         from stickslip.engine.kernels import state_layout as at
         from stickslip.engine.kernels.equations import factor_of
@@ -352,7 +322,7 @@ class DynamicsOfContacts:
         commands = [self.at(t, state, drive=d) for d in range(len(self.places))]
         # Back in coordinates of the mechanism: T^T M T and T^T h.
         return {
-            "coordinates": mechanism.coordinates,
+            "coordinates": self.mechanism.coordinates,
             "mass": turn.T @ mass @ turn,
             "forces": turn.T @ h,
             "friction_direction": turn.T @ slips,
@@ -417,65 +387,21 @@ def dynamics_at(
     5.886
     """
     t = TIME.check("dynamics_at", "t", t)
-    if len(mechanism.contacts()) > 1:
-        _refuse_prescribed(mechanism)
-        places = every_place(mechanism) if drive is None else places_of(mechanism, drive)
-        driven, names = mechanism, []
-        for place in places.values():
-            driven, name = place.commanded(driven, Sampled(times=(0.0,), values=(0.0,)))
-            names.append(name)
-        state = _states(q or {}, mechanism.coordinates) + _states(q_dot or {}, mechanism.rates)
-        found = DynamicsOfContacts(driven, names).dynamics(mechanism, t, state)
-        if isinstance(drive, str):
-            for name in ("command_direction", "normal_by_command"):
-                found[name] = found[name][:, 0]
-            return Dynamics(**found)
-        return Dynamics(**found, drives=tuple(places))
-    if drive is not None and not isinstance(drive, str):
-        named = list(places_of(mechanism, drive))
-        if len(named) > 1:
-            raise InputError(
-                f"dynamics_at takes one drive of a mechanism with one contact, got {named!r}."
-            )
-        (drive,) = named
-    evaluator = Evaluator(mechanism, drive)
-    state = _states(q or {}, mechanism.coordinates)
-    state += _states(q_dot or {}, mechanism.rates)
-    table = evaluator(t, state)
-    n = len(mechanism.coordinates)
-    mass = _mass(mechanism, state[:n])
-    # Forces are the mass matrix times the accelerations that they give.
-    free, driven = mass @ table[0, :n], mass @ table[2, :n]
-    return Dynamics(
-        coordinates=mechanism.coordinates,
-        mass=mass,
-        forces=free,
-        friction_direction=np.eye(n)[evaluator.slip],
-        command_direction=np.where(np.abs(driven) > ROUNDING * np.abs(driven).max(), driven, 0.0),
-        normal=float(table[0, n]),
-        normal_by_friction=float(table[1, n]),
-        normal_by_command=float(table[2, n]),
-    )
-
-
-def _refuse_prescribed(mechanism: Mechanism) -> None:
-    if mechanism.guided():
-        raise InputError(
-            f"{type(mechanism).__name__} has a prescribed motion, whose effort is an output:"
-            " give it a torque or a force instead."
-        )
-
-
-def _mass(mechanism: Mechanism, places: Sequence[float]) -> Any:
-    """Return the mass matrix: the second differences of the kinetic energy, which is quadratic."""
-    normal = normal_of(mechanism)
-    held = (*([] if normal is None else [normal]), *mechanism.held())
-    q = {**dict(zip(mechanism.coordinates, places, strict=True)), **dict.fromkeys(held, 0.0)}
-    still = dict.fromkeys(q, 0.0)
-
-    def energy(*moving: str) -> float:
-        rates = {name: still[name] + moving.count(name) for name in q}
-        return float(mechanism.kinetic_energy(q, rates))
-
-    names = mechanism.coordinates
-    return np.array([[energy(i, j) - energy(i) - energy(j) for j in names] for i in names])
+    several = len(mechanism.contacts()) > 1
+    every = several and drive is None
+    places = every_place(mechanism) if every else places_of(mechanism, drive)
+    evaluator = Evaluator(mechanism, places)
+    state = _states(q or {}, mechanism.coordinates) + _states(q_dot or {}, mechanism.rates)
+    found = evaluator(t, state)
+    single = not every and (drive is None or isinstance(drive, str))
+    if single:
+        for name in ("command_direction", "normal_by_command"):
+            found[name] = found[name][:, 0]
+    if not several:
+        found["friction_direction"] = found["friction_direction"][:, 0]
+        found["normal"] = float(found["normal"][0])
+        found["normal_by_friction"] = float(found["normal_by_friction"][0, 0])
+        by_command = found["normal_by_command"][0]
+        found["normal_by_command"] = float(by_command) if single else by_command
+        found["contacts"] = ()
+    return Dynamics(**found, drives=() if single else tuple(places))

@@ -1,529 +1,762 @@
-"""Searches for a motion: by CMA-ES with restarts, then polished with gradients.
+"""Optimisation of a mechanism that repeats a drive: any parameters, one objective or two.
 
-Covariance matrix adaptation finds the valley among many; sequential quadratic programming, with
-gradients from the sensitivities of runs, goes to its bottom.
+Each candidate is run from rest until its cycles repeat, and judged by its steady cycle
+(`steady_cycle`). Parameters lie between two ends each; where both are above 0 their logarithms are
+searched, so that a stiffness may range over decades.
+
+- One objective: covariance matrix adaptation by `cma`. A candidate within all limits is always
+  better than one beyond any; of those beyond, the one that exceeds less is better.
+- Two objectives: the non-dominated sorting genetic algorithm NSGA-II by `pymoo`, with the same
+  order of candidates beyond limits; the result is the front of all candidates that were tried.
+
+With scenarios, several laws or values of uncertain parameters, each objective is a quantile over
+them, and the limits hold in each.
+
+Sources: N. Hansen, The CMA Evolution Strategy: A Tutorial, arXiv:1604.00772; K. Deb, A. Pratap,
+S. Agarwal, T. Meyarivan, IEEE Trans. Evol. Comput. 6 (2002) 182-197; order beyond limits: K. Deb,
+Comput. Methods Appl. Mech. Eng. 186 (2000) 311-338.
 """
 
-import hashlib
-import json
-import os
-import tempfile
-from collections.abc import Callable, Sequence
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, ParameterError
-from stickslip.show.documents import regular_bytes, unwritable, write_file
-from stickslip.study.optimisation.parametrisation import Space
-from stickslip.study.optimisation.problem import (
-    FAILED,
-    UNIT_OF_BACK_SLIP,
-    Cycle,
-    Problem,
-    ScoredMotion,
-    motor_of,
-    slip_of_body,
+from stickslip.data import rig_toml
+from stickslip.engine.executors import check_executor
+from stickslip.engine.simulation import event_driven_law
+from stickslip.engine.trajectory import Trajectory
+from stickslip.errors import (
+    ConvergenceError,
+    InputError,
+    ParameterError,
+    UnknownNameError,
+    not_whole,
 )
+from stickslip.friction import Friction, FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.quantities import Quantity, all_paths, full_path, named, replaced, vary
+from stickslip.show.described import Described
+from stickslip.show.display import Tabular, require_library
+from stickslip.show.formatting import number, percent, quantity
+from stickslip.study.optimisation.steady_cycle import ACCELERATION, Cycle, measure, travelling
 
-# Search for a motion by CMA-ES, with restarts.
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
+Scenario: TypeAlias = Friction | Mapping[str, float]
+"""Another law, or other values of parameters by path."""
+Progress: TypeAlias = Callable[[int, int, float], object]
+"""Called with candidates tried, their total, and the best of the first objective or NaN."""
 
-Row: TypeAlias = tuple[float, float]
-"""Goal and violation of one motion."""
-FORM = "stickslip/profile-search/1"
-Told: TypeAlias = Callable[[str, int, int, float], object]
-"""Called with the search, evaluations done and in all, and the best goal within limits or NaN."""
-PRICE = 10.0
-"""Cost of breaking a limit by all of itself, over the best goal so far."""
-FIRST_WIDTH, LATER_WIDTH = 0.1, 0.3
-"""Widths of the first cloud around a start that is given, and around one that is not."""
-LOST = 2.0 * FAILED
-"""Violation of numbers that make no profile."""
+WIDTH = 0.25
+"""Standard deviation of the first candidates, over the range of a parameter."""
+ROUNDING = 1e-9
+"""Share of a limit by which it may be exceeded: a motion that just reaches it is rounded."""
+ENDED = 10.0
+"""Violation of a run that ended early, at its end; twice that at its beginning."""
+POPULATION = 40
+"""Candidates in a generation of two objectives."""
+SHOWN_CYCLES = 5
+"""Cycles of the run in the rig file."""
+GIVEN_LAW = "the given law"
+"""What objectives are taken over without scenarios."""
+QUANTILE = Quantity("quantile", low=0, high=1)
 
 
-class Memory:
-    """Goals and violations by search and generation; what a file has already is not run again.
+@dataclass(frozen=True, kw_only=True)
+class Goal(metaclass=Described):
+    """An objective."""
 
-    A search asks for the same motions again in the same order, so their results are all there is
-    to know: no random state is kept, and the file is plain JSON.
+    name: str
+    """Its name as an argument."""
+    title: str
+    """Its name in reports."""
+    sign: float
+    """1 where it is to be large, -1 where it is to be small."""
+    value: Callable[[Cycle], float] = field(repr=False)
+    """Its value of a steady cycle [SI]."""
+
+
+GoalName: TypeAlias = Literal["speed", "energy", "peak_force"]
+GOALS: Mapping[str, Goal] = {
+    goal.name: goal
+    for goal in (
+        Goal(name="speed", title="mean speed", sign=1.0, value=lambda cycle: cycle.speed),
+        Goal(name="energy", title="energy per travel", sign=-1.0, value=lambda cycle: cycle.energy),
+        Goal(
+            name="peak_force", title="peak force", sign=-1.0, value=lambda cycle: cycle.peak_force
+        ),
+    )
+}
+"""The objectives by name."""
+OF_CYCLES = ("load_share", "back_slip", "energy", "peak_force")
+"""What can be limited beside coordinates, rates, efforts and accelerations."""
+
+
+def units_of(mechanism: Mechanism, slip: str) -> dict[str, str]:
+    """Return the SI units of objectives and limits for a travel along a coordinate, by name.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule
+    >>> units = units_of(Capsule(capsule_mass=0.8, inner_mass=0.2), "x")
+    >>> units["energy"], units["xi_dot"], units["peak_force"]
+    ('J/m', 'm/s', 'N')
+    """
+    columns = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    length = columns[slip]
+    guided = mechanism.guided()
+    driven = [*guided] or [name for name in columns if name != slip] or [slip]
+    efforts = {guide.effort: guide.unit for guide in guided.values()}
+    force = "N m" if columns[driven[0]] == "rad" else "N"
+    found = {"speed": f"{length}/s", "energy": f"J/{length}", "back_slip": length}
+    found |= {"load_share": "1", "peak_force": force}
+    if guided:
+        found[ACCELERATION] = f"{columns[driven[0]]}/s^2"
+    rates = zip(mechanism.rates, mechanism.units, strict=True)
+    return found | columns | {rate: f"{unit}/s" for rate, unit in rates} | efforts
+
+
+@dataclass(frozen=True, kw_only=True)
+class Margin(metaclass=Described):
+    """The distance of a motion from a limit.
+
+    Examples
+    --------
+    >>> Margin(name="xi_dot", allowed=0.8, reached=0.7, unit="m/s").kept
+    True
+    """
+
+    name: str
+    """Which limit."""
+    allowed: float
+    """The limit [SI]."""
+    reached: float
+    """The extreme over the cycle, in the worst scenario [SI]."""
+    unit: str
+    """SI unit of both."""
+
+    @property
+    def excess(self) -> float:
+        """How far the limit is exceeded, over the limit itself; 0 if it is kept."""
+        beyond = self.reached - self.allowed
+        if self.name == "load_share":  # a least value
+            beyond = -beyond
+        share = beyond / abs(self.allowed) if self.allowed else beyond
+        return 0.0 if share <= ROUNDING else share
+
+    @property
+    def kept(self) -> bool:
+        """Whether the limit is kept."""
+        return self.excess == 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion(metaclass=Described):
+    """A candidate: values of the parameters, and what its steady cycle is like."""
+
+    parameters: Mapping[str, float]
+    """Values by full path [SI]."""
+    goals: Mapping[str, float]
+    """Objectives by name, over all scenarios [SI]; NaN where a run ended early."""
+    margins: tuple[Margin, ...]
+    """The limits; empty where a run ended early."""
+    cycles: tuple[Cycle, ...]
+    """The steady cycle of each scenario."""
+
+    @property
+    def violation(self) -> float:
+        """How far limits are exceeded, as a sum of shares; 0 if all are kept."""
+        ended = [ENDED * (2.0 - cycle.lasted) for cycle in self.cycles if cycle.lasted < 1.0]
+        unknown = [] if ended else [ENDED for v in self.goals.values() if not math.isfinite(v)]
+        return sum(ended) + sum(unknown) + sum(margin.excess for margin in self.margins)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether all scenarios keep all limits and have all objectives."""
+        return self.violation == 0.0
+
+    @property
+    def reason(self) -> str:
+        """Why it is not feasible, in words; empty if it is."""
+        for cycle in self.cycles:
+            if cycle.lasted < 1.0:
+                return f"its run stopped at {quantity(cycle.run.span[1], 's')}: {cycle.run.ending}"
+        if exceeded := [margin.name for margin in self.margins if not margin.kept]:
+            return f"exceeds {', '.join(exceeded)}"
+        return "" if self.feasible else "does not travel forward"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Optimum(Tabular):
+    """The best motion, or the front of motions of which none is better in both objectives."""
+
+    mechanism: Mechanism
+    """With the parameters of the first motion."""
+    law: FrictionLaw | Laws
+    """The law, with the parameters of the first motion."""
+    goals: tuple[Goal, ...]
+    """One objective or two."""
+    units: Mapping[str, str]
+    """SI unit of each objective."""
+    coordinate: str
+    """Coordinate of the travel."""
+    limits: Mapping[str, float]
+    """The limits that hold [SI]."""
+    scenarios: str
+    """What the objectives are taken over, in words."""
+    motions: tuple[Motion, ...]
+    """The best motion; with two objectives the front, the best in the first of them at the head."""
+    start: Motion
+    """The motion of the mechanism as given."""
+    run: Trajectory
+    """Certified run of the first motion with its law, from rest on."""
+    evaluations: int
+    """Candidates that were tried, each in every scenario."""
+    seed: int
+    """Seed of the random numbers."""
+    cancelled: bool
+    """Whether the search was stopped early."""
+
+    @property
+    def best(self) -> Motion:
+        """The first motion."""
+        return self.motions[0]
+
+    @property
+    def travel(self) -> tuple[str, str]:
+        """Names of the coordinate of the travel and of its rate."""
+        return slip_among(self.mechanism, self.coordinate, "optimise")
+
+    @property
+    def value(self) -> float:
+        """Its first objective [SI]."""
+        return self.best.goals[self.goals[0].name]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return numbers and texts, for JSON."""
+        return {
+            "goals": dict(self.units),
+            "limits": dict(self.limits),
+            "scenarios": self.scenarios,
+            "motions": [_content(motion) for motion in self.motions],
+            "start": _content(self.start),
+            "evaluations": self.evaluations,
+            "seed": self.seed,
+            "cancelled": self.cancelled,
+            "certified": self.run.certificate.certified,
+        }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each motion: objectives, then parameters [SI]."""
+        import pandas as pd
+
+        return pd.DataFrame([{**motion.goals, **motion.parameters} for motion in self.motions])
+
+    def _column_units(self) -> Mapping[str, str]:
+        return self.units
+
+    def to_toml(self) -> str:
+        """Return a rig file with the first motion, which `load_rig` and the command line read."""
+        titles = " and ".join(goal.title for goal in self.goals)
+        t_end = SHOWN_CYCLES * self.best.cycles[0].period
+        return rig_toml(self.mechanism, self.law, title=f"Best {titles}", t_end=t_end)
+
+    def __repr__(self) -> str:
+        shown = [
+            f"{goal.title} {quantity(self.best.goals[goal.name], self.units[goal.name], 5)}"
+            for goal in self.goals
+        ]
+        more = f" and {len(self.motions) - 1} more motions" if len(self.motions) > 1 else ""
+        lines = [f"<{', '.join(shown)}{more}"]
+        lines += [f"{path} = {number(value, 5)}" for path, value in self.best.parameters.items()]
+        lines += [
+            f"{m.name} {quantity(m.reached, m.unit, 5)} of {quantity(m.allowed, m.unit, 5)}"
+            for m in self.best.margins
+        ]
+        return "\n ".join(lines) + ">"
+
+
+def _content(motion: Motion) -> dict[str, Any]:
+    names = ("period", "travel", "work", "peak_force", "load_share", "back_slip", "repeats")
+    cycle = motion.cycles[0]
+    return {
+        "parameters": dict(motion.parameters),
+        "values": dict(motion.goals),
+        "feasible": motion.feasible,
+        "reason": motion.reason,
+        "margins": [dataclasses.asdict(margin) for margin in motion.margins],
+        "cycle": {name: getattr(cycle, name) for name in names},
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A mechanism with a law, parameters between their ends, objectives and limits."""
+
+    mechanism: Mechanism
+    law: FrictionLaw | Laws
+    slip: str
+    """Coordinate of the travel."""
+    ends: Mapping[str, tuple[float, float]]
+    """Lowest and highest value by full path."""
+    goals: tuple[Goal, ...]
+    limits: Mapping[str, float]
+    scenarios: tuple[FrictionLaw | Laws | Mapping[str, float], ...]
+    quantile: float | Literal["mean"]
+
+    def values(self, point: Array) -> dict[str, float]:
+        """Return the parameters at a point of the unit cube (n,)."""
+        found = {}
+        for (path, (low, high)), u in zip(self.ends.items(), np.clip(point, 0.0, 1.0), strict=True):
+            value = low * (high / low) ** u if low > 0.0 else low + (high - low) * u
+            found[path] = min(max(float(value), low), high)
+        return found
+
+    def place(self) -> Array:
+        """Return the point of the mechanism as given, moved into the cube."""
+        point = []
+        for (low, high), value in zip(self.ends.values(), self.present(), strict=True):
+            inside = min(max(value, low), high)
+            share = (inside - low) / (high - low)
+            point.append(math.log(inside / low) / math.log(high / low) if low > 0.0 else share)
+        return np.array(point)
+
+    def present(self) -> list[float]:
+        """Return the values of the parameters in the mechanism and the law as given."""
+        return [
+            float(value_at(self.mechanism if path.startswith("mechanism.") else self.law, path))
+            for path in self.ends
+        ]
+
+    def pairs(self, values: Mapping[str, float]) -> Iterator[tuple[Mechanism, FrictionLaw | Laws]]:
+        """Yield mechanism and law in each scenario."""
+        for scenario in self.scenarios:
+            others = scenario if isinstance(scenario, Mapping) else {}
+            law = self.law if isinstance(scenario, Mapping) else scenario
+            yield with_values(self.mechanism, law, {**values, **others})
+
+    def judge(self, point: Array) -> Motion:
+        """Run a candidate in all scenarios."""
+        return self.judged(self.values(point))
+
+    def judged(self, values: Mapping[str, float]) -> Motion:
+        """Run given values in all scenarios."""
+        cycles = tuple(
+            measure(mechanism, law, coordinate=self.slip) for mechanism, law in self.pairs(values)
+        )
+        ended = any(cycle.lasted < 1.0 for cycle in cycles)
+        goals = {
+            goal.name: math.nan if ended else self._over_scenarios(goal, cycles)
+            for goal in self.goals
+        }
+        margins = () if ended else tuple(self._margins(cycles))
+        return Motion(parameters=dict(values), goals=goals, margins=margins, cycles=cycles)
+
+    def _over_scenarios(self, goal: Goal, cycles: Sequence[Cycle]) -> float:
+        found = np.array([goal.value(cycle) for cycle in cycles])
+        if not np.isfinite(found).all():
+            return float(found[~np.isfinite(found)][0])
+        if self.quantile == "mean":
+            return float(found.mean())
+        share = self.quantile if goal.sign > 0.0 else 1.0 - self.quantile
+        return float(np.quantile(found, share))
+
+    def _margins(self, cycles: Sequence[Cycle]) -> Iterator[Margin]:
+        for name, allowed in self.limits.items():
+            reached = [
+                getattr(cycle, name) if name in OF_CYCLES else cycle.largest[name]
+                for cycle in cycles
+            ]
+            worst = min(reached) if name == "load_share" else max(reached)
+            unit = units_of(self.mechanism, self.slip)[name]
+            yield Margin(name=name, allowed=allowed, reached=worst, unit=unit)
+
+
+def value_at(root: object, path: str) -> Any:
+    """Return what stands at a full path.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> value_at(Coulomb(kinetic_coefficient=0.2), "friction.kinetic_coefficient")
+    0.2
+    """
+    for name in path.split(".")[1:]:
+        root = root[int(name)] if isinstance(root, tuple) else getattr(root, name)
+    return root
+
+
+def with_values(
+    mechanism: Mechanism, law: FrictionLaw | Laws, values: Mapping[str, float]
+) -> tuple[Mechanism, FrictionLaw | Laws]:
+    """Return mechanism and law with other values by full path, those in lists included."""
+    for path, value in values.items():
+        if path.startswith("friction."):
+            law = vary(law, "friction", {path: value})
+        elif path in all_paths(mechanism, "mechanism"):
+            mechanism = vary(mechanism, "mechanism", {path: value})
+        else:  # a number in a list, such as a position of a spline
+            mechanism = replaced(mechanism, "mechanism", path, value)
+    return mechanism, law
+
+
+def optimise(
+    mechanism: Mechanism,
+    law: Friction,
+    parameters: Mapping[str, tuple[float, float]],
+    *,
+    goals: GoalName | Sequence[GoalName] = "speed",
+    limits: Mapping[str, float] | None = None,
+    scenarios: Sequence[Scenario] | None = None,
+    quantile: float | Literal["mean"] = 0.05,
+    coordinate: str | None = None,
+    evaluations: int = 800,
+    seed: int = 0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Find the parameters with which a mechanism moves best in its steady cycle.
 
     Parameters
     ----------
-    path : str, Path or None
-        File of the memory; None keeps it in this process only.
-    subject : str
-        Text of the problem; a file that belongs to another one is refused.
+    mechanism : Mechanism
+        Its drives repeat themselves: a prescribed motion, a force such as `Sine` or `Square`.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        Law of friction, or laws by contact.
+    parameters : mapping
+        Lowest and highest value [SI] of what may change, by path:
+        ``{"drive.profile.fast": (5.0, 200.0), "upper_soft_stop.place": (1e-4, 3e-3)}``. Numbers in
+        a list have their place at the end: ``"drive.profile.positions.3"``.
+    goals : str or sequence of one or two str
+        ``"speed"`` (mean, to be large), ``"energy"`` (positive work of the drives over the travel,
+        to be small) or ``"peak_force"`` (of the drives, to be small).
+    limits : mapping, optional
+        Largest absolute values [SI] of coordinates, rates and efforts of prescribed motions by
+        name, such as ``{"xi": 0.01, "xi_dot": 0.8, "force": 8.0}``, of ``"acceleration"`` (of a
+        prescribed motion), ``"back_slip"`` [m per cycle], ``"energy"`` [J/m], ``"peak_force"``
+        [N]; and the least ``"load_share"``, the normal force over that at rest.
+    scenarios : sequence of FrictionLaw or mapping, optional
+        Laws in place of `law`, such as those that ``verdict.sample`` draws, or values of uncertain
+        parameters by path. Limits hold in each of them.
+    quantile : float or "mean"
+        Quantile of each objective over the scenarios, counted from the worst; 0 is the worst case.
+    coordinate : str, optional
+        Coordinate of the travel; the one along which contacts slip if not given.
+    evaluations : int
+        Candidates to try, rounded up to whole generations.
+    seed : int
+        Seed of the random numbers: the same seed gives the same result.
+    executor : concurrent.futures.Executor, optional
+        Where the candidates of a generation are run; here if not given. The result does not depend
+        on it.
+    progress : callable, optional
+        Called after each generation with the candidates tried, their total, and the best value of
+        the first objective, NaN without one. If it returns False, the best so far is the result.
+
+    Returns
+    -------
+    Optimum
+        The best motion, or with two objectives the front; never worse than the mechanism as given,
+        if that keeps the limits.
 
     Raises
     ------
     InputError
-        If the file cannot be read or written, or belongs to another problem.
+        If an argument cannot be used; with two objectives, if pymoo is not installed.
+    ParameterError
+        If a number is outside its range.
+    ConvergenceError
+        If no candidate keeps the limits.
 
     Examples
     --------
-    >>> memory = Memory(None, "one problem")
-    >>> memory.recall("spline", 0) is None
-    True
-    >>> memory.keep("spline", [(0.06, 0.0)])
-    >>> memory.recall("spline", 0)
-    [(0.06, 0.0)]
+    A force with a duty cycle drives an inner mass against a spring:
+
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.mechanisms import Torque
+    >>> from stickslip.mechanisms.drives import Square
+    >>> push = Torque(drive=Square(high=1.0, low=-1.0, period=0.1, duty=0.5))
+    >>> capsule = Capsule(capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, drive=push)
+    >>> best = optimise(
+    ...     capsule,
+    ...     Coulomb(kinetic_coefficient=0.2),
+    ...     {"drive.drive.duty": (0.1, 0.9), "drive.drive.period": (0.05, 0.3)},
+    ...     limits={"xi": 0.05},
+    ...     evaluations=40,
+    ... )
+    >>> best.best.feasible, best.value > best.start.goals["speed"]
+    (True, True)
     """
+    law = event_driven_law(mechanism, law)
+    check_executor(executor)
+    for name, value, least in (("evaluations", evaluations, 1), ("seed", seed, 0)):
+        if type(value) is not int or value < least:
+            raise ParameterError(not_whole(name, least, value))
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress must be callable (tried, total, best), got {progress!r}.")
+    slip, _ = slip_among(mechanism, coordinate or travelling(mechanism), "optimise")
+    problem = Problem(
+        mechanism=mechanism,
+        law=law,
+        slip=slip,
+        ends=_ends(mechanism, law, parameters),
+        goals=_goals(goals),
+        limits=_limits(units_of(mechanism, slip), limits or {}),
+        scenarios=_scenarios(mechanism, law, scenarios),
+        quantile=quantile
+        if quantile == "mean"
+        else QUANTILE.check("optimise", "quantile", quantile),
+    )
+    started = dict(zip(problem.ends, problem.present(), strict=True))
+    start = problem.judged(started)
+    _check_goals(problem, start)
+    search = _front if len(problem.goals) > 1 else _single
+    tried, cancelled = search(problem, evaluations, seed, executor, progress)
+    motions = _best([start, *tried], problem.goals)
+    if not motions:
+        raise ConvergenceError(
+            f"no motion keeps the limits among the {len(tried)} candidates tried (the mechanism as"
+            f" given: {start.reason}): widen limits or ranges, or increase evaluations."
+        )
+    best, found = with_values(mechanism, law, motions[0].parameters)
+    return Optimum(
+        mechanism=best,
+        law=found,
+        goals=problem.goals,
+        units={goal.name: units_of(mechanism, slip)[goal.name] for goal in problem.goals},
+        coordinate=slip,
+        limits=problem.limits,
+        scenarios=_words(problem),
+        motions=motions,
+        start=start,
+        run=measure(best, found, coordinate=slip).run,
+        evaluations=1 + len(tried),
+        seed=seed,
+        cancelled=cancelled,
+    )
 
-    def __init__(self, path: str | Path | None, subject: str) -> None:
-        if not (path is None or isinstance(path, (str, os.PathLike))):
-            raise InputError(f"state must be the path of a file, got {path!r}.")
-        self.path = None if path is None else Path(path)
-        self.digest = hashlib.sha256(subject.encode()).hexdigest()
-        self.searches: dict[str, list[list[Row]]] = {}
-        if self.path is not None and self.path.exists():
-            self.searches = self._read(self.path)
-        if self.path is not None:
-            _refuse_unwritable(self.path)
 
-    def recall(self, search: str, generation: int) -> list[Row] | None:
-        """Return what came of a generation, if that is known."""
-        known = self.searches.get(search, [])
-        return known[generation] if generation < len(known) else None
-
-    def keep(self, search: str, rows: Sequence[Row]) -> None:
-        """Add a generation; the file appears whole or not at all."""
-        self.searches.setdefault(search, []).append(list(rows))
-        if self.path is not None:
-            content = {"form": FORM, "problem": self.digest, "searches": self.searches}
-            write_file(self.path, json.dumps(content))
-
-    def _read(self, path: Path) -> dict[str, list[list[Row]]]:
+def _ends(
+    mechanism: Mechanism, law: FrictionLaw | Laws, given: Mapping[str, tuple[float, float]]
+) -> dict[str, tuple[float, float]]:
+    """Return the ends by full path, checked against the ranges of the parameters."""
+    if not isinstance(given, Mapping) or not given:  # type: ignore[redundant-expr]  # by users
+        raise InputError(f"parameters must map paths to (low, high), at least one, got {given!r}.")
+    known = known_paths(mechanism, law)
+    found = {}
+    for name, pair in given.items():
+        path = full_path(name, known)
         try:
-            content: Any = json.loads(regular_bytes(path))
-            if content["form"] != FORM:
-                raise KeyError
-            found = {
-                str(name): [[(float(a), float(b)) for a, b in rows] for rows in generations]
-                for name, generations in content["searches"].items()
-            }
-            digest = content["problem"]
-        except OSError as error:
-            raise InputError(f"{path} cannot be read: {error.strerror}.") from error
-        except (AttributeError, KeyError, RecursionError, TypeError, ValueError):
+            low, high = (float(end) for end in pair)
+        except (TypeError, ValueError):
+            raise InputError(f"parameters[{name!r}] must be (low, high), got {pair!r}.") from None
+        if not -math.inf < low < high < math.inf:
+            raise InputError(f"parameters[{name!r}] must increase, got {low:g} to {high:g}.")
+        for end in (low, high):
+            known[path].check("optimise", path, end)
+        if value_at(mechanism if path.startswith("mechanism.") else law, path) is None:
             raise InputError(
-                f"{path} is not the saved state of a profile search: name another file, or remove"
-                " it."
-            ) from None
-        if digest != self.digest:
-            raise InputError(
-                f"{path} is the saved state of another search (different mechanism, law, goal,"
-                " limit, seed, number of evaluations, or version): repeat the same request, or"
-                " name another file."
+                f"{path} has no value yet: give it one in the mechanism to begin with."
             )
-        return found
-
-
-def _refuse_unwritable(path: Path) -> None:
-    """Say at once what writing would only say after the first generation."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
-    except OSError as error:
-        raise unwritable(path, error) from error
-
-
-@dataclass(frozen=True, kw_only=True)
-class SearchResult:
-    """Where a search ended."""
-
-    best: tuple[Array, ...]
-    """The best point within all limits of each lap that met one, the best of all first."""
-    evaluations: int
-    """Motions tried."""
-    cancelled: bool
-    """Whether it was ended early."""
-
-
-class _Laps:
-    """The best point of each lap, and the price of what is broken."""
-
-    def __init__(self) -> None:
-        self.points: dict[int, Array] = {}
-        self.goals: dict[int, float] = {}
-        self.largest = 0.0
-
-    def add(self, lap: int, points: Sequence[Array], rows: Sequence[Row]) -> None:
-        """Look at a generation."""
-        for point, (goal, broken) in zip(points, rows, strict=True):
-            self.largest = max(self.largest, abs(goal))
-            if broken <= 0.0 and goal > self.goals.get(lap, -np.inf):
-                self.points[lap], self.goals[lap] = point, goal
-
-    @property
-    def top(self) -> float:
-        """Best goal within limits, or NaN."""
-        return max(self.goals.values(), default=float("nan"))
-
-    def costs(self, rows: Sequence[Row]) -> list[float]:
-        """Return what the evolution strategy is told; it looks at their order only."""
-        # In units of the best goal, or of the largest while none is within the limits.
-        scale = self.top if self.top > 0.0 else self.largest or 1.0
-        return [PRICE * broken - goal / scale for goal, broken in rows]
-
-    def found(self, evaluations: int, *, cancelled: bool) -> SearchResult:
-        """Return where the search ended."""
-        order = sorted(self.goals, key=lambda lap: -self.goals[lap])
-        best = tuple(self.points[lap] for lap in order)
-        return SearchResult(best=best, evaluations=evaluations, cancelled=cancelled)
-
-
-class _Normal:
-    """Standard normal numbers of their own, so that nothing else shifts them."""
-
-    def __init__(self, seed: int) -> None:
-        self._draw = np.random.default_rng(seed)
-
-    def __call__(self, *shape: int) -> Any:
-        return self._draw.standard_normal(shape)
-
-
-def search(
-    problem: Problem,
-    space: Space,
-    start: Array | None,
-    *,
-    name: str,
-    budget: int,
-    seed: int,
-    memory: Memory,
-    watch: Told | None,
-    executor: Executor | None = None,
-) -> SearchResult:
-    """Search until the budget is used up, starting again where the cloud has shrunk.
-
-    Motions that break limits cost what they break beside their goal, so that the search may come
-    from outside; the best is chosen among those that break none.
-    """
-    laps, done, generation = _Laps(), 0, 0
-    if start is not None:  # a cloud hardly meets its own middle
-        rows = _rows(problem, space, [start], name, memory, generation, executor)
-        laps.add(-1, [start], rows)
-        done, generation = 1, 1
-    for lap in range(budget):
-        cloud = _cloud(space, start if lap == 0 else None, seed, lap)
-        while done < budget and not cloud.stop():
-            points = [np.asarray(point, dtype=np.float64) for point in cloud.ask()]
-            rows = _rows(problem, space, points, name, memory, generation, executor)
-            laps.add(lap, points, rows)
-            cloud.tell(points, laps.costs(rows))
-            done, generation = done + len(rows), generation + 1
-            if watch is not None and watch(name, done, budget, laps.top) is False:
-                return laps.found(done, cancelled=True)
-        if done >= budget:
-            break
-    return laps.found(done, cancelled=False)
-
-
-def _rows(
-    problem: Problem,
-    space: Space,
-    points: Sequence[Array],
-    name: str,
-    memory: Memory,
-    generation: int,
-    executor: Executor | None,
-) -> Sequence[Row]:
-    """Return what comes of a generation, from memory if it is there."""
-    rows = memory.recall(name, generation)
-    if rows is None:
-        run = map if executor is None else executor.map
-        rows = list(run(partial(_row, problem, space), points))
-        memory.keep(name, rows)
-    return rows
-
-
-def _row(problem: Problem, space: Space, point: Array) -> Row:
-    """Return goal and violation of a point."""
-    judged = judged_at(problem, space, point)
-    return (0.0, LOST) if judged is None else (judged.value, judged.violation)
-
-
-def judged_at(problem: Problem, space: Space, point: Array) -> ScoredMotion | None:
-    """Return what comes of a point, None where it makes no profile."""
-    try:
-        profile = space.profile(point)
-    except ParameterError:
-        return None
-    return problem.judge(profile)
-
-
-def _cloud(space: Space, start: Sequence[float] | Array | None, seed: int, lap: int) -> Any:
-    """Return a new evolution strategy within the cube; later ones are larger."""
-    import cma
-
-    # Far apart, so that laps of one seed are not those of the next.
-    own = seed + 1_000_003 * lap
-    if start is None:
-        middle = np.full(space.size, 0.5)
-        start = middle if lap == 0 else np.random.default_rng(own).uniform(0.1, 0.9, space.size)
-        width = LATER_WIDTH
-    else:
-        width = FIRST_WIDTH
-    # Each lap has twice as many points, up to eight times as many: larger clouds see past narrow
-    # valleys.
-    usual = 8 + int(3.0 * np.log(space.size))
-    options = {
-        "bounds": [0.0, 1.0],
-        "popsize": usual * 2 ** min(lap, 3),
-        "randn": _Normal(own),
-        "seed": np.nan,  # leaves NumPy's global state alone
-        "tolfun": 1e-6,
-        "tolx": 1e-6,
-        "verbose": -9,
-    }
-    return cma.CMAEvolutionStrategy(np.asarray(start), width, options)
-
-
-# Polishing of a motion by sequential quadratic programming, with gradients from sensitivities.
-
-At: TypeAlias = Callable[[Array], ScoredMotion | None]
-"""Runs the motion at a point."""
-
-NUDGE = 1e-4
-"""Half width of differences in the cube."""
-SMALL = 1e-6
-"""The same for numbers that no run stands behind."""
-ROUNDS, BACK = 40, 15
-"""Rounds of a quadratic programme towards the goal, and of one back within the limits."""
-LAPS = 2
-"""How often both are done."""
-SPARE = (1e-4, 1e-3, 5e-3)
-"""Shares of the limits that are left free on the back-slip, the next where one did not do."""
-GAIN = 1e-3
-"""Relative gain of a lap below which there is no next one."""
-BROKEN = -10.0
-"""What is left of the limits where a motion cannot be gone through."""
-LAST = 1e-12
-"""Relative improvement at which the quadratic programme stops."""
-
-
-def polish(
-    problem: Problem, space: Space, start: Array, *, budget: int, watch: Told | None = None
-) -> tuple[Array | None, int]:
-    """Improve a point; return the best within limits, if one was met, and the motions tried.
-
-    These are no more than the budget, slopes by differences included.
-    """
-    steps = _Steps(problem, space, budget, watch)
-    first = steps.at(start)
-    if first is None or not first.margins:
-        return None, steps.evaluations
-    steps.count = len(steps.left(start))
-    steps.scale = abs(first.value) or 1.0
-    point = start
-    try:
-        for _ in range(LAPS):
-            before = steps.top
-            point = steps.towards_goal(point)
-            for spare in SPARE:
-                back = steps.back_within(point, spare)
-                judged = steps.at(back)
-                if judged is not None and judged.feasible:
-                    break
-            if steps.best is None or steps.top - before <= GAIN * abs(steps.top):
-                break
-            point = steps.best
-    except _EndedError:
-        pass
-    return steps.best, steps.evaluations
-
-
-class _EndedError(Exception):
-    """Somebody wants the best so far, or the budget is used up."""
-
-
-@dataclass
-class _Steps:
-    """Runs of a polish, each made once."""
-
-    problem: Problem
-    space: Space
-    budget: int
-    watch: Told | None
-    known: dict[bytes, ScoredMotion | None] = field(default_factory=dict)
-    count: int = 0
-    scale: float = 1.0
-    best: Array | None = None
-    top: float = -np.inf
-
-    @property
-    def evaluations(self) -> int:
-        """Motions tried."""
-        return len(self.known)
-
-    def at(self, u: Array) -> ScoredMotion | None:
-        """Return what comes of a point, moved into the cube."""
-        u = np.clip(u, 0.0, 1.0)
-        key = u.tobytes()
-        if key not in self.known:
-            if self.evaluations >= self.budget:
-                raise _EndedError
-            judged = judged_at(self.problem, self.space, u)
-            self.known[key] = judged
-            if judged is not None and judged.feasible and judged.value > self.top:
-                self.best, self.top = u, judged.value
-            answer = (
-                None if self.watch is None else self.watch("polish", self.evaluations, 0, self.top)
-            )
-            if answer is False:
-                raise _EndedError
-        return self.known[key]
-
-    def towards_goal(self, start: Array) -> Array:
-        """Return where a quadratic programme leads; its ways are often just outside the limits."""
-        return self._solve(
-            lambda u: -self.goal(u) / self.scale,
-            lambda u: -self.slope(u) / self.scale,
-            start,
-            spare=0.0,
-            rounds=ROUNDS,
-        )
-
-    def back_within(self, start: Array, spare: float) -> Array:
-        """Return a point within the limits as close as can be."""
-        return self._solve(
-            lambda u: 0.5 * float((u - start) @ (u - start)),
-            lambda u: u - start,
-            start,
-            spare=spare,
-            rounds=BACK,
-        )
-
-    def _solve(
-        self,
-        cost: Callable[[Array], float],
-        slope: Callable[[Array], Array],
-        start: Array,
-        *,
-        spare: float,
-        rounds: int,
-    ) -> Array:
-        from scipy.optimize import minimize
-
-        found = minimize(
-            cost,
-            start,
-            jac=slope,
-            bounds=[(0.0, 1.0)] * self.space.size,
-            constraints=[
-                {"type": "ineq", "fun": lambda u: self.left(u) - spare, "jac": self.left_slopes}
-            ],
-            method="SLSQP",
-            options={"maxiter": rounds, "ftol": LAST},
-        )
-        return np.asarray(np.clip(found.x, 0.0, 1.0))
-
-    def goal(self, u: Array) -> float:
-        return _value(self.at(u))
-
-    def slope(self, u: Array) -> Array:
-        judged = self.at(u)
-        if judged is None or not judged.margins:
-            return np.zeros(self.space.size)
-        return goal_gradient(self.problem, self.space, np.clip(u, 0.0, 1.0), judged, self.at)
-
-    def left(self, u: Array) -> Array:
-        """Return what is left of each limit, in each stretch and scenario, as a share of it."""
-        judged = self.at(u)
-        if judged is None or not judged.margins:
-            return np.full(self.count, BROKEN)
-        return np.concatenate([self._left_of(cycle) for cycle in judged.cycles])
-
-    def _left_of(self, cycle: Cycle) -> Array:
-        parts = [np.array([SPARE[-1] if cycle.repeats else -FAILED])]
-        for name, allowed in self.problem.limits.given().items():
-            reached = cycle.peaks.get(name, np.array([getattr(cycle, name)]))
-            left = reached - allowed if name == "load_share" else allowed - reached
-            parts.append(left / (1.0 if name == "load_share" else allowed or UNIT_OF_BACK_SLIP))
-        return np.concatenate(parts)
-
-    def left_slopes(self, u: Array) -> Array:
-        """Return the slopes of what is left (limits, size), by differences."""
-        return _differences(self.left, np.clip(u, 0.0, 1.0), NUDGE)
-
-
-def _differences(function: Any, u: Array, nudge: float) -> Array:
-    """Return central differences within the cube, one-sided at its faces."""
-    columns = []
-    for i in range(len(u)):
-        above, below = u.copy(), u.copy()
-        above[i], below[i] = min(1.0, u[i] + nudge), max(0.0, u[i] - nudge)
-        rise = np.asarray(function(above)) - np.asarray(function(below))
-        columns.append(rise / (above[i] - below[i]))
-    return np.stack(columns, axis=-1)
-
-
-def goal_gradient(
-    problem: Problem, space: Space, u: Array, judged: ScoredMotion, at: At | None = None
-) -> Array:
-    """Return the slopes of the goal in the cube (size,).
-
-    Travel and period come from the sensitivities of the runs and from the profile; the work of the
-    motor, and all of it where a kind of motion has no sensitivities, from differences, whose
-    motions `at` runs, so that they are counted.
-    """
-    seen: At = (lambda v: judged_at(problem, space, v)) if at is None else at
-    if not space.paths(u):
-        return _differences(lambda v: _value(seen(v)), u, NUDGE)
-    values = problem.values(judged.cycles)
-    weights = problem.scenarios.weights(values)
-    found = np.zeros(space.size)
-    for k in np.flatnonzero(weights):
-        found += weights[k] * _slope_of(problem, space, u, judged.cycles[k], int(k), seen)
+        found[path] = (low, high)
     return found
 
 
-def _value(judged: ScoredMotion | None) -> float:
-    return 0.0 if judged is None else judged.value
+def known_paths(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, Quantity]:
+    """Return all parameters by full path, numbers in lists of a motion profile included.
 
-
-def _slope_of(problem: Problem, space: Space, u: Array, cycle: Cycle, k: int, at: At) -> Array:
-    """Return the slopes of the goal of one scenario."""
-    travel = travel_gradient(problem, space, u, cycle)
-    if problem.goal.name == "travel":
-        return travel
-    if problem.goal.name == "speed":
-        period = _differences(lambda v: float(space.profile(v).period), u, SMALL)
-        return (travel - cycle.travel / cycle.period * period) / cycle.period
-
-    def work(v: Array) -> float:
-        judged = at(v)
-        return cycle.work if judged is None or not judged.margins else judged.cycles[k].work
-
-    slope = _differences(work, u, NUDGE)
-    return np.asarray((travel - cycle.travel / cycle.work * slope) / cycle.work)
-
-
-def travel_gradient(problem: Problem, space: Space, u: Array, cycle: Cycle) -> Array:
-    """Return the slopes of the travel of a cycle in the cube (size,).
-
-    The ends of the cycle move with the period, so that the velocity there counts too.
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> list(known_paths(Axis(inertia=1.0), Coulomb(kinetic_coefficient=0.2)))[0]
+    'mechanism.inertia'
     """
-    x = slip_of_body(problem.mechanism)
-    v = problem.mechanism.rates[problem.mechanism.coordinates.index(x)]
-    names = list(space.paths(u))
-    ends = [cycle.begin, cycle.run.span[1]]
-    seen = cycle.run.at(ends)
-    assert seen.differentiate is not None
-    motor = motor_of(problem.mechanism)
-    paths = [f"mechanism.{motor}.profile.{name}" for name in names]
-    slopes = seen.differentiate(seen.t, paths)[:, seen.states.index(x), :]
-    moved = _differences(lambda w: list(space.paths(w).values()), u, SMALL)
-    period = _differences(lambda w: float(space.profile(w).period), u, SMALL)
-    # Ends lie at whole numbers of periods, and move with the period.
-    counts = np.round(np.array(ends) / cycle.period)
-    at_ends = slopes @ moved + np.outer(seen[v] * counts, period)
-    return np.asarray(at_ends[1] - at_ends[0])
+    found = all_paths(mechanism, "mechanism") | all_paths(law, "friction")
+    if "rad" not in mechanism.units:  # profiles and motors of what moves along a line
+        for path, quantity in found.items():
+            if quantity.or_unit and ("rad" in quantity.unit or "N m" in quantity.unit):
+                found[path] = dataclasses.replace(quantity, unit=quantity.or_unit, or_unit="")
+    for path in [*found]:
+        owner, _, _ = path.rpartition(".")
+        if owner == "mechanism" or not owner.startswith("mechanism."):
+            continue
+        for name, value in vars(value_at(mechanism, owner)).items():
+            if isinstance(value, tuple) and all(isinstance(item, float | int) for item in value):
+                found |= {f"{owner}.{name}.{k}": Quantity(name) for k in range(len(value))}
+    return found
+
+
+def _goals(given: GoalName | Sequence[GoalName]) -> tuple[Goal, ...]:
+    names = (given,) if isinstance(given, str) else tuple(given)
+    if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
+        raise InputError(f"goals must be one or two of {', '.join(GOALS)}, got {given!r}.")
+    if len(names) > 1:
+        require_library("pymoo", "optimise", "give one goal, and limits for the other")
+    return tuple(named(GOALS, name, "goal") for name in names)
+
+
+def _scenarios(
+    mechanism: Mechanism, law: FrictionLaw | Laws, given: Sequence[Scenario] | None
+) -> tuple[FrictionLaw | Laws | Mapping[str, float], ...]:
+    """Return the scenarios, paths of parameters in full; mappings of contacts are laws."""
+    if given is None:
+        return ({},)
+    if isinstance(given, Mapping | str) or not len(given):
+        raise InputError(
+            f"scenarios must be friction laws or values by path, at least one, got {given!r}."
+        )
+    known = known_paths(mechanism, law)
+    found: list[FrictionLaw | Laws | Mapping[str, float]] = []
+    for scenario in given:
+        if isinstance(scenario, Mapping) and all(
+            isinstance(v, float | int) for v in scenario.values()
+        ):
+            found.append(
+                {
+                    full_path(path, known): float(value)  # type: ignore[arg-type]  # no laws here
+                    for path, value in scenario.items()
+                }
+            )
+        else:
+            found.append(event_driven_law(mechanism, scenario))
+    return tuple(found)
+
+
+def _words(problem: Problem) -> str:
+    if problem.scenarios == ({},):
+        return GIVEN_LAW
+    share = problem.quantile
+    which = "mean" if share == "mean" else f"{percent(share)} quantile" if share else "worst"
+    return f"the {which} of {len(problem.scenarios)} scenarios"
+
+
+def _limits(units: Mapping[str, str], given: Mapping[str, float]) -> dict[str, float]:
+    """Return the limits, checked."""
+    known = [name for name in units if name != "speed"]
+    for name, value in given.items():
+        if name not in known:
+            raise UnknownNameError("limit", name, known)
+        Quantity(name, units[name], low=0).check("optimise", f"limits[{name!r}]", value)
+    return {name: float(value) for name, value in given.items()}
+
+
+def _check_goals(problem: Problem, start: Motion) -> None:
+    """Refuse objectives that the drives of the mechanism do not have."""
+    needs = {"energy", "peak_force"} & ({goal.name for goal in problem.goals} | {*problem.limits})
+    if needs and any(c.lasted == 1.0 and math.isnan(c.peak_force) for c in start.cycles):
+        raise InputError(
+            f"{' and '.join(sorted(needs))}: the drives of {type(problem.mechanism).__name__} exert"
+            " no force of their own that could be measured; use 'speed', or drive it by a force"
+            " or a prescribed motion."
+        )
+
+
+def _evaluated(
+    problem: Problem, points: Sequence[Array], executor: Executor | None
+) -> list[Motion]:
+    run = map if executor is None else executor.map
+    return list(run(partial(Problem.judge, problem), points))
+
+
+def _told(
+    progress: Progress | None, tried: Sequence[Motion], total: int, goals: tuple[Goal, ...]
+) -> bool:
+    """Report; return whether the search goes on."""
+    if progress is None:
+        return True
+    best = _best(tried, goals[:1])
+    value = best[0].goals[goals[0].name] if best else math.nan
+    return progress(len(tried), total, value) is not False
+
+
+def _single(
+    problem: Problem,
+    evaluations: int,
+    seed: int,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> tuple[list[Motion], bool]:
+    """Return what covariance matrix adaptation tried, and whether it was stopped."""
+    import cma
+
+    normal = np.random.default_rng(seed).standard_normal
+    options = {
+        "bounds": [0.0, 1.0],
+        "randn": lambda *shape: normal(shape),
+        "seed": np.nan,  # leaves the global state of NumPy alone
+        "maxfevals": evaluations,
+        "verbose": -9,
+    }
+    strategy = cma.CMAEvolutionStrategy(problem.place(), WIDTH, options)
+    tried: list[Motion] = []
+    while not strategy.stop():
+        points = [np.asarray(point, dtype=np.float64) for point in strategy.ask()]
+        motions = _evaluated(problem, points, executor)
+        tried += motions
+        costs = [_costs(motion, problem.goals)[0] for motion in motions]
+        known = [_costs(motion, problem.goals)[0] for motion in tried if motion.feasible]
+        worst = max(known, default=0.0)  # beyond limits is worse than anything within
+        beyond = [0.0 if motion.feasible else worst + motion.violation for motion in motions]
+        strategy.tell(points, np.add(costs, beyond))
+        if not _told(progress, tried, evaluations, problem.goals):
+            return tried, True
+    return tried, False
+
+
+def _front(
+    problem: Problem,
+    evaluations: int,
+    seed: int,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> tuple[list[Motion], bool]:
+    """Return what NSGA-II tried, and whether it was stopped."""
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.core.evaluator import Evaluator
+    from pymoo.core.problem import Problem as Searched
+    from pymoo.problems.static import StaticProblem
+
+    size = len(problem.ends)
+    searched = Searched(n_var=size, n_obj=2, n_ieq_constr=1, xl=np.zeros(size), xu=np.ones(size))
+    first = np.random.default_rng(seed).uniform(size=(min(POPULATION, evaluations), size))
+    first[0] = problem.place()
+    algorithm = NSGA2(pop_size=len(first), sampling=first)
+    algorithm.setup(searched, seed=seed, verbose=False)
+    tried: list[Motion] = []
+    while len(tried) < evaluations:
+        candidates = algorithm.ask()
+        motions = _evaluated(problem, list(candidates.get("X")), executor)
+        tried += motions
+        costs = np.array([_costs(motion, problem.goals) for motion in motions])
+        violations = np.array([[motion.violation] for motion in motions])
+        known = StaticProblem(searched, F=costs, G=violations)
+        Evaluator().eval(known, candidates)
+        algorithm.tell(infills=candidates)
+        if not _told(progress, tried, evaluations, problem.goals):
+            return tried, True
+    return tried, False
+
+
+def _costs(motion: Motion, goals: tuple[Goal, ...]) -> list[float]:
+    """Return objectives, all to be small; 0 for motions beyond limits, which do not count."""
+    return [-goal.sign * motion.goals[goal.name] if motion.feasible else 0.0 for goal in goals]
+
+
+def _best(motions: Sequence[Motion], goals: tuple[Goal, ...]) -> tuple[Motion, ...]:
+    """Return the feasible motions that no other exceeds in all objectives, ordered by the first."""
+    feasible = [motion for motion in motions if motion.feasible]
+    ranked = sorted(feasible, key=lambda motion: _costs(motion, goals))
+    front: list[Motion] = []
+    for motion in ranked:
+        if not front or (len(goals) > 1 and _costs(motion, goals)[1] < _costs(front[-1], goals)[1]):
+            front.append(motion)
+    return tuple(front)

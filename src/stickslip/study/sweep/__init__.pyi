@@ -30,12 +30,12 @@ from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
-from stickslip.study.sweep.refit import ParameterAgreement as ParameterAgreement
-from stickslip.study.sweep.refit import Refit as Refit
-from stickslip.study.sweep.refit import compare_estimates as compare_estimates
+from stickslip.study.sweep.validation import ParameterAgreement as ParameterAgreement
+from stickslip.study.sweep.validation import Refit as Refit
 from stickslip.study.sweep.validation import ValidatedRecord as ValidatedRecord
 from stickslip.study.sweep.validation import ValidatedTravel as ValidatedTravel
 from stickslip.study.sweep.validation import Validation as Validation
+from stickslip.study.sweep.validation import compare_estimates as compare_estimates
 from stickslip.study.sweep.validation import validate as validate
 
 __all__ = [

@@ -1,1 +1,0 @@
-"""Pictures that move: frames, encoders and scenes of each mechanism."""
