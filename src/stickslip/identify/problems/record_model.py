@@ -863,8 +863,8 @@ class RecordModel(Model):
     def _followed(self, search: Posterior, node: Node) -> Node | None:
         """Let the length of a bristle follow the level; return the new node, or None.
 
-        The level is that of the best law with one, less what is linear in the speed at the top,
-        which is viscous: a length that follows it would act as inertia.
+        The level is that of the best law with one, and of the curve what is not linear in the speed
+        at the top, which is viscous: a length that follows it would act as inertia.
         """
         bristle, frame = self.memory(node), self.frame
         if bristle.length <= SHORT * frame.noise:
@@ -876,22 +876,24 @@ class RecordModel(Model):
         part = (np.abs(state) < PART) & (np.abs(rows.velocity) > frame.low / 3.0)
         speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
         speed = max(speed, frame.low)
-        ratio = self._ratio(search, node, speed)
-        if ratio is None:
-            return None
         old = search.value(node)
 
-        def look(length: float) -> float:
+        def look(length: float, ratio: Array) -> float:
             self.memories.append(Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed))
             return search.value((*node[:-2], len(self.memories) - 1, 0))
 
+        ratios = [*self._ratios(search, node, speed)]
+        if not ratios:
+            return None
+        ratio = max(ratios, key=lambda one: look(bristle.length, one))
+
         factors = np.array(FOLLOWING if bristle.ratio is None else AGAIN)
-        values = [look(bristle.length * x) for x in factors]
+        values = [look(bristle.length * x, ratio) for x in factors]
         k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
         bend = np.polyfit(np.log(factors[k - 1 : k + 2]), values[k - 1 : k + 2], 2)
         step = -bend[1] / (2.0 * bend[0]) if bend[0] < 0.0 else math.log(factors[np.argmax(values)])
         length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
-        new = look(length)
+        new = look(length, ratio)
         width = 0.1
         if bend[0] < 0.0:
             width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
@@ -917,8 +919,8 @@ class RecordModel(Model):
         self.memories = memories
         self.balance.forget(memories)
 
-    def _ratio(self, search: Posterior, node: Node, speed: float) -> Array | None:
-        """Return the level at the knots over that at a speed (k,)."""
+    def _ratios(self, search: Posterior, node: Node, speed: float) -> Iterator[Array]:
+        """Yield levels at the knots over those at a speed (k,): of the law, and with the curve."""
         weights = search.weights[search.nodes.index(node)]
         fits = [
             k
@@ -927,22 +929,21 @@ class RecordModel(Model):
             and not any(name in BESIDE_LEVELS for name, _ in law)
         ]
         if not fits:
-            return None
+            return
         law = search.structures[max(fits, key=lambda k: weights[k])]
         c, b = search.estimate(node, law)
         design = self.design(*self.key(node))
-        speeds = np.exp(self.frame.knots)
-        level = self.plain(node, b[:, None])[design.groups == "common", 0]
+        speeds, through = np.exp(self.frame.knots), sum(self.frame.transmitted[1:2])
+        curve = self.plain(node, b[:, None])[design.groups == "common", 0]
+        fast = speeds > 0.2 * speeds[-1]
+        curve = curve - np.polyfit(speeds[fast], curve[fast], 1)[0] * speeds
+        level, flat = np.zeros_like(speeds), np.ones_like(speeds)
         for one, x in zip(law, c, strict=True):
             if one[0] in LEVELS:
-                flat, through = np.ones_like(speeds), sum(self.frame.transmitted[1:2])
-                level = level + x * law_column(one, speeds, flat, 0.0, through)
-        fast = speeds > 0.2 * speeds[-1]
-        level = level - np.polyfit(speeds[fast], level[fast], 1)[0] * speeds
-        if not np.all(level > 0.2 * np.median(level)) or np.median(level) <= 0.0:
-            return None
-        at = math.log(speed)
-        return np.asarray(level / np.interp(at, self.frame.knots, level))
+                level += x * law_column(one, speeds, flat, 0.0, through)
+        for own in (level, level + curve):
+            if np.all(own > 0.2 * np.median(own)) and np.median(own) > 0.0:
+                yield own / np.interp(math.log(speed), self.frame.knots, own)
 
     # ---- other cutoffs
     def _widen(self, node: Node) -> list[Node]:

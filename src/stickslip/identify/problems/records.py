@@ -1,6 +1,7 @@
 """Records of one coordinate as a problem of the judgement: curves, readings, laws, findings."""
 
 import copy
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -379,11 +380,12 @@ class RecordProblem(Problem):
         """Return the families on which curves are projected, with their structures."""
         known = self.model.families
         laws: dict[Family, list[Structure]] = {}
-        for law, _ in laws_of(self._grid, [one for one in known if one]):
-            laws.setdefault(family_of(law), []).append(law)
-        for one in self.model.structures:
+        every = (law for law, _ in laws_of(self._grid, [one for one in known if one]))
+        for one in itertools.chain(every, filter(None, self.posterior.structures)):
             if is_own(one):
                 laws[family_of(one)] = [one]
+            else:
+                laws.setdefault(family_of(one), []).append(one)
         if self.families is not None:
             named = {parts_of(one) or one for one in self.families}
             laws = {family: some for family, some in laws.items() if family in named}
