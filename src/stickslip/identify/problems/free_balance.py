@@ -25,9 +25,8 @@ from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip.identify.posterior import Array, Family
+from stickslip.identify.posterior import COEFFICIENT, Array, Family
 from stickslip.identify.problems.free_runs import (
-    COEFFICIENT,
     Candidate,
     FreeMotion,
     Motion,
@@ -63,7 +62,10 @@ LEAST_PART = 0.02
 LEAST_SCATTER = 0.3
 """Least scatter of rows over that by which noise of the readings moves them."""
 SEEN = (0.04, 0.98)
-"""Quantiles of the speed between which it was seen."""
+"""Quantiles of the speed between which it was seen: by time where that tells friction, else by the
+way, along which friction works."""
+TOLD_BY_TIME = 4.0
+"""Slowest speed that was seen over that below which nothing is told, where time tells friction."""
 KNOWN_SPEED = 3.0
 """Part of the slowest seen speed down to which what no law says is free."""
 TURNED = 0.1
@@ -271,13 +273,21 @@ class FreeBalance:
     def __init__(self, records: Sequence[Record], form: str) -> None:
         self.each = [FreeRecord(one, form) for one in records]
         self.speed = np.abs(np.concatenate([one.velocity for one in self.each]))
-        slowest, fastest = np.quantile(self.speed, SEEN).tolist()
+        self.goes_on = form == "momentum"
+        slowest, fastest = self.passed(np.array(SEEN)).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
+        self.dim = self.slowest / (TOLD_BY_TIME if self.goes_on else 1.0)
         self.y = np.concatenate([one.response / one.noise for one in self.each])
         ones = [1.0 / one.noise for one in self.each]
         zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]
         self.base = np.hstack([block_diag(*(one[:, None] for one in x)) for x in (ones, zeros)])
         self._taken: dict[tuple[str, tuple[float, ...]], Array] = {}
+
+    def passed(self, parts: Array) -> Array:
+        """Return the speeds (n,) below which friction does parts of its work, or acts, (n,)."""
+        speed = np.sort(self.speed)
+        path = np.cumsum(np.ones_like(speed) if self.goes_on else speed)
+        return np.asarray(speed[np.searchsorted(path, path[-1] * parts)])
 
     def column(self, name: str, shape: tuple[float, ...]) -> Array:
         """Return what a part of a law takes until the rows, over their noise."""
@@ -388,6 +398,7 @@ class FreeBalance:
             fastest=self.fastest,
             fixed=self.fixed,
             unseen=tuple(unseen),
+            dim=self.dim,
         )
 
 
