@@ -188,6 +188,21 @@ class FreeMotionProblem(Problem):
         widths = np.mean(np.sqrt(left), axis=1) / np.mean(np.sqrt(own))
         return tuple(widths.tolist())
 
+    def metric(self, places: SteadyRows, allowed: Array) -> tuple[SteadyRows, Array]:
+        """Return the knots with a root of the precision that the readings give friction there.
+
+        What friction takes along the way is known far better than friction at any speed.
+        """
+        motion = self.model.motion
+        order = np.argsort(motion.knots)
+        speed = np.exp(motion.knots[order])
+        fixed = np.sum([one.at(speed) for one in motion.fixed], axis=0)
+        values, vectors = np.linalg.eigh(self.model.told[np.ix_(order, order)])
+        told = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T / fixed
+        there = np.abs(places.velocity)
+        known = np.diag(1.0 / np.interp(speed, np.sort(there), allowed[np.argsort(there)]))
+        return self.at(self.side * speed), np.vstack([told, known])
+
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
         return float(self.places().velocity[place])

@@ -582,6 +582,13 @@ class RunModel(Model):
             found.append(x)
         return np.hstack(found)
 
+    @property
+    def told(self) -> Array:
+        """Precision of the curve at the knots by the readings, whatever else is unknown (k, k)."""
+        rest = self.gram[KNOTS:-1, KNOTS:-1] + np.diag(self.runs.deviations[KNOTS:] ** -2.0)
+        cross = self.gram[:KNOTS, KNOTS:-1]
+        return np.asarray(self.gram[:KNOTS, :KNOTS] - cross @ inverse(rest) @ cross.T)
+
     def told_by_another(self) -> Array:
         """Return what a motion like the first tells of the knots and what is unseen (p, p).
 
