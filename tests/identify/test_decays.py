@@ -7,6 +7,7 @@ import pytest
 
 from stickslip import Axis, Measurement, select
 from stickslip.identify.problems.free_balance import free_form
+from stickslip.identify.propose import WORTH
 from stickslip.identify.problems.record_signals import records_of
 
 INERTIA, STIFFNESS, LEVEL = 0.5, 200.0, 0.4
@@ -229,7 +230,8 @@ def test_further_motions_are_expected_to_narrow_the_band(verdict):
     assert list(widths) == sorted(widths, reverse=True)
     assert 0.0 < widths[-1] < widths[0] < 1.0
     assert verdict.shrinks == widths[0]
-    assert any("Record another such motion" in said for said in verdict.words.measure_next)
+    told = any("Record another such motion" in said for said in verdict.words.measure_next)
+    assert told == (widths[0] < WORTH)
 
 
 def test_a_further_motion_narrows_the_band_about_as_expected(verdict):

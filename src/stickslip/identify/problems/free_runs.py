@@ -86,6 +86,8 @@ DAMPING, STIFFEST = 1e-3, 1e9
 """Damping of the first step over the curvature, and that from which no step gains."""
 CONVERGED = 0.01
 """Gain of the logarithm of the posterior below which no step is taken."""
+CLOSEST = 1e-5
+"""Least deviation of readings over the range: laws work alike through the knots to no less."""
 STRAIGHT, AGAIN = 0.1, 4
 """Error of the logarithm of the likelihood up to which runs are linear, and how often slopes are
 taken at most."""
@@ -506,7 +508,8 @@ class Runs:
         gram = self.noise**-2.0 * linear.slopes.T @ linear.slopes
         told = float(np.trace(inverse(gram + self.precision) @ gram))
         freedom = max(len(linear.residual) - told, 1.0)
-        return max(math.sqrt(float(linear.residual @ linear.residual) / freedom), 0.1 * self.noise)
+        least = max(0.1 * self.noise, CLOSEST * max(one.range for one in self.motion.motions))
+        return max(math.sqrt(float(linear.residual @ linear.residual) / freedom), least)
 
 
 def inverse(matrix: Array) -> Array:
