@@ -72,12 +72,15 @@ stopped at .2, bands outside the vocabulary held .66."""
 SLOW_SIZES, SLOW_PRIOR = (0.0, 0.3, 1.0), (0.4, 0.3, 0.3)
 """Further sizes of it at speeds that are too slow to be seen, and their prior: static friction is
 up to twice the kinetic (without them bands outside the vocabulary held .69)."""
-FOLLOWING = (4, 1)
+FOLLOWING = (6, 1)
 """Sizes with which a run that follows is looked for, and from which nodes are visited."""
 RATIO = 0.01
 """Prior standard deviation of a length or stiffness, as a share, if none is stated."""
-START, ZERO = 0.3, 0.03
-"""Prior standard deviations of how a motion starts and of its zero, over its range."""
+START, ZERO, DRIFT = 0.3, 0.03, 0.01
+"""Prior standard deviations of how a motion starts, of its zero and of what that drifts, over its
+range."""
+OF_MOTION = 4
+"""Unknowns of each motion."""
 STAGES = (6, 20)
 """Turns of the first runs: a swing is predictable for some, as its phase is."""
 ROUNDS = 40
@@ -223,6 +226,15 @@ class Motion:
         """Range of the readings."""
         return float(np.ptp(self.values)) + 1e-300
 
+    @property
+    def late(self) -> Array:
+        """Part of the record that has passed (n,), less a half; 0 where no zero can drift.
+
+        Beside a motion that goes on, a zero that drifts is a velocity.
+        """
+        drifts = self.located and len(self.turns) > 0
+        return np.asarray((self.time / self.time[-1] - 0.5) * drifts)
+
     def first(self, turns: int | None) -> int:
         """Return the number of rows until some turns; all of them if none are given."""
         if turns is None or len(self.turns) <= turns:
@@ -326,8 +338,8 @@ class Runs:
     """Runs of the motions with a law, and a curve beside it unless the law is `alone`.
 
     The unknowns are, in this order: the curve at the knots over the fixed one, the logarithm of
-    what is unseen over its given value, and of each motion its position and velocity at the start
-    and its zero.
+    what is unseen over its given value, and of each motion its position and velocity at the start,
+    its zero and the drift of that.
     """
 
     def __init__(
@@ -336,7 +348,7 @@ class Runs:
         self.waved = slice(0, 0 if alone else KNOTS)
         self.motion, self.law = motion, law or Candidate(structure=(), coefficients=np.zeros(0))
         self.knots, self.ratio = slice(0, KNOTS), slice(KNOTS, KNOTS + len(motion.unseen))
-        self.starts = slice(self.ratio.stop, self.ratio.stop + 3 * len(motion.motions))
+        self.starts = slice(self.ratio.stop, self.ratio.stop + OF_MOTION * len(motion.motions))
         self.mean, self.deviations = self._prior()
 
     def _prior(self) -> tuple[Array, Array]:
@@ -345,11 +357,13 @@ class Runs:
         mean, deviations = np.zeros(self.starts.stop), np.ones(self.starts.stop)
         deviations[self.ratio] = [one.deviation for one in motion.unseen]
         for k, one in enumerate(motion.motions):
-            at = self.starts.start + 3 * k
+            at = self.starts.start + OF_MOTION * k
             rate = START * one.range / max(float(one.time[-1]), 1e-300) * (len(one.turns) + 1.0)
             speed, place = max(abs(one.start[1]), rate), max(abs(one.start[0]), one.range)
             mean[at : at + 2] = one.start
-            deviations[at : at + 3] = START * place, START * speed, ZERO * one.range
+            deviations[at : at + 4] = START * place, START * speed, ZERO * one.range, (
+                DRIFT * one.range
+            )
             if not one.located:
                 deviations[at : at + 2] = START * place, START * one.range
         return mean, deviations
@@ -384,8 +398,8 @@ class Runs:
             return None
         law = self._law(x)
         try:
-            for one, (q, v, zero) in zip(
-                motion.motions, x[self.starts].reshape(-1, 3), strict=True
+            for one, (q, v, zero, drift) in zip(
+                motion.motions, x[self.starts].reshape(-1, OF_MOTION), strict=True
             ):
                 mechanism = one.mechanism
                 if motion.unseen:
@@ -396,7 +410,8 @@ class Runs:
                 run = SOLVER.bare(mechanism, law, y0=[q, v], t_end=float(one.time[rows - 1]))
                 if not run.status.complete:
                     return None
-                left.append(one.values[:rows] - run.at(one.time[:rows])[:, 1 - one.located] - zero)
+                there = run.at(one.time[:rows])[:, 1 - one.located]
+                left.append(one.values[:rows] - there - zero - drift * one.late[:rows])
                 runs.append(run)
         except InputError:  # a value out of its range
             return None
@@ -427,9 +442,10 @@ class Runs:
             own[:, self.knots] = table[:, :count] @ motion.waves[self.waved]
             unseen = slice(count, count + len(motion.unseen))
             own[:, self.ratio] = table[:, unseen] * motion.values(x[self.ratio], one)
-            at = self.starts.start + 3 * k
+            at = self.starts.start + OF_MOTION * k
             own[:, at : at + 2] = table[:, unseen.stop :]
             own[:, at + 2] = 1.0 * one.located
+            own[:, at + 3] = one.late[:rows]
             found.append(own)
         return np.vstack(found)
 
@@ -529,11 +545,11 @@ class RunModel(Model):
         Scale(name="slow", values=SLOW_SIZES, prior=SLOW_PRIOR),
     )
 
-    def __init__(self, runs: Runs, linear: Linear) -> None:
+    def __init__(self, runs: Runs, linear: Linear, closest: "RunModel | None" = None) -> None:
         self.runs, self.motion, self.linear = runs, runs.motion, linear
-        self.sigma = runs.scatter(linear)
-        """Standard deviation of the readings about the run."""
-        self.kappa = worth(linear, runs.precision, self.sigma)
+        self.sigma = closest.sigma if closest else runs.scatter(linear)
+        """Standard deviation of the readings about the closest run."""
+        self.kappa = closest.kappa if closest else worth(linear, runs.precision, self.sigma)
         """What a reading is worth, over one whose error is its own."""
         self.x = linear.x.copy()
         """The unknowns of that run, its law in the curve."""
@@ -600,8 +616,8 @@ class RunModel(Model):
         runs, start = self.runs, self.runs.starts.start
         slopes = self.linear.slopes[: len(self.motion.motions[0].time)]
         slopes = math.sqrt(self.kappa) / self.sigma * slopes
-        common, own = slopes[:, :start], slopes[:, start : start + 3]
-        precision = own.T @ own + np.diag(runs.deviations[start : start + 3] ** -2.0)
+        common, own = slopes[:, :start], slopes[:, start : start + OF_MOTION]
+        precision = own.T @ own + np.diag(runs.deviations[start : start + OF_MOTION] ** -2.0)
         cross = common.T @ own
         return np.asarray(common.T @ common - cross @ inverse(precision) @ cross.T)
 
@@ -678,7 +694,7 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         there = runs.linear(x)
         if there is None:
             break
-        follower = RunModel(runs, there)
+        follower = RunModel(runs, there, model)
         foreseen = model.linear.residual - model.linear.slopes @ (follower.x - model.x)
         off = abs(foreseen @ foreseen - there.residual @ there.residual)
         if 0.5 * model.kappa / model.sigma**2 * off < STRAIGHT:
