@@ -107,6 +107,8 @@ class Finding:
     """Ends of its 95 % interval."""
     sentence: str = ""
     """What it does, in words of the kind."""
+    mistaken: float = 0.0
+    """Posterior probability that it is a mistake, such as a wrong unit, and no small error."""
 
     @property
     def asserted(self) -> bool:

@@ -25,6 +25,7 @@ from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
+from stickslip.errors import InputError
 from stickslip.identify.posterior import COEFFICIENT, Array, Family
 from stickslip.identify.problems.free_runs import (
     Candidate,
@@ -68,6 +69,8 @@ TOLD_BY_TIME = 4.0
 """Slowest speed that was seen over that below which nothing is told, where time tells friction."""
 KNOWN_SPEED = 3.0
 """Part of the slowest seen speed down to which what no law says is free."""
+GAINED = 10.0
+"""What a motion gains over the noise of that, from which something drives it."""
 TURNED = 0.1
 """Way back over the range up to which a motion goes on in one direction."""
 RESTED = 5.0
@@ -318,9 +321,27 @@ class FreeBalance:
         norm = np.linalg.norm(x, axis=0) + 1e-300
         least = np.where(np.arange(x.shape[1]) < self.base.shape[1], -np.inf, 0.0)
         c = lsq_linear(x / norm, self.y, (least, np.inf), method="bvls").x[-3:] / norm[-3:]
-        total = float(np.sum(c * size)) or 1.0
+        total = float(np.sum(c * size)) or self._least
         c[0] += 0.02 * total
         return tuple(Term(part=n, coefficient=float(x)) for n, x in zip(names, c, strict=True))
+
+    @property
+    def _least(self) -> float:
+        """Friction that takes no more than the noise of a row in all of the record [N]."""
+        ways = [float(np.ptp(one.taken(np.ones_like(one.velocity)))) for one in self.each]
+        return float(np.median(self.each[0].noise)) / max(max(ways), 1e-300)
+
+    def refuse_gain(self) -> None:
+        """Refuse motions that gain energy, or momentum, which friction only takes."""
+        for one in self.each:
+            gained = float(one.response[0] - one.response[-1])
+            if gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
+                what = "momentum" if self.goes_on else "energy"
+                raise InputError(
+                    f"the motion gains {what}, which friction only takes: something"
+                    " drives it. Give the force, or the incline of the mechanism, or leave the"
+                    " part out in which it is driven."
+                )
 
     def curve(self, name: str, shape: tuple[float, ...]) -> Array:
         """Return a part of a law at the speeds of all records (n,)."""

@@ -118,6 +118,7 @@ class FreeMotionProblem(Problem):
             found = balanced(own, form, inertia)
             own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
         self.balance = FreeBalance(own, form)
+        self.balance.refuse_gain()
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen)
