@@ -410,7 +410,13 @@ class FreeBalance:
         """The records as runs follow them."""
         return [motion_of(one) for one in self.each]
 
-    def motion(self, unseen: Sequence[Unseen]) -> FreeMotion:
+    @cached_property
+    def side(self) -> float:
+        """Sign of the velocity; 1 where it has both."""
+        middle = float(np.median(np.concatenate([one.velocity for one in self.each])))
+        return -1.0 if self.goes_on and middle < 0.0 else 1.0
+
+    def motion(self, unseen: Sequence[Unseen], load: float) -> FreeMotion:
         """Return the motions as runs follow them, with what no balance sees of the mechanism."""
         return FreeMotion(
             motions=self.motions,
@@ -420,6 +426,8 @@ class FreeBalance:
             fixed=self.fixed,
             unseen=tuple(unseen),
             dim=self.dim,
+            side=self.side,
+            load=load,
         )
 
 

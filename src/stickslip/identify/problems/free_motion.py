@@ -1,5 +1,6 @@
 """Free motions as a problem of the judgement: swings, springs that decay, coast-downs."""
 
+import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +12,15 @@ from numpy.typing import NDArray
 
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.judgement import Candidates, Problem
-from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.laws import (
+    FLOWS,
+    POINTS,
+    Composition,
+    compose,
+    own_composition,
+    term_title,
+)
+from stickslip.identify.own_laws import Slips, is_own, is_slope, slope_column
 from stickslip.identify.posterior import Array, Draws, Family, Structure, family_of
 from stickslip.identify.problems.free_balance import (
     SEEN,
@@ -30,7 +39,7 @@ from stickslip.identify.problems.free_runs import (
     Candidate,
     Motion,
     RunModel,
-    Runs,
+    begun,
     followed,
     judged,
 )
@@ -121,14 +130,27 @@ class FreeMotionProblem(Problem):
         self.balance.refuse_gain()
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
-        motion = self.balance.motion(unseen)
+        motion = self.balance.motion(unseen, self.normal)
         laws = [tuple(one.split()) for one in FAMILIES] if known is None else known
-        begun = followed(motion, self.balance.candidates(known))
-        self.posterior = judged(begun, self.balance.grid, laws)
+        near = followed(motion, self.balance.candidates(known))
+        self.posterior = judged(near, self.balance.grid, laws)
         self._families = [family_of(one) for one in self.posterior.structures]
         self.size, self.load = motion.size, self.normal
-        side = float(np.median(np.concatenate([one.velocity for one in self.balance.each])))
-        self.side = -1.0 if self.balance.each[0].form == "momentum" and side < 0.0 else 1.0
+        self.side = self.balance.side
+
+    def with_laws(
+        self, own: Sequence[Structure], families: Sequence[Family]
+    ) -> "FreeMotionProblem":
+        found = copy.copy(self)
+        found.families, found.restricted = (*families, *map(family_of, own)), True
+        known, model = [*dict.fromkeys(map(parts_of, families))], self.model
+        model = RunModel(model.runs, model.linear, model, own)
+        found.posterior = judged(model, self.balance.grid, known)
+        found._families = [family_of(one) for one in found.posterior.structures]
+        return found
+
+    def slips(self, rows: SteadyRows) -> Slips:
+        return Slips(velocity=rows.velocity, load=rows.load, inputs={})
 
     @property
     def model(self) -> RunModel:
@@ -217,6 +239,8 @@ class FreeMotionProblem(Problem):
     def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
         """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
         name, shape = column
+        if is_slope(name):
+            return [slope_column(column, self.slips(rows))]
         part, side = PARTS[name], np.sign(rows.velocity)
         state = side * rows.ratio if part.dry else side
         return [np.asarray(state * part.curve(np.abs(rows.velocity), shape))]
@@ -229,8 +253,14 @@ class FreeMotionProblem(Problem):
         laws: dict[Family, list[Structure]] = {}
         for family, shapes, _ in self.balance.grid.families([one for one in known if one]):
             laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
+        laws |= {family_of(one): [one] for one in self.model.own}
         return [
-            Candidates(family=one, structures=structures, parameters=parameters_of(one))
+            Candidates(
+                family=one,
+                structures=structures,
+                parameters=parameters_of(one)
+                + sum(is_slope(name) and name.place >= 0 for name in one),
+            )
             for one, structures in laws.items()
         ]
 
@@ -240,7 +270,7 @@ class FreeMotionProblem(Problem):
 
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
-        return TITLES[term]
+        return term_title(term)
 
     def composition(
         self,
@@ -252,6 +282,8 @@ class FreeMotionProblem(Problem):
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is, at the usual load."""
         normal = self._normals(draws)
+        if is_own(structure):
+            return replace(own_composition(structure, coefficients), load=normal[:, 0])
         terms: dict[str, tuple[Any, Array]] = {
             name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
             for (name, shape), own in zip(structure, coefficients.T, strict=True)
@@ -349,9 +381,9 @@ class FreeMotionProblem(Problem):
         model, law = self.model, Candidate(
             structure=rung.structure, coefficients=rung.coefficients
         )
-        x = model.linear.x.copy()
-        x[:KNOTS] = 0.0
-        left = Runs(model.motion, law, alone=True).beside(x)
+        runs, x = begun(model.motion, law, alone=True)
+        x[KNOTS:] = model.linear.x[KNOTS:]
+        left = runs.beside(x)
         residual = np.full(1, np.inf) if left is None else left.residual
         return Followed(typical=math.sqrt(float(np.mean(residual**2))), error=model.sigma)
 

@@ -43,6 +43,14 @@ from numpy.typing import NDArray
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
+from stickslip.identify.own_laws import (
+    Slips,
+    certain_of,
+    is_own,
+    is_slope,
+    signed_of,
+    slope_column,
+)
 from stickslip.identify.posterior import (
     Array,
     Column,
@@ -284,6 +292,10 @@ class FreeMotion:
     unseen: tuple[Unseen, ...] = ()
     dim: float = 0.0
     """Speed below which friction does too little work to be seen [m/s]."""
+    side: float = 1.0
+    """Sign of the velocity; 1 where it has both."""
+    load: float = 1.0
+    """Normal force at which laws of any form are [N]."""
 
     @property
     def paths(self) -> list[str]:
@@ -319,8 +331,14 @@ class FreeMotion:
     def share(self, column: Column) -> Array:
         """Return a term of a law at the knots, over the fixed curve (k,)."""
         speed = np.exp(self.knots)
-        curve = PARTS[column[0]].curve(speed, column[1])
-        return np.asarray(curve / sum(one.at(speed) for one in self.fixed))
+        return np.asarray(self.term(column, speed) / sum(one.at(speed) for one in self.fixed))
+
+    def term(self, column: Column, speed: Array) -> Array:
+        """Return a term of a law at speeds (n,)."""
+        if is_slope(column[0]):
+            rows = Slips(velocity=self.side * speed, load=0.0 * speed + self.load, inputs={})
+            return self.side * slope_column(column, rows)
+        return np.asarray(PARTS[column[0]].curve(speed, column[1]) + 0.0 * speed)
 
     def curve(self, candidate: Candidate) -> Array:
         """Return a law at the knots, over the fixed curve (k,)."""
@@ -539,13 +557,21 @@ def inverse(matrix: Array) -> Array:
 class RunModel(Model):
     """Readings of free motions, linear about a run that follows them."""
 
-    signed = SIGNED
     scales = (
         Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),
         Scale(name="slow", values=SLOW_SIZES, prior=SLOW_PRIOR),
     )
 
-    def __init__(self, runs: Runs, linear: Linear, closest: "RunModel | None" = None) -> None:
+    def __init__(
+        self,
+        runs: Runs,
+        linear: Linear,
+        closest: "RunModel | None" = None,
+        own: Sequence[Structure] = (),
+    ) -> None:
+        self.own = own or (closest.own if closest else ())
+        """Laws that are no sums of parts."""
+        self.signed, self.certain = SIGNED | signed_of(self.own), certain_of(self.own)
         self.runs, self.motion, self.linear = runs, runs.motion, linear
         self.sigma = closest.sigma if closest else runs.scatter(linear)
         """Standard deviation of the readings about the closest run."""
@@ -561,7 +587,7 @@ class RunModel(Model):
     def size(self, column: Column) -> float:
         """Return the coefficient with which a term alone would be friction of the usual size."""
         speed = np.geomspace(self.motion.slowest, self.motion.fastest, 40)
-        curve = PARTS[column[0]].curve(speed, column[1]) * np.ones(40)
+        curve = self.motion.term(column, speed)
         return self.motion.size / (math.sqrt(float(np.mean(curve**2))) + 1e-300)
 
     def root(self, node: Node) -> Array:
@@ -656,6 +682,19 @@ class RunModel(Model):
         return np.array(found)
 
 
+def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:
+    """Return runs with a law, perhaps `alone`, and their unknowns at their means (m,).
+
+    A law that is no sum of parts is a curve through the knots.
+    """
+    curve = is_own(law.structure)
+    runs = Runs(motion) if curve else Runs(motion, law, alone=alone)
+    x = runs.mean.copy()
+    if curve:
+        x[:KNOTS] = motion.curve(law)
+    return runs, x
+
+
 def followed(motion: FreeMotion, candidates: Sequence[Candidate]) -> RunModel:
     """Return the readings linear about a run that follows them, from laws that are likely."""
     found = list[tuple[float, Linear]]()
@@ -680,6 +719,7 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         tuple(zip(family, map(tuple, shapes), strict=True)): prior
         for family, shapes, prior in grid.families(families)
     }
+    laws |= dict.fromkeys(model.own, 0.0)
     posterior = _weighed(model, laws)
     for part in FINER:
         laws = _refined(posterior, laws, grid, part)
@@ -688,9 +728,9 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
         node, structure = posterior.nodes[k], posterior.structures[s]
         law, random = posterior.estimate(node, structure)
-        runs = Runs(model.motion, Candidate(structure=structure, coefficients=law))
-        x = runs.mean + random
-        x[:KNOTS] = model.root(node) @ random[:KNOTS]
+        runs, x = begun(model.motion, Candidate(structure=structure, coefficients=law))
+        x += random
+        x[:KNOTS] += model.root(node) @ random[:KNOTS] - random[:KNOTS]
         there = runs.linear(x)
         if there is None:
             break
