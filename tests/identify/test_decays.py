@@ -7,8 +7,8 @@ import pytest
 
 from stickslip import Axis, Measurement, select
 from stickslip.identify.problems.free_balance import free_form
-from stickslip.identify.propose import WORTH
 from stickslip.identify.problems.record_signals import records_of
+from stickslip.identify.propose import WORTH
 
 INERTIA, STIFFNESS, LEVEL = 0.5, 200.0, 0.4
 NOISE = 1e-3
@@ -226,7 +226,8 @@ def test_a_decay_has_a_figure_at_any_rate(rate):
 
 def test_further_motions_are_expected_to_narrow_the_band(verdict):
     judgement = verdict.judgement
-    widths = judgement.problem.further(judgement.draws)
+    share = judgement.problem.start_of(judgement.draws)
+    widths = judgement.problem.further(judgement.draws, share)
     assert list(widths) == sorted(widths, reverse=True)
     assert 0.0 < widths[-1] < widths[0] < 1.0
     assert verdict.shrinks == widths[0]

@@ -386,9 +386,7 @@ class Judgement:
     def _metric(self) -> tuple[Any, Array]:
         return self.problem.metric(self._places, self.target.allowed)
 
-    def _projected(
-        self, rung: Rung, draws: Sequence[Draws] | None = None
-    ) -> tuple[Array, Shaped]:
+    def _projected(self, rung: Rung, draws: Sequence[Draws] | None = None) -> tuple[Array, Shaped]:
         """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family."""
         rows, weights = self._metric
         curves = self.problem.steady(rows, self.draws if draws is None else draws)

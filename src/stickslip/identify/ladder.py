@@ -375,9 +375,7 @@ def ladder_verdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,
         words=Wording(
-            verdict=law_sentence(
-                judgement, words, unphysical_of(judgement.composition, mechanism)
-            ),
+            verdict=law_sentence(judgement, words, unphysical_of(judgement.composition, mechanism)),
             lede=lede,
             settles=tuple(settles),
             cannot_tell=tuple(doubts),

@@ -714,7 +714,9 @@ def unphysical_of(composed: Composition, mechanism: Mechanism) -> list[str]:
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
     found = {path: float(x[0]) for path, x in composed.rig.items() if path in known}
     return [
-        unphysical_sentence(known[path], x) for path, x in found.items() if not known[path].allows(x)
+        unphysical_sentence(known[path], x)
+        for path, x in found.items()
+        if not known[path].allows(x)
     ]
 
 

@@ -329,7 +329,7 @@ class FreeBalance:
     def _least(self) -> float:
         """Friction that takes no more than the noise of a row in all of the record [N]."""
         ways = [float(np.ptp(one.taken(np.ones_like(one.velocity)))) for one in self.each]
-        return float(np.median(self.each[0].noise)) / max(max(ways), 1e-300)
+        return float(np.median(self.each[0].noise)) / max(*ways, 1e-300)
 
     def refuse_gain(self) -> None:
         """Refuse motions that gain energy, or momentum, which friction only takes."""

@@ -56,6 +56,8 @@ FOLLOWED = 100
 """Draws by which another motion is run."""
 MIDDLE = 200
 """Draws in whose middle a law stands that is none of them."""
+STARTS = (1.0, 0.5, 0.25)
+"""Shares of a start from which a further motion may begin: slower ones tell slower speeds."""
 AGAIN = 8
 """Further motions that are weighed at most."""
 
@@ -185,11 +187,16 @@ class FreeMotionProblem(Problem):
         """Return rows through which a curve is drawn as a law."""
         return self._speeds(POINTS)
 
-    def further(self, draws: Sequence[Draws]) -> tuple[float, ...]:
+    def start_of(self, draws: Sequence[Draws]) -> float:
+        """Return the share of the start from which a further motion narrows the band most."""
+        return min(STARTS, key=lambda share: self.further(draws, share)[0])
+
+    def further(self, draws: Sequence[Draws], share: float = 1.0) -> tuple[float, ...]:
         r"""Return the expected width of the band after one, two ... further motions, over today's.
 
-        They are like the first. Drawn curves have a covariance with their values at the knots and
-        with what is unseen, :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
+        They are like the first from a `share` of its start.
+
+        Drawn curves have a covariance with their values at the knots and with what is unseen, :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
         :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A further motion also
         tells laws apart, which no draw shows: the width that comes may be smaller. A length is not
         proposed, as runs tell it to some parts in 1e5.
@@ -202,7 +209,7 @@ class FreeMotionProblem(Problem):
         curves, told = (x - x.mean(axis=0) for x in (self.steady(self.asked(), draws), told))
         values, vectors = np.linalg.eigh(told.T @ told / len(told))
         root = vectors * np.sqrt(np.maximum(values, ROUNDED * values[-1]))
-        gains, axes = np.linalg.eigh(root.T @ self.model.told_by_another() @ root)
+        gains, axes = np.linalg.eigh(root.T @ self.model.told_by_another(share) @ root)
         # covariances with directions of d of unit variance
         cross = curves.T @ np.linalg.solve(root, told.T).T @ axes / len(curves)
         own = np.mean(curves**2, axis=0) + 1e-300
@@ -378,9 +385,7 @@ class FreeMotionProblem(Problem):
 
         How the motion starts and what no balance sees of the mechanism are free in it.
         """
-        model, law = self.model, Candidate(
-            structure=rung.structure, coefficients=rung.coefficients
-        )
+        model, law = self.model, Candidate(structure=rung.structure, coefficients=rung.coefficients)
         runs, x = begun(model.motion, law, alone=True)
         x[KNOTS:] = model.linear.x[KNOTS:]
         left = runs.beside(x)

@@ -326,7 +326,8 @@ class FreeMotion:
         apart = np.abs(self.knots[:, None] - self.knots) * math.sqrt(3.0) / CORRELATION
         dim = slow / (1.0 + (np.exp(self.knots) / max(self.dim, 1e-300)) ** 4)
         share = max(size, 1e-6) ** 2 + np.outer(dim, dim)
-        return np.linalg.cholesky(share * ((1.0 + apart) * np.exp(-apart) + 1e-9 * np.eye(KNOTS)))
+        alike = (1.0 + apart) * np.exp(-apart) + 1e-9 * np.eye(KNOTS)
+        return np.asarray(np.linalg.cholesky(share * alike))
 
     def share(self, column: Column) -> Array:
         """Return a term of a law at the knots, over the fixed curve (k,)."""
@@ -379,8 +380,11 @@ class Runs:
             rate = START * one.range / max(float(one.time[-1]), 1e-300) * (len(one.turns) + 1.0)
             speed, place = max(abs(one.start[1]), rate), max(abs(one.start[0]), one.range)
             mean[at : at + 2] = one.start
-            deviations[at : at + 4] = START * place, START * speed, ZERO * one.range, (
-                DRIFT * one.range
+            deviations[at : at + 4] = (
+                START * place,
+                START * speed,
+                ZERO * one.range,
+                (DRIFT * one.range),
             )
             if not one.located:
                 deviations[at : at + 2] = START * place, START * one.range
@@ -569,13 +573,14 @@ class RunModel(Model):
         closest: "RunModel | None" = None,
         own: Sequence[Structure] = (),
     ) -> None:
-        self.own = own or (closest.own if closest else ())
+        self.own: Sequence[Structure] = own or (closest.own if closest else ())
         """Laws that are no sums of parts."""
         self.signed, self.certain = SIGNED | signed_of(self.own), certain_of(self.own)
         self.runs, self.motion, self.linear = runs, runs.motion, linear
-        self.sigma = closest.sigma if closest else runs.scatter(linear)
+        sigma = runs.scatter(linear)
+        self.sigma: float = closest.sigma if closest else sigma
         """Standard deviation of the readings about the closest run."""
-        self.kappa = closest.kappa if closest else worth(linear, runs.precision, self.sigma)
+        self.kappa: float = closest.kappa if closest else worth(linear, runs.precision, sigma)
         """What a reading is worth, over one whose error is its own."""
         self.x = linear.x.copy()
         """The unknowns of that run, its law in the curve."""
@@ -634,16 +639,27 @@ class RunModel(Model):
         cross = self.gram[:KNOTS, KNOTS:-1]
         return np.asarray(self.gram[:KNOTS, :KNOTS] - cross @ inverse(rest) @ cross.T)
 
-    def told_by_another(self) -> Array:
+    def told_by_another(self, share: float) -> Array:
         """Return what a motion like the first tells of the knots and what is unseen (p, p).
 
-        It is the precision that the rows of the first give them, less what its start takes.
+        It begins at a share of the start. It is the precision that rows as those of the first would
+        give them, less what its start takes.
         """
-        runs, start = self.runs, self.runs.starts.start
-        slopes = self.linear.slopes[: len(self.motion.motions[0].time)]
+        first, start = self.motion.motions[0], self.runs.starts.start
+        slopes: Array | None = self.linear.slopes[: len(first.time)]
+        if share < 1.0:
+            runs = Runs(replace(self.motion, motions=[first]))
+            middle = float(np.median(first.values))
+            x = self.x[: runs.starts.stop].copy()
+            x[start] = middle + share * (x[start] - middle) if first.located else x[start]
+            x[start + 1] *= share
+            made = runs.linear(x)
+            slopes = None if made is None else made.slopes
+        if slopes is None:
+            return np.zeros((start, start))
         slopes = math.sqrt(self.kappa) / self.sigma * slopes
         common, own = slopes[:, :start], slopes[:, start : start + OF_MOTION]
-        precision = own.T @ own + np.diag(runs.deviations[start : start + OF_MOTION] ** -2.0)
+        precision = own.T @ own + np.diag(self.runs.deviations[start : start + OF_MOTION] ** -2.0)
         cross = common.T @ own
         return np.asarray(common.T @ common - cross @ inverse(precision) @ cross.T)
 
