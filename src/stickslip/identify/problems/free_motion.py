@@ -134,7 +134,7 @@ class FreeMotionProblem(Problem):
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen, self.normal)
         laws = [tuple(one.split()) for one in FAMILIES] if known is None else known
-        near = followed(motion, self.balance.candidates(known))
+        near = followed(motion)
         self.posterior = judged(near, self.balance.grid, laws)
         self._families = [family_of(one) for one in self.posterior.structures]
         self.size, self.load = motion.size, self.normal

@@ -102,8 +102,6 @@ CLOSEST = 1e-5
 STRAIGHT, AGAIN = 0.1, 4
 """Error of the logarithm of the likelihood up to which runs are linear, and how often slopes are
 taken at most."""
-LOST = 0.1
-"""Scatter about a run, over the range, from which another start is tried."""
 BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDED = 1e-13
@@ -711,22 +709,16 @@ def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[R
     return runs, x
 
 
-def followed(motion: FreeMotion, candidates: Sequence[Candidate]) -> RunModel:
-    """Return the readings linear about a run that follows them, from laws that are likely."""
-    found = list[tuple[float, Linear]]()
+def followed(motion: FreeMotion) -> RunModel:
+    """Return the readings linear about a run that follows them, from the fixed curve."""
     runs = Runs(motion)
-    for one in candidates:
-        linear = runs.follows(motion.curve(one))
-        if linear is not None:
-            found.append((runs.scatter(linear), linear))
-        if found and min(x for x, _ in found) < LOST * motion.motions[0].range:
-            break
-    if not found:
+    linear = runs.follows(np.ones(KNOTS))
+    if linear is None:
         raise InputError(
             "no run of a law follows this free motion: check mass, length and stiffness of the"
             " mechanism, and that nothing drives the motion."
         )
-    return RunModel(runs, min(found, key=lambda one: one[0])[1])
+    return RunModel(runs, linear)
 
 
 def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> Posterior:
