@@ -54,8 +54,6 @@ CUTOFF = 6.0
 SEEN = (0.04, 0.98)
 """Quantiles of the speed between which it was seen: by time where that tells friction, else by the
 way, along which friction works."""
-TOLD_BY_TIME = 4.0
-"""Slowest speed that was seen over that below which nothing is told, where time tells friction."""
 KNOWN_SPEED = 3.0
 """Part of the slowest seen speed down to which what no law says is free."""
 GAINED = 10.0
@@ -250,7 +248,7 @@ class FreeBalance:
         self.goes_on = form == "momentum"
         slowest, fastest = self.passed(np.array(SEEN)).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
-        self.dim = self.slowest / (TOLD_BY_TIME if self.goes_on else 1.0)
+        self.dim = self.slowest / (KNOWN_SPEED if self.goes_on else 1.0)
         self.y = np.concatenate([one.response / one.noise for one in self.each])
         ones = [1.0 / one.noise for one in self.each]
         zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]

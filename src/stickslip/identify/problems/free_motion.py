@@ -196,7 +196,8 @@ class FreeMotionProblem(Problem):
 
         They are like the first from a `share` of its start.
 
-        Drawn curves have a covariance with their values at the knots and with what is unseen, :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
+        Drawn curves have a covariance with their values at the knots and with what is unseen,
+        :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
         :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A further motion also
         tells laws apart, which no draw shows: the width that comes may be smaller. A length is not
         proposed, as runs tell it to some parts in 1e5.

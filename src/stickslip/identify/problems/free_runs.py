@@ -63,6 +63,7 @@ from stickslip.identify.posterior import (
     System,
     family_of,
 )
+from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, SCALES
 from stickslip.identify.vocabulary import PARTS, SIGNED, Grid
 from stickslip.maths import Scalar, log, where
 from stickslip.mechanisms import Mechanism
@@ -93,8 +94,8 @@ STAGES = (6, 20)
 """Turns of the first runs: a swing is predictable for some, as its phase is."""
 ROUNDS = 40
 """Steps in a stage at most."""
-DAMPING, STIFFEST = 1e-3, 1e9
-"""Damping of the first step over the curvature, and that from which no step gains."""
+DAMPING = 1e-3
+"""Damping of the first step over the curvature; a millionth of its inverse stops."""
 CONVERGED = 0.01
 """Gain of the logarithm of the posterior below which no step is taken."""
 CLOSEST = 1e-5
@@ -106,14 +107,10 @@ BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDED = 1e-13
 """Least eigenvalue of a precision of unit diagonal, over the largest: what is below is rounding."""
-RUNS, RUN_PRIOR = (0.005, 0.02, 0.08), (0.35, 0.45, 0.2)
+RUNS, RUN_PRIOR = SCALES["run"]
 """By how much friction of another run may differ, as a share, and the prior: as of driven axes."""
 FINER = (1.0 / 3.0, 1.0 / 9.0, 1.0 / 27.0)
-"""Parts of a step of the grid by which shapes are refined ..."""
-BEHIND, KEPT = 8.0, 40
-"""... of structures whose weight is no further behind the best, and so many at most."""
-LEAST = 1e-6
-"""Least friction of the fixed curve, over its root mean square."""
+"""Parts of a step of the grid by which shapes are refined."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -497,7 +494,7 @@ class Runs:
             if 0.5 * pull @ inverse(gram) @ pull < CONVERGED:
                 break
             least = weight * linear.residual @ linear.residual + off @ precision @ off
-            while damping < STIFFEST:
+            while damping < 1e6 / DAMPING:
                 step = inverse(gram + damping * np.diag(np.diag(gram))) @ pull
                 x = linear.x.copy()
                 x[at] += step
@@ -510,7 +507,7 @@ class Runs:
                     damping, rise = damping * (damping > 1e-9), 2.0
                     break
                 damping, rise = max(damping * rise, DAMPING), 2.0 * rise
-            if made is None or damping >= STIFFEST:
+            if made is None or damping >= 1e6 / DAMPING:
                 break
             linear = Linear(x=x, residual=made[0], slopes=self._slopes(x, made[1], turns))
         return linear
@@ -633,9 +630,13 @@ class RunModel(Model):
     @property
     def told(self) -> Array:
         """Precision of the curve at the knots by the readings, whatever else is unknown (k, k)."""
-        rest = self.gram[KNOTS:-1, KNOTS:-1] + np.diag(self.runs.deviations[KNOTS:] ** -2.0)
-        cross = self.gram[:KNOTS, KNOTS:-1]
-        return np.asarray(self.gram[:KNOTS, :KNOTS] - cross @ inverse(rest) @ cross.T)
+        return self._told(self.gram[:-1, :-1], KNOTS)
+
+    def _told(self, gram: Array, count: int) -> Array:
+        """Return the precision of the first unknowns by a Gram matrix, whatever the others are."""
+        rest = gram[count:, count:] + np.diag(self.runs.deviations[count : len(gram)] ** -2.0)
+        cross = gram[:count, count:]
+        return np.asarray(gram[:count, :count] - cross @ inverse(rest) @ cross.T)
 
     def told_by_another(self, share: float) -> Array:
         """Return what a motion like the first tells of the knots and what is unseen (p, p).
@@ -655,11 +656,8 @@ class RunModel(Model):
             slopes = None if made is None else made.slopes
         if slopes is None:
             return np.zeros((start, start))
-        slopes = math.sqrt(self.kappa) / self.sigma * slopes
-        common, own = slopes[:, :start], slopes[:, start : start + OF_MOTION]
-        precision = own.T @ own + np.diag(self.runs.deviations[start : start + OF_MOTION] ** -2.0)
-        cross = common.T @ own
-        return np.asarray(common.T @ common - cross @ inverse(precision) @ cross.T)
+        gram = self.kappa / self.sigma**2 * slopes[:, : start + OF_MOTION].T
+        return self._told(gram @ slopes[:, : start + OF_MOTION], start)
 
     def another(self, motions: Sequence[Motion], draws: Sequence[Draws]) -> Array:
         """Return readings of other motions of the same mechanism in draws (k, n).
@@ -766,7 +764,7 @@ def _refined(
     best: dict[tuple[str, ...], int] = {}
     for k in order:
         best.setdefault(family_of(posterior.structures[k]), k)
-    near = [k for k in order[:KEPT] if value[k] > value[order[0]] - BEHIND]
+    near = [k for k in order[:KEPT_LAWS] if value[k] > value[order[0]] - BEHIND]
     found: dict[Structure, float] = {}
     for k in dict.fromkeys([*near, *best.values()]):
         law = posterior.structures[k]
