@@ -181,7 +181,8 @@ class Judged:
         judgement = self.verdict.judgement
         if not isinstance(judgement.problem, FreeMotionProblem):
             return None
-        return judgement.problem.further(judgement.draws)
+        share = judgement.problem.start_of(judgement.draws)
+        return judgement.problem.further(judgement.draws, share)
 
     @staticmethod
     def _motions(shrinks: Sequence[float]) -> int:
@@ -192,7 +193,8 @@ class Judged:
         """Return where readings are proposed; of free motions the shares of the start."""
         places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
         if (further := self._further()) is not None:
-            return Points(velocity=np.ones(self._motions(further)))
+            share = problem.start_of(self.verdict.judgement.draws)
+            return Points(velocity=np.full(self._motions(further), share))
         if not len(places):
             return None
         rows = problem.at(places)

@@ -29,7 +29,7 @@ from stickslip.identify.fits.settings import RecordSettings
 
 ALWAYS = "coulomb-viscous"
 ROUTES = ("shooting",)
-KINDS = ("jackknife", "bootstrap", "naive")
+KINDS = ("jackknife", "naive")
 FURTHER = ("not widened", "limit", "limit, not widened")
 """Intervals without what the hold adds; whether either holds what the law comes to in the end."""
 VIOLATIONS = ("drag", "drift")
@@ -60,7 +60,6 @@ def coverage(
     """
     plain = infer(found.optimum.best, found.scale).half_widths
     naive = 1.96 * np.sqrt(np.maximum(np.diag(found.inference.naive), 0.0))
-    drawn = np.percentile(found.bootstrap(seed=0), [2.5, 97.5], axis=0)
     rows = []
     for i, estimate in enumerate(found.estimates):
         room, _, name = estimate.path.partition(".")
@@ -82,7 +81,6 @@ def coverage(
                 "jackknife": bool(estimate.low <= true <= estimate.high),
                 "not widened": bool(abs(error) <= plain[i]),
                 "naive": bool(abs(error) <= naive[i]),
-                "bootstrap": bool(drawn[0, i] <= true <= drawn[1, i]),
                 "errors": float(error / found.inference.errors[i]),
                 "relative": float(found.inference.errors[i] / max(abs(true), 1e-300)),
             }

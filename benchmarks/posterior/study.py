@@ -303,19 +303,16 @@ def swung(one: Swing) -> Swung:
 
 def _ahead(problem: FreeMotionProblem, judgement: Judgement, one: Swing, shown: int) -> float:
     """Return the root mean square that a run of the law leaves of the part not shown [rad]."""
-    law, posterior = judgement.named, problem.posterior
+    law, model = judgement.named, problem.model
     candidate = Candidate(structure=law.structure, coefficients=law.coefficients)
-    runs = Runs(posterior.motion, candidate)
-    x, free = runs.first.copy(), np.zeros(runs.starts.stop, dtype=bool)
-    _, best = posterior.best
-    x[runs.ratio.start :] = posterior.linear[best].x[posterior.runs[best].ratio.start :]
-    free[runs.ratio.start :] = True
-    found = runs.solved(x, free=free)
+    x = model.linear.x.copy()
+    x[model.runs.knots] = 0.0
+    found = Runs(model.motion, candidate, alone=True).beside(x)
     if found is None:
         return math.inf
     own = [before_rest(x) for x in records_of(one.told, one.record())]
     motions = FreeBalance(own, free_form(own)).motions
-    whole = Runs(replace(posterior.motion, motions=motions), candidate)
+    whole = Runs(replace(model.motion, motions=motions), candidate, alone=True)
     made = whole.run(found.x)
     if made is None:
         return math.inf

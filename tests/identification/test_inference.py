@@ -10,7 +10,6 @@ from scipy.signal import lfilter
 from stickslip import Axis, Measurement, Stribeck, fit
 from stickslip.identify.fits.estimation.jackknife import (
     block_sums,
-    bootstrap,
     effective_size,
     freedom_of,
     infer,
@@ -163,18 +162,6 @@ def test_an_autoregression_has_the_effective_size_of_the_textbook():
     assert effective_size(mean_of(np.ones(30)).residual) == 30.0
 
 
-def test_a_bootstrap_spreads_as_the_intervals_do_and_follows_its_seed():
-    seen = mean_of(autoregression(400, 0.9, np.random.default_rng(10)))
-    draws = bootstrap(seen, np.eye(1))
-    assert draws.shape == (2000, 1)
-    np.testing.assert_array_equal(draws, bootstrap(seen, np.eye(1)))
-    assert not np.array_equal(draws, bootstrap(seen, np.eye(1), seed=1))
-    found = infer(seen, np.eye(1))
-    # quantiles of 2000 draws of Student's t are known to 3 %
-    ends = np.percentile(draws, [2.5, 97.5])
-    np.testing.assert_allclose(ends, [-found.half_widths[0], found.half_widths[0]], rtol=0.1)
-
-
 def table_of(residual, velocity):
     """A table sorted by velocity whose only unknown acts at low speeds, its rows dealt out."""
     slopes = np.exp(-velocity / 0.1)[:, None]
@@ -252,9 +239,6 @@ def test_units_and_a_nearly_collinear_pair_leave_errors_as_they_are(seed):
     plain = infer(seen, np.eye(count))
     np.testing.assert_allclose(found.freedom, plain.freedom, rtol=1e-5)
     assert found.condition == pytest.approx(plain.condition, rel=1e-5)
-    # 2000 draws of Student's t know their quartiles to 4 %
-    quartiles = [np.percentile(bootstrap(one, np.eye(count)), 75, axis=0) for one in (scaled, seen)]
-    np.testing.assert_allclose(quartiles[0] * sizes, quartiles[1], rtol=0.2)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -108,15 +108,6 @@ def test_a_fit_is_written_as_a_rig_file_that_simulates(tmp_path):
     assert read.mechanism == found.mechanism
 
 
-def test_a_profile_is_least_at_the_estimate():
-    rig, _, record = decay()
-    found = fit(rig, CoulombViscous, record, route="shooting", settings=QUICK)
-    best = found.estimate("viscous_coefficient").value
-    costs = found.profile("viscous_coefficient", [0.9 * best, best, 1.1 * best])
-    assert costs[1] < costs[0]
-    assert costs[1] < costs[2]
-
-
 def test_a_route_that_is_not_known_is_refused():
     rig, _, record = decay()
     with pytest.raises(UnknownNameError, match="shooting"):

@@ -4,10 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from benchmarks.band_truths.decays import Body, moved
 
-from stickslip import Axis, Measurement, select
+from stickslip import Axis, CoulombViscous, Measurement, Pendulum, fit, select
+from stickslip.errors import InputError
 from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.record_signals import records_of
+from stickslip.identify.propose import WORTH
 
 INERTIA, STIFFNESS, LEVEL = 0.5, 200.0, 0.4
 NOISE = 1e-3
@@ -225,11 +228,13 @@ def test_a_decay_has_a_figure_at_any_rate(rate):
 
 def test_further_motions_are_expected_to_narrow_the_band(verdict):
     judgement = verdict.judgement
-    widths = judgement.problem.further(judgement.draws)
+    share = judgement.problem.start_of(judgement.draws)
+    widths = judgement.problem.further(judgement.draws, share)
     assert list(widths) == sorted(widths, reverse=True)
     assert 0.0 < widths[-1] < widths[0] < 1.0
     assert verdict.shrinks == widths[0]
-    assert any("Record another such motion" in said for said in verdict.words.measure_next)
+    told = any("Record another such motion" in said for said in verdict.words.measure_next)
+    assert told == (widths[0] < WORTH)
 
 
 def test_a_further_motion_narrows_the_band_about_as_expected(verdict):
@@ -238,4 +243,50 @@ def test_a_further_motion_narrows_the_band_about_as_expected(verdict):
     rows = after.problem.asked()
     before, now = (np.std(one.curves(rows), axis=0).mean() for one in (verdict.judgement, after))
     # it also tells laws apart, which is not in what is expected
-    assert 0.3 < now / before / verdict.shrinks < 1.3
+    expected = verdict.judgement.problem.further(verdict.judgement.draws)[0]
+    assert 0.3 < now / before / expected < 1.3
+
+
+def swinging(friction, *, drift=0.0, noise=1e-3, rate=50.0):
+    """Return a pendulum whose length is given .2 % off, and its swing with what it lost."""
+    length, mass = 0.4, 0.8
+    weight = mass * length * 9.81
+    body = Body(
+        inertia=mass * length**2,
+        pull=lambda q: -weight * math.sin(q),
+        level=friction(0.0) * weight,
+        friction=lambda v: friction(v) * weight,
+    )
+    t = np.arange(0.0, 30.0, 1.0 / rate)
+    q, _ = moved(body, 0.8, 0.0, t, 0.25 / rate)
+    noises = noise * np.random.default_rng(3).normal(size=len(t))
+    record = Measurement(time=t, position=q + noises + drift * t / t[-1], turning=True)
+    return Pendulum(mass=mass, length=1.002 * length, gravity=9.81), record, weight
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.01])
+def test_a_swing_tells_its_length_and_friction_beside_a_zero_that_drifts(drift):
+    rig, record, weight = swinging(lambda v: 0.006 + 0.0018 * v, drift=drift)
+    found = select(rig, None, record)
+    band = found.friction
+    true = np.sign(found.speeds) * (0.006 + 0.0018 * np.abs(found.speeds)) * weight
+    assert np.mean((band.low <= true) & (true <= band.high)) > 0.9
+    assert found.family == ("level", "viscous")
+    length = found.judgement.problem.rig(found.judgement.draws)["mechanism.length"]
+    assert abs(np.mean(length) - 0.4) < 3.0 * np.std(length) < 1e-4
+
+
+def test_a_law_with_a_part_held_is_fitted_to_a_swing():
+    rig, record, weight = swinging(lambda v: 0.006 + 0.0018 * v)
+    found = fit(rig, CoulombViscous, record, fixed={"viscous_coefficient": 0.0018 * weight})
+    (level,) = (one for one in found.estimates if one.path == "friction.kinetic_coefficient")
+    assert level.low < 0.006 * weight < level.high
+    assert level.high - level.low < 0.01 * level.value
+
+
+def test_a_motion_that_only_speeds_up_is_refused():
+    t = np.arange(0.0, 3.0, 0.01)
+    noise = 1e-4 * np.random.default_rng(1).normal(size=len(t))
+    record = Measurement(time=t, position=0.5 * t + 0.25 * t**2 + noise)
+    with pytest.raises(InputError, match="gains momentum, which friction only takes"):
+        select(Axis(inertia=1.0), None, record)

@@ -107,6 +107,8 @@ class Finding:
     """Ends of its 95 % interval."""
     sentence: str = ""
     """What it does, in words of the kind."""
+    mistaken: float = 0.0
+    """Posterior probability that it is a mistake, such as a wrong unit, and no small error."""
 
     @property
     def asserted(self) -> bool:
@@ -272,6 +274,14 @@ class Problem(ABC):
         """Return velocities, loads and inputs at rows."""
         raise NotImplementedError
 
+    def metric(self, places: Any, allowed: Array) -> tuple[Any, Array]:
+        """Return rows at which a law is laid through a curve, and by what weights (n,) or (m, n).
+
+        They are the places at which curves are compared, by the deviations allowed there (n,),
+        unless the measurement tells sums over speeds better than friction at any.
+        """
+        return places, 1.0 / allowed
+
     def usual(self, rows: Any) -> Array:
         """Return what Coulomb + viscous friction by least squares says of other readings (n,).
 
@@ -364,7 +374,7 @@ class Judgement:
         """Return a law of the ladder with shapes between those of the grid."""
         if not rung.structure:
             return rung
-        coefficients, shaped = self._projected(rung, self.target.middle[None])
+        coefficients, shaped = self._projected(rung)
         structure = tuple(
             (name, tuple(float(np.ravel(x)[0]) for x in shape)) for name, shape in shaped
         )
@@ -372,13 +382,22 @@ class Judgement:
         own = self._projection.rung(structure, coefficients[0], columns, rung.parameters)
         return replace(own, share=rung.share, adequate=rung.adequate)
 
-    def _projected(self, rung: Rung, curves: Array) -> tuple[Array, Shaped]:
-        """Return coefficients (k, p) and shapes of curves (k, n) on the family of a rung."""
+    @cached_property
+    def _metric(self) -> tuple[Any, Array]:
+        return self.problem.metric(self._places, self.target.allowed)
+
+    def _projected(self, rung: Rung, draws: Sequence[Draws] | None = None) -> tuple[Array, Shaped]:
+        """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family."""
+        rows, weights = self._metric
+        curves = self.problem.steady(rows, self.draws if draws is None else draws)
+        if draws is None:  # what is known of sums over the rows is kept by the mean
+            middle = np.median if weights.ndim == 1 else np.mean
+            curves = np.asarray(middle(curves, axis=0))[None]
         free, coarse = self.problem.free(rung)
         projector = Projector(
-            lambda structure: self.problem.design(structure, self._places),
+            lambda structure: self.problem.design(structure, rows),
             free,
-            1.0 / self.target.allowed,
+            weights,
             np.array([not is_signed(name) for name in names_of(rung.structure)]),
         )
         return projector(curves, [rung.structure, *coarse])
@@ -557,7 +576,7 @@ class Judgement:
         coefficients: Array = np.zeros((len(places), 0))
         shaped: Shaped = ()
         if self.named.structure:
-            coefficients, shaped = self._projected(self.named, places)
+            coefficients, shaped = self._projected(self.named, draws)
         fitted = self._fitted(shaped, coefficients)
         apart = np.quantile(np.abs(fitted - places) / self.target.size, PLACES, axis=1)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
@@ -615,8 +634,7 @@ class Judgement:
         return {path: np.concatenate([one[path] for one in parts]) for path in shared}
 
     def _values_of(self, rung: Rung, draws: Sequence[Draws]) -> dict[str, Array]:
-        curves = self.problem.steady(self._places, draws)
-        coefficients, shaped = self._projected(rung, curves)
+        coefficients, shaped = self._projected(rung, draws)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
         composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
         return composed.paths() | dict(self.problem.rig(draws))

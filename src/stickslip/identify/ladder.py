@@ -39,6 +39,7 @@ from stickslip.identify.verdict import (
     estimates_of,
     law_fit,
     told_apart,
+    unphysical_of,
 )
 from stickslip.identify.wording import (
     NO_FRICTION,
@@ -116,12 +117,19 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
     return said
 
 
-def law_sentence(judgement: Judgement, words: Words) -> str:
-    """Return which law to use, and how close it is."""
+def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) -> str:
+    """Return which law to use, and how close it is, after what is `wrong` with the mechanism."""
     named = judgement.named
     if not named.structure and not judgement.is_told:
         return no_friction_sentence(words)
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
+    found = [one for one in judgement.findings if one.asserted and one.mistaken > 0.5]
+    doubts = [*wrong, *(one.sentence for one in found)]
+    if doubts and judgement.is_told:
+        return (
+            f"Check units, gains and signs first. {doubts[0]} If they are right,"
+            f" {phrase}{beside} stays within {distance_text(judgement, named, words)}."
+        )
     if not judgement.is_told:
         return from_zero_sentence(f"{phrase}{beside}", words)
     how = distance_text(judgement, named, words)
@@ -367,7 +375,7 @@ def ladder_verdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,
         words=Wording(
-            verdict=law_sentence(judgement, words),
+            verdict=law_sentence(judgement, words, unphysical_of(judgement.composition, mechanism)),
             lede=lede,
             settles=tuple(settles),
             cannot_tell=tuple(doubts),

@@ -366,7 +366,11 @@ class Posterior:
             moment = left[of, -1]
             inverse, logarithm = inverted(m)
             c = np.einsum("sij,sj->si", inverse, moment)
-            gain = 0.5 * np.sum(moment * c, axis=1) - 0.5 * logarithm - size * math.log(COEFFICIENT)
+            c += np.einsum("sij,sj->si", inverse, moment - np.einsum("sij,sj->si", m, c))
+            # about a maximum, so that what is off in c is so by its square
+            quadratic = 0.5 * np.einsum("si,sij,sj->s", c, m, c)
+            gain = np.sum(moment * c, axis=1) - quadratic
+            gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
             sums = rows * system.sizes[of][:, None, :]
             prior = np.broadcast_to(np.eye(size), inverse.shape)
             inside = brakes(c, inverse, positive, sums) - brakes(0.0 * c, prior, positive, sums)

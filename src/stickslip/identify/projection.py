@@ -308,7 +308,8 @@ class Projector:
         positive: "NDArray[np.bool_]",
     ) -> None:
         self.design, self.free = design, free
-        self.weights, self.positive = weights, positive
+        self.weights = np.diag(weights) if weights.ndim == 1 else weights
+        self.positive = positive
 
     def _shaped(self, structure: Shaped, shapes: Array) -> Shaped:
         """Return a structure with the free entries (k, f)."""
@@ -319,7 +320,7 @@ class Projector:
 
     def _solved(self, structure: Shaped, shapes: Array, y: Array) -> tuple[Array, Array]:
         """Return coefficients (k, p) for shapes (k, f), and what they leave of draws (k, n)."""
-        x = self.design(self._shaped(structure, shapes)) * self.weights[:, None]
+        x = self.weights @ self.design(self._shaped(structure, shapes))
         x = np.broadcast_to(x, (len(y), *x.shape[-2:]))
         norm = np.sqrt(np.mean(x * x, axis=1)) + 1e-300
         scaled = x / norm[:, None, :]
@@ -334,7 +335,7 @@ class Projector:
 
     def __call__(self, draws: Array, structures: Sequence[Structure]) -> tuple[Array, Shaped]:
         """Return coefficients (k, p) and shapes of draws (k, n), from the best of structures."""
-        y = draws * self.weights
+        y = draws @ self.weights.T
         least = np.full(len(draws), np.inf)
         shapes = np.zeros((len(draws), len(self.free)))
         c = np.zeros((len(draws), len(self.positive)))
@@ -352,7 +353,7 @@ class Projector:
 
     def _along(self, structure: Structure, y: Array) -> tuple[Array, Array]:
         """Return coefficients (k, p) of draws for the same shapes, and what they leave (k, n)."""
-        x = self.design(structure) * self.weights[:, None]
+        x = self.weights @ self.design(structure)
         norm = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
         gram = (x / norm).T @ (x / norm)
         gram[np.diag_indices(len(gram))] *= 1.0 + 1e-10

@@ -372,9 +372,10 @@ def record_verdict(
         )
         places = tuple(float(offered.velocity[k]) for k in proposal.places)
     else:
-        widths = problem.further(judgement.draws)
+        share = problem.start_of(judgement.draws)
+        widths = problem.further(judgement.draws, share)
         proposal = Proposal(places=(), shrinks=widths[0])
-        next_ += [motions_sentence(widths)] * (widths[0] < WORTH)
+        next_ += [motions_sentence(widths, share)] * (widths[0] < WORTH)
     if problem.runs < 2 and second is None:
         next_.append(again_sentence(judgement.band(rows), judgement.band(rows, new=True)))
     return ladder_verdict(

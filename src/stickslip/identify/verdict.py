@@ -44,7 +44,7 @@ from stickslip.identify.wording import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.show.formatting import Scale, joined, number, quantity, with_unit
+from stickslip.show.formatting import Scale, interval, joined, number, quantity, with_unit
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -701,13 +701,23 @@ def _rig_of(
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
     if offset and "offset" in found and "mechanism.offset" in known:
         own["mechanism.offset"] = found["offset"]
-    wrong = [path for path, x in own.items() if not known[path].allows(x)]
-    remarks = [unphysical_sentence(known[path], own[path]) for path in wrong]
-    own = {path: x for path, x in own.items() if path not in wrong}
+    remarks = unphysical_of(composed, mechanism)
+    own = {path: x for path, x in own.items() if known[path].allows(x)}
     mechanism = vary(mechanism, "mechanism", own) if own else mechanism
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, of_inputs = as_informed(law, mechanism, measurement)
     return mechanism, [one for one in (*remarks, said, *of_inputs) if one]
+
+
+def unphysical_of(composed: Composition, mechanism: Mechanism) -> list[str]:
+    """Return what to say of parameters of a mechanism that came out where they cannot be."""
+    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    found = {path: float(x[0]) for path, x in composed.rig.items() if path in known}
+    return [
+        unphysical_sentence(known[path], x)
+        for path, x in found.items()
+        if not known[path].allows(x)
+    ]
 
 
 def _estimate(
@@ -735,6 +745,10 @@ def _estimate(
     least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
     least = least if math.isfinite(low) else -math.inf
     reason = "" if math.isfinite(high - low) else "no reading tells it from the others"
+    outside = one.path.startswith("mechanism.") and not (own.allows(low) or own.allows(high))
+    if outside and math.isfinite(high - low):
+        reason = f"it lies where it cannot be, {interval(low, high)}"
+        low, high, least = -math.inf, math.inf, -math.inf
     if high <= least:
         bound = with_unit(number(least), unit)
         low, high, reason = -math.inf, math.inf, f"it reached its lower bound, {bound}"

@@ -188,12 +188,16 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     return f"{said} (all are in verdict.json): {expected}."
 
 
-def motions_sentence(shrinks: Sequence[float]) -> str:
-    """Return what further free motions take off the band, by its width after one, two ... ."""
+def motions_sentence(shrinks: Sequence[float], share: float) -> str:
+    """Return what further free motions take off the band, by its width after one, two ... .
+
+    They begin at a share of the start of the first.
+    """
     enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
+    start = f" from {percent(share)} of its start" if share < 1.0 else ""
     many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
     return (
-        "Record another such motion as a further trial: with it the band is expected to be"
+        f"Record another such motion{start} as a further trial: with it the band is expected to be"
         f" {percent(shrinks[0])} as wide; {many} halve it."
     )
 

@@ -25,17 +25,16 @@ from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip.identify.posterior import Array, Family
+from stickslip.errors import InputError
+from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_runs import (
-    COEFFICIENT,
-    Candidate,
     FreeMotion,
     Motion,
     Term,
     Unseen,
 )
 from stickslip.identify.problems.record_signals import Record, noise_of
-from stickslip.identify.vocabulary import FAMILIES, PARTS, Grid
+from stickslip.identify.vocabulary import PARTS, Grid
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import parameters
 
@@ -52,20 +51,13 @@ MOST = 6000
 """Readings of a record that runs are compared with: every other one is left out beyond it."""
 CUTOFF = 6.0
 """Cutoff of velocities [1/steps between turns or parts]: they only weigh what friction takes."""
-REFINED = 6
-"""Families that are followed by runs ..."""
-NOTHING = 60.0
-"""... and no law at all, where its evidence is not further than this below the best."""
-FINER = (1.0 / 3.0, 1.0 / 9.0)
-"""Parts of a step of the grid by which the best shapes are refined."""
-LEAST_PART = 0.02
-"""Least coefficient with which runs begin, over the size of the friction."""
-LEAST_SCATTER = 0.3
-"""Least scatter of rows over that by which noise of the readings moves them."""
 SEEN = (0.04, 0.98)
-"""Quantiles of the speed between which it was seen."""
+"""Quantiles of the speed between which it was seen: by time where that tells friction, else by the
+way, along which friction works."""
 KNOWN_SPEED = 3.0
 """Part of the slowest seen speed down to which what no law says is free."""
+GAINED = 10.0
+"""What a motion gains over the noise of that, from which something drives it."""
 TURNED = 0.1
 """Way back over the range up to which a motion goes on in one direction."""
 RESTED = 5.0
@@ -247,74 +239,65 @@ def crossings(x: Array) -> Places:
     return np.flatnonzero((x[:-1] < 0.0) != (x[1:] < 0.0))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
-    """A structure with its least squares."""
-
-    shapes: Sequence[tuple[float, ...]]
-    coefficients: Array
-    quadratic: float
-    """Squares that are left, over the noise."""
-    first: float
-    """Logarithm of its prior ..."""
-    prior: float
-    """... less what its coefficients cost."""
-
-    def unlikely(self, scatter: float) -> float:
-        """Return how unlikely it is where rows scatter more than by the noise of readings."""
-        return 0.5 * self.quadratic / scatter - self.prior
-
-
 class FreeBalance:
     """The balances of all records of a free motion, with the families that they weigh."""
 
     def __init__(self, records: Sequence[Record], form: str) -> None:
         self.each = [FreeRecord(one, form) for one in records]
         self.speed = np.abs(np.concatenate([one.velocity for one in self.each]))
-        slowest, fastest = np.quantile(self.speed, SEEN).tolist()
+        self.goes_on = form == "momentum"
+        slowest, fastest = self.passed(np.array(SEEN)).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
+        self.dim = self.slowest / (KNOWN_SPEED if self.goes_on else 1.0)
         self.y = np.concatenate([one.response / one.noise for one in self.each])
         ones = [1.0 / one.noise for one in self.each]
         zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]
         self.base = np.hstack([block_diag(*(one[:, None] for one in x)) for x in (ones, zeros)])
-        self._taken: dict[tuple[str, tuple[float, ...]], Array] = {}
 
-    def column(self, name: str, shape: tuple[float, ...]) -> Array:
+    def passed(self, parts: Array) -> Array:
+        """Return the speeds (n,) below which friction does parts of its work, or acts, (n,)."""
+        speed = np.sort(self.speed)
+        path = np.cumsum(np.ones_like(speed) if self.goes_on else speed)
+        return np.asarray(speed[np.searchsorted(path, path[-1] * parts)])
+
+    def column(self, name: str) -> Array:
         """Return what a part of a law takes until the rows, over their noise."""
-        if (name, shape) not in self._taken:
-            curves = [PARTS[name].curve(np.abs(one.velocity), shape) for one in self.each]
-            taken = [one.taken(c) / one.noise for one, c in zip(self.each, curves, strict=True)]
-            self._taken[name, shape] = np.concatenate(taken)
-        return self._taken[name, shape]
-
-    def solved(self, columns: Sequence[Array], precision: Array) -> tuple[Array, float, float]:
-        """Return coefficients, what is left, and half the logarithm of the determinant."""
-        x = np.column_stack([self.base, *columns])
-        none = np.full(self.base.shape[1], 1e-12)
-        own = np.r_[none, precision]
-        gram = x.T @ x + np.diag(own)
-        c = np.linalg.solve(gram, x.T @ self.y)
-        left = self.y - x @ c
-        quadratic = float(left @ left + own @ c**2)
-        return c[len(none) :], quadratic, 0.5 * float(np.linalg.slogdet(gram)[1])
+        curves = [PARTS[name].curve(np.abs(one.velocity), ()) for one in self.each]
+        taken = [one.taken(c) / one.noise for one, c in zip(self.each, curves, strict=True)]
+        return np.concatenate(taken)
 
     @cached_property
     def fixed(self) -> tuple[Term, ...]:
         """The curve that what no law says multiplies: level, viscous friction and drag."""
         names = ["level", "viscous", "drag"]
-        columns = [self.column(name, ()) for name in names]
-        size = np.array([math.sqrt(float(np.mean(self.curve(name, ()) ** 2))) for name in names])
+        columns = [self.column(name) for name in names]
+        curves = [PARTS[name].curve(self.speed, ()) + 0.0 * self.speed for name in names]
+        size = np.sqrt(np.mean(np.square(curves), axis=1))
         x = np.column_stack([self.base, *columns])
         norm = np.linalg.norm(x, axis=0) + 1e-300
         least = np.where(np.arange(x.shape[1]) < self.base.shape[1], -np.inf, 0.0)
         c = lsq_linear(x / norm, self.y, (least, np.inf), method="bvls").x[-3:] / norm[-3:]
-        total = float(np.sum(c * size)) or 1.0
+        total = float(np.sum(c * size)) or self._least
         c[0] += 0.02 * total
         return tuple(Term(part=n, coefficient=float(x)) for n, x in zip(names, c, strict=True))
 
-    def curve(self, name: str, shape: tuple[float, ...]) -> Array:
-        """Return a part of a law at the speeds of all records (n,)."""
-        return np.asarray(PARTS[name].curve(self.speed, shape) * np.ones_like(self.speed))
+    @property
+    def _least(self) -> float:
+        """Friction that takes no more than the noise of a row in all of the record [N]."""
+        ways = [float(np.ptp(one.taken(np.ones_like(one.velocity)))) for one in self.each]
+        return float(np.median(self.each[0].noise)) / max(*ways, 1e-300)
+
+    def refuse_gain(self) -> None:
+        """Refuse motions that gain energy, or momentum, which friction only takes."""
+        for one in self.each:
+            gained = float(one.response[0] - one.response[-1])
+            if gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
+                what = "momentum" if self.goes_on else "energy"
+                raise InputError(
+                    f"the motion gains {what}, which friction only takes: something"
+                    " drives it. Give the force, or the incline of the mechanism, or leave the"
+                    " part out in which it is driven."
+                )
 
     @cached_property
     def size(self) -> float:
@@ -327,59 +310,18 @@ class FreeBalance:
         """Shapes of parts for the speeds that were seen."""
         return Grid(slowest=self.slowest, fastest=self.fastest, fine=2.0)
 
-    def candidates(self, families: Sequence[Family] | None = None) -> list[Candidate]:
-        """Return the most likely families of laws, each with its best shapes."""
-        known = [tuple(one.split()) for one in FAMILIES] if families is None else families
-        best: dict[Family, Weighed] = {}
-        for family, shapes, prior in self.grid.families(known):
-            one = self._weighed(family, shapes, prior)
-            if family not in best or one.quadratic < best[family].quadratic:
-                best[family] = one
-        freedom = max(len(self.y) - len(self.each) - 3, 5)
-        for part in FINER:  # a step of a shape is seen where rows are precise
-            for family, one in best.items():
-                finer = self.grid.finer(family, one.shapes, part)
-                every = [self._weighed(family, shapes, one.first) for shapes in finer]
-                best[family] = min([one, *every], key=lambda own: own.quadratic)
-        scatter = max(min(one.quadratic for one in best.values()) / freedom, LEAST_SCATTER)
-        order = sorted(best, key=lambda one: best[one].unlikely(scatter))
-        kept = [one for one in order if one][:REFINED]
-        least = best[order[0]].unlikely(scatter)
-        if () in best and best[()].unlikely(scatter) < least + NOTHING:
-            kept.append(())
-        return [
-            Candidate(
-                structure=tuple(zip(family, map(tuple, best[family].shapes), strict=True)),
-                coefficients=best[family].coefficients,
-            )
-            for family in kept
-        ]
-
-    def _weighed(
-        self, family: Family, shapes: Sequence[tuple[float, ...]], prior: float
-    ) -> "Weighed":
-        """Return a structure with its least squares."""
-        pairs = list(zip(family, map(tuple, shapes), strict=True))
-        sizes = np.array(
-            [self.size / (math.sqrt(float(np.mean(self.curve(*one) ** 2))) + 1e-300)
-             for one in pairs]
-        )  # fmt: skip
-        columns = [self.column(*one) * s for one, s in zip(pairs, sizes, strict=True)]
-        c, quadratic, half = self.solved(columns, np.full(len(pairs), COEFFICIENT**-2.0))
-        return Weighed(
-            shapes=shapes,
-            coefficients=np.maximum(c, LEAST_PART) * sizes,
-            quadratic=quadratic,
-            first=prior,
-            prior=prior - half - len(pairs) * math.log(COEFFICIENT),
-        )
-
     @property
     def motions(self) -> list[Motion]:
         """The records as runs follow them."""
         return [motion_of(one) for one in self.each]
 
-    def motion(self, unseen: Sequence[Unseen]) -> FreeMotion:
+    @cached_property
+    def side(self) -> float:
+        """Sign of the velocity; 1 where it has both."""
+        middle = float(np.median(np.concatenate([one.velocity for one in self.each])))
+        return -1.0 if self.goes_on and middle < 0.0 else 1.0
+
+    def motion(self, unseen: Sequence[Unseen], load: float) -> FreeMotion:
         """Return the motions as runs follow them, with what no balance sees of the mechanism."""
         return FreeMotion(
             motions=self.motions,
@@ -388,6 +330,9 @@ class FreeBalance:
             fastest=self.fastest,
             fixed=self.fixed,
             unseen=tuple(unseen),
+            dim=self.dim,
+            side=self.side,
+            load=load,
         )
 
 

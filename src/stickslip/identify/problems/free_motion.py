@@ -1,5 +1,6 @@
 """Free motions as a problem of the judgement: swings, springs that decay, coast-downs."""
 
+import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,9 +12,18 @@ from numpy.typing import NDArray
 
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.judgement import Candidates, Problem
-from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
-from stickslip.identify.posterior import Array, Draws, Family, Structure
+from stickslip.identify.laws import (
+    FLOWS,
+    POINTS,
+    Composition,
+    compose,
+    own_composition,
+    term_title,
+)
+from stickslip.identify.own_laws import Slips, is_own, is_slope, slope_column
+from stickslip.identify.posterior import Array, Draws, Family, Structure, family_of
 from stickslip.identify.problems.free_balance import (
+    SEEN,
     FreeBalance,
     balanced,
     before_rest,
@@ -21,14 +31,17 @@ from stickslip.identify.problems.free_balance import (
     unseen_of,
 )
 from stickslip.identify.problems.free_runs import (
+    KNOTS,
     ROUNDED,
     RUN_PRIOR,
     RUNS,
     SIZES,
     Candidate,
     Motion,
-    RunPosterior,
-    Runs,
+    RunModel,
+    begun,
+    followed,
+    judged,
 )
 from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
@@ -43,6 +56,8 @@ FOLLOWED = 100
 """Draws by which another motion is run."""
 MIDDLE = 200
 """Draws in whose middle a law stands that is none of them."""
+STARTS = (1.0, 0.5, 0.25)
+"""Shares of a start from which a further motion may begin: slower ones tell slower speeds."""
 AGAIN = 8
 """Further motions that are weighed at most."""
 
@@ -114,13 +129,36 @@ class FreeMotionProblem(Problem):
             found = balanced(own, form, inertia)
             own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
         self.balance = FreeBalance(own, form)
+        self.balance.refuse_gain()
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
-        motion = self.balance.motion(unseen)
-        self.posterior = RunPosterior(motion, self.balance.candidates(known))
+        motion = self.balance.motion(unseen, self.normal)
+        laws = [tuple(one.split()) for one in FAMILIES] if known is None else known
+        near = followed(motion)
+        self.posterior = judged(near, self.balance.grid, laws)
+        self._families = [family_of(one) for one in self.posterior.structures]
         self.size, self.load = motion.size, self.normal
-        side = float(np.median(np.concatenate([one.velocity for one in self.balance.each])))
-        self.side = -1.0 if self.balance.each[0].form == "momentum" and side < 0.0 else 1.0
+        self.side = self.balance.side
+
+    def with_laws(
+        self, own: Sequence[Structure], families: Sequence[Family]
+    ) -> "FreeMotionProblem":
+        found = copy.copy(self)
+        found.families, found.restricted = (*families, *map(family_of, own)), True
+        known, model = [*dict.fromkeys(map(parts_of, families))], self.model
+        model = RunModel(model.runs, model.linear, model, own)
+        found.posterior = judged(model, self.balance.grid, known)
+        found._families = [family_of(one) for one in found.posterior.structures]
+        return found
+
+    def slips(self, rows: SteadyRows) -> Slips:
+        return Slips(velocity=rows.velocity, load=rows.load, inputs={})
+
+    @property
+    def model(self) -> RunModel:
+        """The readings, linear about a run that follows them."""
+        assert isinstance(self.posterior.model, RunModel)
+        return self.posterior.model
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -142,38 +180,59 @@ class FreeMotionProblem(Problem):
         return self._speeds(ASKED)
 
     def places(self) -> SteadyRows:
-        """Return the speeds at which curves are projected."""
-        return self._speeds(PLACES)
+        """Return the speeds at which curves are projected: as many at each as friction works."""
+        return self.at(self.side * self.balance.passed(np.linspace(*SEEN, PLACES)))
 
     def curve_rows(self) -> SteadyRows:
         """Return rows through which a curve is drawn as a law."""
         return self._speeds(POINTS)
 
-    def further(self, draws: Sequence[Draws]) -> tuple[float, ...]:
+    def start_of(self, draws: Sequence[Draws]) -> float:
+        """Return the share of the start from which a further motion narrows the band most."""
+        return min(STARTS, key=lambda share: self.further(draws, share)[0])
+
+    def further(self, draws: Sequence[Draws], share: float = 1.0) -> tuple[float, ...]:
         r"""Return the expected width of the band after one, two ... further motions, over today's.
 
-        They are like the first. Drawn curves have a covariance with their values at the knots and
-        with what is unseen, :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
+        They are like the first from a `share` of its start.
+
+        Drawn curves have a covariance with their values at the knots and with what is unseen,
+        :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
         :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A further motion also
         tells laws apart, which no draw shows: the width that comes may be smaller. A length is not
         proposed, as runs tell it to some parts in 1e5.
         """
-        motion = self.posterior.motion
-        knots, count = self.at(self.side * np.exp(motion.knots)), motion.knots.size
+        motion = self.model.motion
+        knots = self.at(self.side * np.exp(motion.knots))
         fixed = np.sum([one.at(np.abs(knots.velocity)) for one in motion.fixed], axis=0)
-        unseen = [one.random[count : count + len(motion.paths), 0] for one in draws]
+        unseen = self.model.beside(draws)[self.model.runs.ratio].T
         told = np.hstack([self.side * self.steady(knots, draws) / fixed, unseen])
         curves, told = (x - x.mean(axis=0) for x in (self.steady(self.asked(), draws), told))
-        values, vectors = np.linalg.eigh(told.T @ told / len(draws))
+        values, vectors = np.linalg.eigh(told.T @ told / len(told))
         root = vectors * np.sqrt(np.maximum(values, ROUNDED * values[-1]))
-        gains, axes = np.linalg.eigh(root.T @ self.posterior.told_by_another() @ root)
+        gains, axes = np.linalg.eigh(root.T @ self.model.told_by_another(share) @ root)
         # covariances with directions of d of unit variance
-        cross = curves.T @ np.linalg.solve(root, told.T).T @ axes / len(draws)
+        cross = curves.T @ np.linalg.solve(root, told.T).T @ axes / len(curves)
         own = np.mean(curves**2, axis=0) + 1e-300
         every = np.arange(1, AGAIN + 1)[:, None] * np.maximum(gains, 0.0)
         left = np.maximum(own - every / (1.0 + every) @ cross.T**2, 0.0)
         widths = np.mean(np.sqrt(left), axis=1) / np.mean(np.sqrt(own))
         return tuple(widths.tolist())
+
+    def metric(self, places: SteadyRows, allowed: Array) -> tuple[SteadyRows, Array]:
+        """Return the knots with a root of the precision that the readings give friction there.
+
+        What friction takes along the way is known far better than friction at any speed.
+        """
+        motion = self.model.motion
+        order = np.argsort(motion.knots)
+        speed = np.exp(motion.knots[order])
+        fixed = np.sum([one.at(speed) for one in motion.fixed], axis=0)
+        values, vectors = np.linalg.eigh(self.model.told[np.ix_(order, order)])
+        told = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T / fixed
+        there = np.abs(places.velocity)
+        known = np.diag(1.0 / np.interp(speed, np.sort(there), allowed[np.argsort(there)]))
+        return self.at(self.side * speed), np.vstack([told, known])
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -188,6 +247,8 @@ class FreeMotionProblem(Problem):
     def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
         """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
         name, shape = column
+        if is_slope(name):
+            return [slope_column(column, self.slips(rows))]
         part, side = PARTS[name], np.sign(rows.velocity)
         state = side * rows.ratio if part.dry else side
         return [np.asarray(state * part.curve(np.abs(rows.velocity), shape))]
@@ -200,8 +261,14 @@ class FreeMotionProblem(Problem):
         laws: dict[Family, list[Structure]] = {}
         for family, shapes, _ in self.balance.grid.families([one for one in known if one]):
             laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
+        laws |= {family_of(one): [one] for one in self.model.own}
         return [
-            Candidates(family=one, structures=structures, parameters=parameters_of(one))
+            Candidates(
+                family=one,
+                structures=structures,
+                parameters=parameters_of(one)
+                + sum(is_slope(name) and name.place >= 0 for name in one),
+            )
             for one, structures in laws.items()
         ]
 
@@ -211,7 +278,7 @@ class FreeMotionProblem(Problem):
 
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
-        return TITLES[term]
+        return term_title(term)
 
     def composition(
         self,
@@ -223,6 +290,8 @@ class FreeMotionProblem(Problem):
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is, at the usual load."""
         normal = self._normals(draws)
+        if is_own(structure):
+            return replace(own_composition(structure, coefficients), load=normal[:, 0])
         terms: dict[str, tuple[Any, Array]] = {
             name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
             for (name, shape), own in zip(structure, coefficients.T, strict=True)
@@ -232,7 +301,7 @@ class FreeMotionProblem(Problem):
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
         """Return the normal forces (k, 1) of draws, or that in the middle of all."""
         own = self.posterior.draws(MIDDLE, seed=13) if draws is None else draws
-        normal = np.full(len(own), self.normal)
+        normal = np.full(sum(one.random.shape[1] for one in own), self.normal)
         rig = self.rig(own)
         for path, (slope, given) in (self.load_slopes or {}).items():
             normal = normal + slope * (rig.get(path, given) - given)
@@ -243,37 +312,45 @@ class FreeMotionProblem(Problem):
 
     def exact(self) -> float:
         """Return the probability that what no law says is small beside any tolerance."""
-        small = np.array(SIZES) <= TOLERANCE
-        return float(self.posterior.weights[small].sum())
+        return float(self.posterior.weights[self._small(TOLERANCE)].sum())
+
+    def _small(self, tolerance: float) -> "NDArray[np.bool_]":
+        """Return at which nodes what no law says is small (k,)."""
+        return np.array([SIZES[node[0]] <= tolerance for node in self.posterior.nodes])
 
     def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
-        small = np.array(SIZES) <= tolerance
-        families, weights = self.posterior.families, self.posterior.weights
-        every = dict(zip(families, weights.sum(axis=0).tolist(), strict=True))
-        return every, dict(zip(families, weights[small].sum(axis=0).tolist(), strict=True))
+        every, adequate = dict[Family, float](), dict[Family, float]()
+        small = self.posterior.weights[self._small(tolerance)].sum(axis=0)
+        for one, share, own in zip(self._families, self.posterior.shares, small, strict=True):
+            every[one] = every.get(one, 0.0) + float(share)
+            adequate[one] = adequate.get(one, 0.0) + float(own)
+        return every, adequate
 
     def holds(self, family: Family) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) of the posterior at which a family holds."""
-        same = np.array([one == family for one in self.posterior.families])
+        same = np.array([one == family for one in self._families])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
-        return self.holds(())
+        still = np.array([node == (0, 0) for node in self.posterior.nodes])
+        return np.asarray(still[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 
     def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
         """Return drawn curves (k, n)."""
         speed, side = np.abs(rows.velocity), np.sign(rows.velocity)
-        beside = side[:, None] * self.posterior.motion.beside(speed)
-        found = np.empty((len(draws), len(speed)))
-        for k, one in enumerate(draws):
-            law = [self.columns(column, rows)[0] for column in one.structure]
-            found[k] = beside @ one.random[: beside.shape[1], 0]
-            found[k] += np.sum([c * x for c, x in zip(one.law[:, 0], law, strict=True)], axis=0)
-        return found
+        random = self.model.beside(draws)[:KNOTS]
+        curves = (side[:, None] * self.model.motion.beside(speed) @ random).T
+        laws = []
+        for one in draws:
+            own = np.zeros((one.random.shape[1], len(speed)))
+            for column, c in zip(one.structure, one.law, strict=True):
+                own += np.outer(c, self.columns(column, rows)[0])
+            laws.append(own)
+        return np.asarray(side * np.maximum(side * (curves + np.vstack(laws)), 0.0))
 
     def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
         """Return what friction is in draws (k, n): in the motion, or in another run."""
@@ -292,17 +369,16 @@ class FreeMotionProblem(Problem):
     def readings(self, rows: SteadyRows | OtherMotions, draws: Sequence[Draws]) -> Array:
         """Return new readings in draws (k, n): those of a motion, for none reads a force."""
         if isinstance(rows, OtherMotions):
-            few = draws[:: max(len(draws) // FOLLOWED, 1)]
-            return np.asarray(self.posterior.another(rows.motions, few))
+            few = self.posterior.draws(FOLLOWED, seed=17)
+            return np.asarray(self.model.another(rows.motions, few))
         return self.steady(rows, draws)
 
     # ---- what leaves ------------------------------------------------------------------------
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what no balance sees of the mechanism (k,) in draws, by path."""
-        motion = self.posterior.motion
-        at = slice(motion.knots.size, motion.knots.size + len(motion.unseen))
-        found = motion.values(np.array([one.random[at, 0] for one in draws]))
+        motion = self.model.motion
+        found = motion.values(self.model.beside(draws)[self.model.runs.ratio].T)
         return dict(zip(motion.paths, found.T, strict=True))
 
     def followed(self, rung: Rung) -> Followed:
@@ -310,14 +386,12 @@ class FreeMotionProblem(Problem):
 
         How the motion starts and what no balance sees of the mechanism are free in it.
         """
-        posterior, (_, best) = self.posterior, self.posterior.best
-        one = Candidate(structure=rung.structure, coefficients=rung.coefficients)
-        near = posterior.linear[best].x[posterior.runs[best].ratio.start :]
-        left = Runs(posterior.motion, one).followed(near)
-        return Followed(
-            typical=math.sqrt(float(np.mean(left**2))),
-            error=posterior.sigma,
-        )
+        model, law = self.model, Candidate(structure=rung.structure, coefficients=rung.coefficients)
+        runs, x = begun(model.motion, law, alone=True)
+        x[KNOTS:] = model.linear.x[KNOTS:]
+        left = runs.beside(x)
+        residual = np.full(1, np.inf) if left is None else left.residual
+        return Followed(typical=math.sqrt(float(np.mean(residual**2))), error=model.sigma)
 
     @cached_property
     def _between(self) -> tuple[Array, Array]:

@@ -1,33 +1,34 @@
-r"""Refinement: the laws of a free motion, by runs of the motion.
+r"""Runs: what the readings of a free motion say of friction, as rows of the posterior.
 
-A free motion has no force. Its balance of energy or momentum (`problems.free_balance`)
-gives families of laws and values to start from; what is stated comes from runs with all of this
-unknown at once:
+A free motion has no force. Its readings :math:`y_i` follow from runs of the motion, in which
+friction, what no balance sees of the mechanism (a length or stiffness), the start of each record
+and the zero of its readings are unknown. Friction is a curve on a *fixed* one,
 
 .. math::
-    \tau(u) = \sum_t c_t\, g_t(u; \theta_t) + \tau_0(u) \sum_k \delta_k T_k(\log u) ,
+    \tau(u) = \tau_0(u) \sum_k w_k N_k(\log (1 + u^2/u_1^2)) ,
 
-coefficients and shapes of the law, what no law says (:math:`\delta`, values at `KNOTS` speeds that
-multiply a *fixed* curve :math:`\tau_0`, as :math:`c (1 + \delta)` would be bilinear), what no
-balance sees of the mechanism (a length or stiffness), and of each record how it starts and the zero
-of its readings.
+Newton's polynomial through values at `KNOTS` speeds.
 
-1. **Gauss-Newton** along the sensitivities of the engine, from runs of some swings to runs of all
-   without :math:`\delta`, then with it; a step is damped until it gains.
-2. **Laplace's approximation** about the mode: with residuals :math:`r`, slopes :math:`A`, the
-   precision :math:`P` of the prior and the reading error :math:`\sigma`, that of the unknowns is
-   :math:`H = \kappa A^T A / \sigma^2 + P`, and
+1. **A run that follows the readings** is found by the steps of Levenberg and Marquardt along the
+   sensitivities of the engine, from some swings to all. Damping follows the ratio of the gain to
+   that foreseen (Nielsen 1999); the steps end where one without damping would gain less than
+   `CONVERGED` of the logarithm of the posterior.
+2. **Runs are nearly linear in the curve**: those that follow the readings differ by less than a
+   hundredth of the friction where it works. With the slopes :math:`S` about that run, the column of
+   a term :math:`g` of a law is :math:`S_w\, g / \tau_0` at the knots, and the problem is one of
+   `stickslip.identify.posterior`: structures on a grid of shapes, no steps for any of them.
+3. **What no law says**, :math:`\delta`, multiplies :math:`\tau_0`. It is normal with
 
    .. math::
-       \log p(y \mid \text{law}, \rho) = -\tfrac12 \left( \kappa |r|^2 / \sigma^2 + |x - m|_P^2
-       + \log|H| - \log|P| \right) + \sum_t \log 2 \Phi(c_t / s_t) .
+       \langle \delta \delta' \rangle = (\rho^2 + \lambda^2 a(u) a(u'))\, M(\log u/u') , \qquad
+       a(u) = 1 / (1 + (u/u_0)^4) ,
 
-   The size :math:`\rho` of :math:`\delta`, as a share of friction, is a scale of the posterior, and
-   is where most of it is at each step.
-3. **Readings are not independent** where something that no law says is left: :math:`\kappa` is the
-   sum of the squared scores of rows over that of their sums over `BLOCKS` blocks.
-
-The weights of families at sizes, and draws, are read as those of any posterior.
+   :math:`M` that of Matern. Below :math:`u_0` friction does so little of its work that no swing
+   tells it: what is small at speeds that were seen need not be small there.
+4. **Readings are not independent** where something that nothing says is left: the Gram matrix is
+   multiplied by the sum of the squared scores of rows over that of their sums over `BLOCKS` blocks.
+5. The slopes are taken again about the most likely curve, until the run there leaves what the
+   linear ones do.
 """
 
 import math
@@ -38,53 +39,78 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, logsumexp
 
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
-from stickslip.identify.posterior import Array, Draws, Family, Node, Structure, allotted
-from stickslip.identify.vocabulary import FAMILIES, PARTS, PLACE
+from stickslip.identify.own_laws import (
+    Slips,
+    certain_of,
+    is_own,
+    is_slope,
+    signed_of,
+    slope_column,
+)
+from stickslip.identify.posterior import (
+    Array,
+    Column,
+    Draws,
+    Model,
+    Node,
+    Posterior,
+    Scale,
+    Structure,
+    System,
+    family_of,
+)
+from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, SCALES
+from stickslip.identify.vocabulary import PARTS, SIGNED, Grid
 from stickslip.maths import Scalar, log, where
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised, Quantity, parameters, vary
 
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=100_000)
 """Six digits below the noise of any record."""
-KNOTS = 9
-"""Speeds at which what no law says is free."""
+KNOTS = 20
+"""Speeds at which the curve is free: laws through it work alike to 1e-3, narrow ones too."""
 CORRELATION = 1.0
-"""E-folds of speed over which it is correlated (Matern 3/2)."""
-SIZES = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
-SIZE_PRIOR = (0.4, *(0.6 / 7.0,) * 7)
-"""Sizes of what no law says, as a share of the fixed curve, and their prior. It grows as far as it
-has to: stopped at .2, bands outside the vocabulary held .66."""
-COEFFICIENT = 1.5
-"""Prior standard deviation of a coefficient, over the size of the friction."""
+"""E-folds of speed over which what no law says is correlated (Matern 3/2)."""
+SIZES, SIZE_PRIOR = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8), (0.4, *(0.6 / 7.0,) * 7)
+"""Sizes of it, as a share of the fixed curve, and their prior. It grows as far as it has to:
+stopped at .2, bands outside the vocabulary held .66."""
+SLOW_SIZES, SLOW_PRIOR = (0.0, 0.3, 1.0), (0.4, 0.3, 0.3)
+"""Further sizes of it at speeds that are too slow to be seen, and their prior: static friction is
+up to twice the kinetic (without them bands outside the vocabulary held .69)."""
+FOLLOWING = (6, 1)
+"""Sizes with which a run that follows is looked for, and from which nodes are visited."""
 RATIO = 0.01
 """Prior standard deviation of a length or stiffness, as a share, if none is stated."""
-START, ZERO = 0.3, 0.03
-"""Prior standard deviations of how a motion starts and of its zero, over its range."""
+START, ZERO, DRIFT = 0.3, 0.03, 0.01
+"""Prior standard deviations of how a motion starts, of its zero and of what that drifts, over its
+range."""
+OF_MOTION = 4
+"""Unknowns of each motion."""
 STAGES = (6, 20)
 """Turns of the first runs: a swing is predictable for some, as its phase is."""
-ROUNDS = 10
-"""Steps of Gauss-Newton in a stage."""
-LEAST_DAMPING, DAMPED = 1e-4, 8
-"""Least damping of a step that gained nothing, over the curvature, and how often it is raised."""
-GAIN = 0.05
-"""Gain of the logarithm of the posterior below which a mode has been met."""
-LOST = 0.1
-"""Scatter about the runs of a family, over the range, from which they begin once more."""
+ROUNDS = 40
+"""Steps in a stage at most."""
+DAMPING = 1e-3
+"""Damping of the first step over the curvature; a millionth of its inverse stops."""
+CONVERGED = 0.01
+"""Gain of the logarithm of the posterior below which no step is taken."""
+CLOSEST = 1e-5
+"""Least deviation of readings over the range: laws work alike through the knots to no less."""
+STRAIGHT, AGAIN = 0.1, 4
+"""Error of the logarithm of the likelihood up to which runs are linear, and how often slopes are
+taken at most."""
 BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDED = 1e-13
 """Least eigenvalue of a precision of unit diagonal, over the largest: what is below is rounding."""
-RUNS, RUN_PRIOR = (0.005, 0.02, 0.08), (0.35, 0.45, 0.2)
+RUNS, RUN_PRIOR = SCALES["run"]
 """By how much friction of another run may differ, as a share, and the prior: as of driven axes."""
-SPARE = 6
-"""Draws for each that is kept, so that those that are physics suffice."""
-LEAST = 1e-6
-"""Least friction of the fixed curve, over its root mean square."""
+FINER = (1.0 / 3.0, 1.0 / 9.0, 1.0 / 27.0)
+"""Parts of a step of the grid by which shapes are refined."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +133,41 @@ class Term(Parametrised):
         return self.coefficient * PARTS[self.part].curve(speed, [one.value for one in self.shape])
 
 
+def leja(count: int) -> Array:
+    """Return Chebyshev's points (n,) of -2 to 2 in the order in which Newton's form is stable.
+
+    Each is as far from those before as may be: the product of the distances is the largest.
+
+    Examples
+    --------
+    >>> leja(3).round(3).tolist()
+    [-1.732, 1.732, -0.0]
+    """
+    left = [*(2.0 * np.cos(math.pi * (np.arange(count)[::-1] + 0.5) / count))]
+    found = [left.pop(0)]
+    while left:
+        far = [math.prod(abs(x - one) for one in found) for x in left]
+        found.append(left.pop(int(np.argmax(far))))
+    return np.array(found)
+
+
+POINTS = leja(KNOTS)
+
+
+def _place(speed: Scalar, slowest: Scalar, fastest: Scalar) -> Scalar:
+    """Return where a speed is from -2, at rest, to 2, the fastest."""
+    ratio, most = speed / slowest, fastest / slowest
+    return 4.0 * log(1.0 + ratio * ratio) / log(1.0 + most * most) - 2.0
+
+
+def _newton(x: Array) -> Array:
+    """Return Newton's polynomials at places (n, k)."""
+    found = np.ones((len(x), KNOTS))
+    for k, at in enumerate(POINTS[:-1]):
+        found[:, k + 1] = found[:, k] * (x - at)
+    return found
+
+
 @dataclass(frozen=True, kw_only=True)
 class RunLaw(SetValuedLaw):
     """A law and what no law says, as a run takes it: friction as a force, whatever the load."""
@@ -121,7 +182,8 @@ class RunLaw(SetValuedLaw):
     fixed: tuple[Term, ...]
     """The curve that what no law says multiplies."""
     waves: tuple[Number, ...]
-    """What no law says: coefficients of Chebyshev polynomials of the logarithm of the speed."""
+    """The curve over the fixed one: coefficients of Newton's polynomial of the logarithm of the
+    speed, whose nested form is short in symbols."""
     slowest: Annotated[float, Quantity("v", above=0)]
     fastest: Annotated[float, Quantity("v", above=0)]
 
@@ -129,14 +191,10 @@ class RunLaw(SetValuedLaw):
         friction = sum(one.at(speed) for one in self.terms)
         if not self.waves:
             return friction
-        low = self.slowest
-        half = log(self.fastest / low)
-        x = log((speed * speed + low * low) / (self.fastest * low)) / half
-        before, own = 1.0, x
-        share = self.waves[0].value + self.waves[1].value * x
-        for one in self.waves[2:]:
-            before, own = own, 2.0 * x * own - before
-            share = share + one.value * own
+        x = _place(speed, self.slowest, self.fastest)
+        share = self.waves[-1].value + 0.0 * x
+        for one, at in zip(self.waves[-2::-1], POINTS[-2::-1], strict=True):
+            share = one.value + (x - at) * share
         return friction + share * sum(one.at(speed) for one in self.fixed)
 
     def break_away(self, load: Scalar) -> Scalar:
@@ -171,6 +229,15 @@ class Motion:
         """Range of the readings."""
         return float(np.ptp(self.values)) + 1e-300
 
+    @property
+    def late(self) -> Array:
+        """Part of the record that has passed (n,), less a half; 0 where no zero can drift.
+
+        Beside a motion that goes on, a zero that drifts is a velocity.
+        """
+        drifts = self.located and len(self.turns) > 0
+        return np.asarray((self.time / self.time[-1] - 0.5) * drifts)
+
     def first(self, turns: int | None) -> int:
         """Return the number of rows until some turns; all of them if none are given."""
         if turns is None or len(self.turns) <= turns:
@@ -190,7 +257,7 @@ class Unseen:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
-    """A structure from which the runs of its family begin."""
+    """A structure with its coefficients."""
 
     structure: Structure
     coefficients: Array
@@ -206,17 +273,6 @@ class Linear:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Mode:
-    """Laplace's approximation for one size of what no law says."""
-
-    evidence: float
-    x: Array
-    covariance: Array
-    left: float
-    """Squares that are left of the readings."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class FreeMotion:
     """Free motions of one mechanism, and by what their unknowns are scaled."""
 
@@ -229,6 +285,12 @@ class FreeMotion:
     fixed: tuple[Term, ...]
     """The curve that what no law says multiplies."""
     unseen: tuple[Unseen, ...] = ()
+    dim: float = 0.0
+    """Speed below which friction does too little work to be seen [m/s]."""
+    side: float = 1.0
+    """Sign of the velocity; 1 where it has both."""
+    load: float = 1.0
+    """Normal force at which laws of any form are [N]."""
 
     @property
     def paths(self) -> list[str]:
@@ -245,109 +307,103 @@ class FreeMotion:
 
     @cached_property
     def knots(self) -> Array:
-        """Logarithms of the speeds of what no law says: Chebyshev's, on which no wave grows."""
-        at = np.cos(math.pi * (np.arange(KNOTS)[::-1] + 0.5) / KNOTS)
-        low, high = math.log(self.slowest), math.log(self.fastest)
-        return 0.5 * (low + high) + 0.5 * (high - low) * at
+        """Logarithms of the speeds at which the curve is free."""
+        most = 1.0 + (self.fastest / self.slowest) ** 2
+        return np.asarray(np.log(self.slowest * np.sqrt(most ** (0.25 * POINTS + 0.5) - 1.0)))
 
     @cached_property
     def waves(self) -> Array:
-        """Coefficients of waves for values at the knots (k, k)."""
-        at = np.cos(math.pi * (np.arange(KNOTS)[::-1] + 0.5) / KNOTS)
-        table = np.polynomial.chebyshev.chebvander(at, KNOTS - 1)
-        return np.asarray(np.linalg.inv(table))
+        """Coefficients of Newton's polynomials for values at the knots (k, k)."""
+        return np.asarray(np.linalg.inv(_newton(POINTS)))
 
-    @cached_property
-    def roughness(self) -> Array:
-        """Precision of the values at the knots for a size of 1 (k, k)."""
+    def root(self, size: float, slow: float) -> Array:
+        """Return a root of the covariance of what no law says at the knots (k, k), by its sizes."""
         apart = np.abs(self.knots[:, None] - self.knots) * math.sqrt(3.0) / CORRELATION
-        return np.asarray(np.linalg.inv((1.0 + apart) * np.exp(-apart) + 1e-6 * np.eye(KNOTS)))
+        dim = slow / (1.0 + (np.exp(self.knots) / max(self.dim, 1e-300)) ** 4)
+        share = max(size, 1e-6) ** 2 + np.outer(dim, dim)
+        alike = (1.0 + apart) * np.exp(-apart) + 1e-9 * np.eye(KNOTS)
+        return np.asarray(np.linalg.cholesky(share * alike))
+
+    def share(self, column: Column) -> Array:
+        """Return a term of a law at the knots, over the fixed curve (k,)."""
+        speed = np.exp(self.knots)
+        return np.asarray(self.term(column, speed) / sum(one.at(speed) for one in self.fixed))
+
+    def term(self, column: Column, speed: Array) -> Array:
+        """Return a term of a law at speeds (n,)."""
+        if is_slope(column[0]):
+            rows = Slips(velocity=self.side * speed, load=0.0 * speed + self.load, inputs={})
+            return self.side * slope_column(column, rows)
+        return np.asarray(PARTS[column[0]].curve(speed, column[1]) + 0.0 * speed)
+
+    def curve(self, candidate: Candidate) -> Array:
+        """Return a law at the knots, over the fixed curve (k,)."""
+        pairs = zip(candidate.structure, candidate.coefficients, strict=True)
+        return np.asarray(sum((c * self.share(one) for one, c in pairs), np.zeros(KNOTS)))
 
     def beside(self, speed: Array) -> Array:
         """Return friction at speeds for values of 1 at each knot alone (n, k)."""
-        low, fixed = self.slowest, sum(one.at(speed) for one in self.fixed)
-        x = np.log((speed**2 + low**2) / (self.fastest * low)) / math.log(self.fastest / low)
-        table = np.polynomial.chebyshev.chebvander(x, KNOTS - 1) @ self.waves
+        fixed = sum(one.at(speed) for one in self.fixed)
+        table = _newton(_place(speed, self.slowest, self.fastest)) @ self.waves
         return np.asarray(table * np.reshape(fixed, (-1, 1)))
 
 
 class Runs:
-    """Runs of the motions with one family of laws.
+    """Runs of the motions with a law, and a curve beside it unless the law is `alone`.
 
-    The unknowns are, in this order: coefficients over their prior's size, logarithms of shapes,
-    what no law says at the knots, the logarithm of what is unseen over its given value, and of each
-    motion its position and velocity at the start and its zero.
+    The unknowns are, in this order: the curve at the knots over the fixed one, the logarithm of
+    what is unseen over its given value, and of each motion its position and velocity at the start,
+    its zero and the drift of that.
     """
 
-    def __init__(self, motion: FreeMotion, candidate: Candidate) -> None:
-        self.motion, self.structure = motion, candidate.structure
-        self.shapes = [
-            (term, entry)
-            for term, (name, _) in enumerate(self.structure)
-            for entry, kind in enumerate(PARTS[name].shapes)
-            if kind in ("speed", "exponent")
-        ]
-        d, e = len(self.structure), len(self.shapes)
-        self.law, self.logs = slice(0, d), slice(d, d + e)
-        self.knots = slice(d + e, d + e + KNOTS)
-        self.ratio = slice(d + e + KNOTS, d + e + KNOTS + len(motion.unseen))
-        self.starts = slice(self.ratio.stop, self.ratio.stop + 3 * len(motion.motions))
-        self.sizes = COEFFICIENT * np.array([self._size(one) for one in self.structure])
+    def __init__(
+        self, motion: FreeMotion, law: Candidate | None = None, *, alone: bool = False
+    ) -> None:
+        self.waved = slice(0, 0 if alone else KNOTS)
+        self.motion, self.law = motion, law or Candidate(structure=(), coefficients=np.zeros(0))
+        self.knots, self.ratio = slice(0, KNOTS), slice(KNOTS, KNOTS + len(motion.unseen))
+        self.starts = slice(self.ratio.stop, self.ratio.stop + OF_MOTION * len(motion.motions))
         self.mean, self.deviations = self._prior()
-        self.first = self.mean.copy()
-        self.first[self.law] = candidate.coefficients / self.sizes
-        self.first[self.logs] = [
-            math.log(self.structure[term][1][entry]) for term, entry in self.shapes
-        ]
-
-    def _size(self, column: tuple[str, tuple[float, ...]]) -> float:
-        """Return the coefficient with which a term alone would be friction of the usual size."""
-        speed = np.geomspace(self.motion.slowest, self.motion.fastest, 40)
-        curve = PARTS[column[0]].curve(speed, column[1]) * np.ones(40)
-        return self.motion.size / (math.sqrt(float(np.mean(curve**2))) + 1e-300)
 
     def _prior(self) -> tuple[Array, Array]:
-        """Return means and standard deviations of the unknowns; those of the knots are 1."""
+        """Return means and standard deviations of the unknowns; those of the knots are 0 and 1."""
         motion = self.motion
         mean, deviations = np.zeros(self.starts.stop), np.ones(self.starts.stop)
-        low, high = math.log(motion.slowest), math.log(motion.fastest)
-        for at, (term, entry) in enumerate(self.shapes, self.logs.start):
-            is_speed = PARTS[self.structure[term][0]].shapes[entry] == "speed"
-            mean[at] = 0.5 * (low + high) if is_speed else math.log(0.8)
-            deviations[at] = max((high - low) / math.sqrt(12.0), 0.5) if is_speed else 0.6
         deviations[self.ratio] = [one.deviation for one in motion.unseen]
         for k, one in enumerate(motion.motions):
-            at = self.starts.start + 3 * k
+            at = self.starts.start + OF_MOTION * k
             rate = START * one.range / max(float(one.time[-1]), 1e-300) * (len(one.turns) + 1.0)
             speed, place = max(abs(one.start[1]), rate), max(abs(one.start[0]), one.range)
             mean[at : at + 2] = one.start
-            deviations[at : at + 3] = START * place, START * speed, ZERO * one.range
+            deviations[at : at + 4] = (
+                START * place,
+                START * speed,
+                ZERO * one.range,
+                (DRIFT * one.range),
+            )
             if not one.located:
                 deviations[at : at + 2] = START * place, START * one.range
         return mean, deviations
 
-    def precision(self, size: float) -> Array:
-        """Return the precision of the prior (m, m) for a size of what no law says."""
+    @cached_property
+    def precision(self) -> Array:
+        """Precision (m, m) with which a run that follows is looked for."""
         found = np.diag(self.deviations**-2.0)
-        found[self.knots, self.knots] = self.motion.roughness / max(size, 1e-6) ** 2
+        k, slow = FOLLOWING
+        root = np.linalg.inv(self.motion.root(SIZES[k], SLOW_SIZES[slow]))
+        found[self.knots, self.knots] = root.T @ root
         return found
-
-    def shaped(self, x: Array) -> Structure:
-        """Return the structure with the shapes of some unknowns."""
-        shapes = [list(shape) for _, shape in self.structure]
-        for (term, entry), value in zip(self.shapes, x[self.logs], strict=True):
-            shapes[term][entry] = math.exp(value)
-        names = [name for name, _ in self.structure]
-        return tuple((n, tuple(s)) for n, s in zip(names, shapes, strict=True))
 
     def _law(self, x: Array) -> RunLaw:
         return RunLaw(
             terms=tuple(
                 Term(part=n, coefficient=float(c), shape=tuple(Number(value=v) for v in shape))
-                for (n, shape), c in zip(self.shaped(x), x[self.law] * self.sizes, strict=True)
+                for (n, shape), c in zip(self.law.structure, self.law.coefficients, strict=True)
             ),
             fixed=self.motion.fixed,
-            waves=tuple(Number(value=float(w)) for w in self.motion.waves @ x[self.knots]),
+            waves=tuple(
+                Number(value=float(w)) for w in self.motion.waves[self.waved] @ x[self.knots]
+            ),
             slowest=self.motion.slowest,
             fastest=self.motion.fastest,
         )
@@ -355,12 +411,12 @@ class Runs:
     def run(self, x: Array, turns: int | None = None) -> "tuple[Array, list[BareRun]] | None":
         """Return what runs leave of the readings, with the runs; None where a run fails."""
         motion, left, runs = self.motion, list[Array](), list[BareRun]()
-        if not np.all(np.isfinite(x)) or np.any(np.abs(x[self.logs] - self.mean[self.logs]) > 12.0):
+        if not np.all(np.isfinite(x)):
             return None
         law = self._law(x)
         try:
-            for one, (q, v, zero) in zip(
-                motion.motions, x[self.starts].reshape(-1, 3), strict=True
+            for one, (q, v, zero, drift) in zip(
+                motion.motions, x[self.starts].reshape(-1, OF_MOTION), strict=True
             ):
                 mechanism = one.mechanism
                 if motion.unseen:
@@ -371,7 +427,8 @@ class Runs:
                 run = SOLVER.bare(mechanism, law, y0=[q, v], t_end=float(one.time[rows - 1]))
                 if not run.status.complete:
                     return None
-                left.append(one.values[:rows] - run.at(one.time[:rows])[:, 1 - one.located] - zero)
+                there = run.at(one.time[:rows])[:, 1 - one.located]
+                left.append(one.values[:rows] - there - zero - drift * one.late[:rows])
                 runs.append(run)
         except InputError:  # a value out of its range
             return None
@@ -384,9 +441,7 @@ class Runs:
         mechanism = self.motion.motions[0].mechanism
         names = [*mechanism.coordinates, *mechanism.rates]
         return [
-            *(f"friction.terms.{k}.coefficient" for k in range(len(self.structure))),
-            *(f"friction.terms.{term}.shape.{entry}.value" for term, entry in self.shapes),
-            *(f"friction.waves.{k}.value" for k in range(KNOTS)),
+            *(f"friction.waves.{k}.value" for k in range(KNOTS)[self.waved]),
             *self.motion.paths,
             *(f"initial.{name}" for name in names),
         ]
@@ -400,111 +455,78 @@ class Runs:
             # what a run has no slope by stays where it is
             table = np.where(np.isfinite(table).all(axis=0), table, 0.0)
             own = np.zeros((rows, len(x)))
-            own[:, self.law] = table[:, self.law] * self.sizes
-            own[:, self.logs] = table[:, self.logs] * np.exp(x[self.logs])
-            own[:, self.knots] = table[:, self.knots] @ motion.waves
-            own[:, self.ratio] = table[:, self.ratio] * motion.values(x[self.ratio], one)
-            at = self.starts.start + 3 * k
-            own[:, at : at + 2] = table[:, self.ratio.stop :]
+            count = self.waved.stop
+            own[:, self.knots] = table[:, :count] @ motion.waves[self.waved]
+            unseen = slice(count, count + len(motion.unseen))
+            own[:, self.ratio] = table[:, unseen] * motion.values(x[self.ratio], one)
+            at = self.starts.start + OF_MOTION * k
+            own[:, at : at + 2] = table[:, unseen.stop :]
             own[:, at + 2] = 1.0 * one.located
+            own[:, at + 3] = one.late[:rows]
             found.append(own)
         return np.vstack(found)
+
+    def linear(self, x: Array, turns: int | None = None) -> Linear | None:
+        """Return runs linearised about some unknowns; None where none can be made."""
+        made = self.run(x, turns)
+        if made is None:
+            return None
+        return Linear(x=x, residual=made[0], slopes=self._slopes(x, made[1], turns))
 
     def solved(
         self, x: Array, *, turns: int | None = None, free: "NDArray[np.bool_] | None" = None
     ) -> Linear | None:
         """Return runs linearised about the mode near some unknowns; None where none can be made.
 
-        With `free`, only those are looked for; else also the size of what no law says.
+        With `free`, only those are looked for.
         """
-        made = self.run(x, turns)
-        if made is None:
+        linear = self.linear(x, turns)
+        if linear is None:
             return None
-        linear = Linear(x=x, residual=made[0], slopes=self._slopes(x, made[1], turns))
         at = np.flatnonzero(np.ones(len(x), dtype=bool) if free is None else free)
-        damping = 0.0
+        precision, weight = self.precision[np.ix_(at, at)], self.noise**-2.0
+        mean, damping, rise = self.mean[at], 0.0, 2.0
         for _ in range(ROUNDS):
-            sigma = self.noise if free is not None else self.scatter(linear)
-            size = 0.0 if free is not None else self._likeliest(linear, sigma)
-            precision, off = self.precision(size), linear.x - self.mean
-            slopes = linear.slopes[:, at] / sigma
-            gram = slopes.T @ slopes + precision[np.ix_(at, at)]
-            pull = slopes.T @ linear.residual / sigma - (precision @ off)[at]
-            least = _cost(linear.residual / sigma, off, precision)
-            gain = 0.0
-            for _ in range(DAMPED):
+            slopes = linear.slopes[:, at]
+            gram = weight * slopes.T @ slopes + precision
+            off = linear.x[at] - mean
+            pull = weight * slopes.T @ linear.residual - precision @ off
+            if 0.5 * pull @ inverse(gram) @ pull < CONVERGED:
+                break
+            least = weight * linear.residual @ linear.residual + off @ precision @ off
+            while damping < 1e6 / DAMPING:
+                step = inverse(gram + damping * np.diag(np.diag(gram))) @ pull
                 x = linear.x.copy()
-                x[at] += _inverse(gram + damping * np.diag(np.diag(gram)))[0] @ pull
-                made = self.run(x, turns)
+                x[at] += step
+                made, ratio = self.run(x, turns), -1.0
                 if made is not None:
-                    gain = least - _cost(made[0] / sigma, x - self.mean, precision)
-                    if gain > 0.0:
-                        break
-                damping = max(10.0 * damping, LEAST_DAMPING)
-            if made is None or not gain > 0.0:
+                    cost = weight * made[0] @ made[0] + (off + step) @ precision @ (off + step)
+                    ratio = (least - cost) / (step @ (2.0 * pull - gram @ step))
+                if ratio > 0.0:
+                    damping *= max(1.0 / 3.0, 1.0 - (2.0 * ratio - 1.0) ** 3)
+                    damping, rise = damping * (damping > 1e-9), 2.0
+                    break
+                damping, rise = max(damping * rise, DAMPING), 2.0 * rise
+            if made is None or damping >= 1e6 / DAMPING:
                 break
-            damping = 0.03 * damping if damping > LEAST_DAMPING else 0.0
             linear = Linear(x=x, residual=made[0], slopes=self._slopes(x, made[1], turns))
-            if gain < GAIN:
-                break
         return linear
 
-    def _likeliest(self, linear: Linear, sigma: float) -> float:
-        """Return the size of what no law says, above 0, that is most likely."""
-        evidence = [self.mode(linear, size, sigma).evidence for size in SIZES[1:]]
-        return SIZES[1 + int(np.argmax(evidence))]
+    def beside(self, x: Array) -> Linear | None:
+        """Return runs of this very law: starts and what is unseen of the mechanism are free."""
+        free = np.ones(self.starts.stop, dtype=bool)
+        free[self.knots] = False
+        return self.solved(x, free=free)
 
-    def mode(self, linear: Linear, size: float, sigma: float, kappa: float = 1.0) -> Mode:
-        """Return Laplace's approximation of a linearisation for a size of what no law says."""
-        precision, weight = self.precision(size), kappa / sigma**2
-        gram = weight * linear.slopes.T @ linear.slopes + precision
-        off = self.mean - linear.x
-        covariance, volume = _inverse(gram)
-        step = covariance @ (weight * linear.slopes.T @ linear.residual + precision @ off)
-        left = linear.residual - linear.slopes @ step
-        quadratic = weight * float(left @ left) + float((step - off) @ precision @ (step - off))
-        x = linear.x + step
-        evidence = 0.5 * (np.linalg.slogdet(precision)[1] - volume - quadratic)
-        for place in self.positive:
-            z = x[place] / math.sqrt(covariance[place, place])
-            evidence += float(log_ndtr(z)) + math.log(2.0)
-        return Mode(evidence=float(evidence), x=x, covariance=covariance, left=float(left @ left))
-
-    @cached_property
-    def positive(self) -> list[int]:
-        """Unknowns that are not negative."""
-        return [k for k, (name, _) in enumerate(self.structure) if not PARTS[name].signed]
-
-    def followed(self, near: Array) -> Array:
-        """Return what a run of this very law leaves of the readings, from starts near some (n,).
-
-        Only the starts and what is unseen of the mechanism are free.
-        """
-        x, free = self.first.copy(), np.zeros(self.starts.stop, dtype=bool)
-        x[self.ratio.start :], free[self.ratio.start :] = near, True
-        linear = self.solved(x, free=free)
-        count = sum(len(one.time) for one in self.motion.motions)
-        return np.full(count, np.inf) if linear is None else linear.residual
-
-    @property
-    def told(self) -> "NDArray[np.bool_]":
-        """All unknowns but what no law says (m,)."""
-        found = np.ones(self.starts.stop, dtype=bool)
-        found[self.knots] = False
-        return found
-
-    def refined(self, near: Array | None = None) -> Linear | None:
-        """Return the runs about the mode: from some turns to all, then with what no law says.
-
-        What the unknowns of the mechanism and the starts were in another family is a better start.
-        """
-        x, stages = self.first.copy(), [n for n in STAGES if self._has(n)]
-        if near is not None:
-            x[self.ratio.start :], stages = near, []
-        for turns in (*stages, None):
-            linear = self.solved(x, turns=turns, free=self.told)
+    def follows(self, curve: Array) -> Linear | None:
+        """Return runs that follow the readings with a curve near another (k,)."""
+        self.mean[self.knots], x = curve, self.mean.copy()
+        x[self.knots] = curve
+        for turns in (*(n for n in STAGES if self._has(n)), None):
+            linear = self.solved(x, turns=turns)
             x = x if linear is None else linear.x
-        return self.solved(x)
+        self.mean[self.knots] = 0.0
+        return linear
 
     def _has(self, turns: int) -> bool:
         return any(len(one.turns) > turns for one in self.motion.motions)
@@ -516,175 +538,241 @@ class Runs:
 
     def scatter(self, linear: Linear) -> float:
         """Return the standard deviation of what runs leave of the readings."""
-        freedom = max(len(linear.residual) - len(linear.x), 1)
-        return max(math.sqrt(float(linear.residual @ linear.residual) / freedom), 0.1 * self.noise)
+        gram = self.noise**-2.0 * linear.slopes.T @ linear.slopes
+        told = float(np.trace(inverse(gram + self.precision) @ gram))
+        freedom = max(len(linear.residual) - told, 1.0)
+        least = max(0.1 * self.noise, CLOSEST * max(one.range for one in self.motion.motions))
+        return max(math.sqrt(float(linear.residual @ linear.residual) / freedom), least)
 
 
-def _inverse(matrix: Array) -> tuple[Array, float]:
-    """Return the inverse of a positive matrix whose entries differ in size, and log|matrix|."""
+def inverse(matrix: Array) -> Array:
+    """Return the inverse of a positive matrix whose entries differ in size."""
     size = np.sqrt(np.diag(matrix))
     values, vectors = np.linalg.eigh(matrix / np.outer(size, size))
-    values = np.maximum(values, ROUNDED * values[-1])
-    own = vectors / np.sqrt(values) / size[:, None]
-    return own @ own.T, float(np.sum(np.log(values)) + 2.0 * np.sum(np.log(size)))
+    own = vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1])) / size[:, None]
+    return np.asarray(own @ own.T)
 
 
-def _cost(residual: Array, off: Array, precision: Array) -> float:
-    """Return twice the negative logarithm of the posterior: of residuals over their deviation."""
-    return float(residual @ residual + off @ precision @ off)
+class RunModel(Model):
+    """Readings of free motions, linear about a run that follows them."""
 
+    scales = (
+        Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),
+        Scale(name="slow", values=SLOW_SIZES, prior=SLOW_PRIOR),
+    )
 
-class RunPosterior:
-    """The weights of families at sizes of what no law says, by runs.
-
-    Parameters
-    ----------
-    motion : FreeMotion
-        What was recorded.
-    candidates : sequence of Candidate
-        Where the runs of each family begin, the most likely first.
-    """
-
-    def __init__(self, motion: FreeMotion, candidates: Sequence[Candidate]) -> None:
-        self.motion = motion
-        found = list[tuple[Runs, Linear]]()
-        for one in candidates:
-            runs = Runs(motion, one)
-            best = min(found, key=lambda pair: pair[0].scatter(pair[1]), default=None)
-            near = None if best is None else best[1].x[best[0].ratio.start :]
-            linear = runs.refined(near)
-            lost = linear is None or runs.scatter(linear) > LOST * motion.motions[0].range
-            if near is not None and lost:  # the way of another family leads nowhere
-                linear = runs.refined() or linear
-            if linear is not None:
-                found.append((runs, linear))
-        if not found:
-            raise InputError(
-                "no run of a law follows this free motion: check mass, length and stiffness of the"
-                " mechanism, and that nothing drives the motion."
-            )
-        self.runs, self.linear = zip(*found, strict=True)
-        runs, linear = min(found, key=lambda pair: pair[0].scatter(pair[1]))
-        self.sigma = runs.scatter(linear)
+    def __init__(
+        self,
+        runs: Runs,
+        linear: Linear,
+        closest: "RunModel | None" = None,
+        own: Sequence[Structure] = (),
+    ) -> None:
+        self.own: Sequence[Structure] = own or (closest.own if closest else ())
+        """Laws that are no sums of parts."""
+        self.signed, self.certain = SIGNED | signed_of(self.own), certain_of(self.own)
+        self.runs, self.motion, self.linear = runs, runs.motion, linear
+        sigma = runs.scatter(linear)
+        self.sigma: float = closest.sigma if closest else sigma
         """Standard deviation of the readings about the closest run."""
-        self.kappa = worth(linear, runs.precision(SIZES[2]), self.sigma)
+        self.kappa: float = closest.kappa if closest else worth(linear, runs.precision, sigma)
         """What a reading is worth, over one whose error is its own."""
-        self.modes = [
-            [own.mode(one, size, self.sigma, self.kappa) for own, one in found] for size in SIZES
-        ]
-        self.nodes: tuple[Node, ...] = tuple((k,) for k in range(len(SIZES)))
-        self.structures: tuple[Structure, ...] = tuple(own.shaped(one.x) for own, one in found)
-        self.families: list[Family] = [tuple(name for name, _ in one) for one in self.structures]
-        places = [FAMILIES.get(" ".join(one), max(FAMILIES.values())) for one in self.families]
-        table = np.array(
-            [[self._evidence(s, one) for s, one in enumerate(row)] for row in self.modes]
+        self.x = linear.x.copy()
+        """The unknowns of that run, its law in the curve."""
+        self.x[:KNOTS] += self.motion.curve(runs.law)
+        y = linear.residual + linear.slopes @ (self.x - runs.mean)
+        table = np.column_stack([linear.slopes, y])
+        self.gram = self.kappa / self.sigma**2 * table.T @ table
+
+    def size(self, column: Column) -> float:
+        """Return the coefficient with which a term alone would be friction of the usual size."""
+        speed = np.geomspace(self.motion.slowest, self.motion.fastest, 40)
+        curve = self.motion.term(column, speed)
+        return self.motion.size / (math.sqrt(float(np.mean(curve**2))) + 1e-300)
+
+    def root(self, node: Node) -> Array:
+        """Return a root of the covariance of what no law says at the knots (k, k)."""
+        return self.motion.root(SIZES[node[0]], SLOW_SIZES[node[1]])
+
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        sizes = np.array([self.size(one) for one in columns])
+        m, p = len(self.runs.mean), len(columns)
+        turn = np.zeros((m + 1, m + p + 1))
+        turn[:KNOTS, :KNOTS] = self.root(node)
+        turn[range(KNOTS, m), range(KNOTS, m)] = 1.0
+        if columns:
+            shares = np.column_stack([self.motion.share(one) for one in columns])
+            turn[:KNOTS, m : m + p] = shares * sizes
+        turn[m, m + p] = 1.0
+        return System(
+            gram=turn.T @ self.gram @ turn,
+            deviations=self.runs.deviations,
+            volume=0.0,
+            sizes=sizes,
         )
-        table += np.log(SIZE_PRIOR)[:, None] - PLACE * np.array(places)
-        # without a law, what multiplies a curve is no friction
-        table[1:, [not one for one in self.structures]] = -np.inf
-        self.weights: Array = np.exp(table - logsumexp(table))
-        """Posterior probabilities of sizes and families (k, s), in sum 1."""
 
-    def _evidence(self, place: int, mode: Mode) -> float:
-        """Return the evidence of a mode with what a run there leaves, not the linear one."""
-        made = self.runs[place].run(mode.x)
-        left = math.inf if made is None else float(made[0] @ made[0])
-        return mode.evidence - 0.5 * self.kappa / self.sigma**2 * (left - mode.left)
+    def unknowns(self, node: Node, structure: Structure, law: Array, random: Array) -> Array:
+        """Return the unknowns of runs (m,) with a law (d,) and random coefficients (m,)."""
+        x = self.runs.mean + random
+        x[:KNOTS] = self.root(node) @ random[:KNOTS]
+        x[:KNOTS] += self.motion.curve(Candidate(structure=structure, coefficients=law))
+        return x
 
-    @property
-    def shares(self) -> Array:
-        """Posterior probabilities of the families (s,)."""
-        return np.asarray(self.weights.sum(axis=0))
-
-    @property
-    def best(self) -> tuple[int, int]:
-        """Place of the largest weight: size, family."""
-        k, s = np.unravel_index(int(np.argmax(self.weights)), self.weights.shape)
-        return int(k), int(s)
-
-    def draws(self, count: int, *, seed: int = 0, only: Array | None = None) -> list[Draws]:
-        """Return `count` draws, each with its own shapes, in the order of sizes and families.
-
-        The random coefficients are what no law says at the knots, and behind it what is unseen of
-        the mechanism, if anything, and how each motion starts.
-        """
-        weights = self.weights if only is None else np.where(only, self.weights, 0.0)
-        numbers = allotted(weights.ravel(), count)
+    def beside(self, draws: Sequence[Draws]) -> Array:
+        """Return what no law says at the knots, and the unknowns behind it, of draws (m, k)."""
         found = []
-        for pair in np.flatnonzero(numbers):
-            k, s = divmod(int(pair), len(self.structures))
-            runs, rng = self.runs[s], np.random.default_rng([seed, k, s])
-            for x in drawn(runs, self.modes[k][s], int(numbers[pair]), rng):
-                law = np.maximum(x[runs.law], [0.0 if j in runs.positive else -np.inf
-                                               for j in range(len(runs.structure))])  # fmt: skip
-                found.append(
-                    Draws(
-                        node=(k,),
-                        structure=runs.shaped(x),
-                        law=np.reshape(law * runs.sizes, (-1, 1)),
-                        random=x[runs.knots.start :, None],
-                    )
-                )
-        return found
+        for one in draws:
+            x = one.random.copy()
+            x[:KNOTS] = self.root(one.node) @ one.random[:KNOTS]
+            found.append(x)
+        return np.hstack(found)
 
-    def told_by_another(self) -> Array:
+    @property
+    def told(self) -> Array:
+        """Precision of the curve at the knots by the readings, whatever else is unknown (k, k)."""
+        return self._told(self.gram[:-1, :-1], KNOTS)
+
+    def _told(self, gram: Array, count: int) -> Array:
+        """Return the precision of the first unknowns by a Gram matrix, whatever the others are."""
+        rest = gram[count:, count:] + np.diag(self.runs.deviations[count : len(gram)] ** -2.0)
+        cross = gram[:count, count:]
+        return np.asarray(gram[:count, :count] - cross @ inverse(rest) @ cross.T)
+
+    def told_by_another(self, share: float) -> Array:
         """Return what a motion like the first tells of the knots and what is unseen (p, p).
 
-        It is the precision that the rows of the first give them, less what its start takes.
+        It begins at a share of the start. It is the precision that rows as those of the first would
+        give them, less what its start takes.
         """
-        _, s = self.best
-        runs, at = self.runs[s], slice(self.runs[s].starts.start, self.runs[s].starts.start + 3)
-        slopes = self.linear[s].slopes[: len(self.motion.motions[0].time)]
-        slopes = math.sqrt(self.kappa) / self.sigma * slopes
-        common, start = slopes[:, runs.knots.start : runs.ratio.stop], slopes[:, at]
-        own, _ = _inverse(start.T @ start + np.diag(runs.deviations[at] ** -2.0))
-        cross = common.T @ start
-        return np.asarray(common.T @ common - cross @ own @ cross.T)
+        first, start = self.motion.motions[0], self.runs.starts.start
+        slopes: Array | None = self.linear.slopes[: len(first.time)]
+        if share < 1.0:
+            runs = Runs(replace(self.motion, motions=[first]))
+            middle = float(np.median(first.values))
+            x = self.x[: runs.starts.stop].copy()
+            x[start] = middle + share * (x[start] - middle) if first.located else x[start]
+            x[start + 1] *= share
+            made = runs.linear(x)
+            slopes = None if made is None else made.slopes
+        if slopes is None:
+            return np.zeros((start, start))
+        gram = self.kappa / self.sigma**2 * slopes[:, : start + OF_MOTION].T
+        return self._told(gram @ slopes[:, : start + OF_MOTION], start)
 
     def another(self, motions: Sequence[Motion], draws: Sequence[Draws]) -> Array:
         """Return readings of other motions of the same mechanism in draws (k, n).
 
         Each begins as it fits them best, and its friction differs as that of another run does.
         """
-        rng, motion = np.random.default_rng(11), replace(self.motion, motions=motions)
+        rng, runs = np.random.default_rng(11), Runs(replace(self.motion, motions=motions))
         values = np.concatenate([one.values for one in motions])
         base: Linear | None = None
-        found = []
+        found, free = [], np.zeros(runs.starts.stop, dtype=bool)
+        free[runs.starts] = True
         for one in draws:
-            factor = 1.0 + rng.choice(RUNS, p=RUN_PRIOR) * rng.normal()
-            law = Candidate(structure=one.structure, coefficients=factor * one.law[:, 0])
-            runs = Runs(motion, law)
-            x, free = runs.first.copy(), np.zeros(runs.starts.stop, dtype=bool)
-            known = runs.ratio.stop - runs.knots.start
-            x[runs.knots.start : runs.ratio.stop] = one.random[:known, 0]
-            x[runs.knots] *= factor
-            free[runs.starts] = True
-            if base is None:
-                base = runs.solved(x, free=free)
+            for law, random in zip(one.law.T, one.random.T, strict=True):
+                factor = 1.0 + rng.choice(RUNS, p=RUN_PRIOR) * rng.normal()
+                x = runs.mean.copy()
+                known = self.unknowns(one.node, one.structure, law, random)
+                x[: runs.starts.start] = known[: runs.starts.start]
+                x[:KNOTS] *= factor
                 if base is None:
-                    continue
-                start, slopes = base.x[runs.starts], np.linalg.pinv(base.slopes[:, runs.starts])
-            x[runs.starts] = start
-            for _ in range(2):  # starts follow along the slopes of the first
+                    base = runs.solved(x, free=free)
+                    if base is None:
+                        continue
+                    start, slopes = base.x[runs.starts], np.linalg.pinv(base.slopes[:, runs.starts])
+                x[runs.starts] = start
+                for _ in range(2):  # starts follow along the slopes of the first
+                    made = runs.run(x)
+                    if made is not None:
+                        x[runs.starts] += slopes @ made[0]
                 made = runs.run(x)
                 if made is not None:
-                    x[runs.starts] += slopes @ made[0]
-            made = runs.run(x)
-            if made is not None:
-                found.append(values - made[0] + self.sigma * rng.normal(size=len(values)))
+                    found.append(values - made[0] + self.sigma * rng.normal(size=len(values)))
         if not found:
             raise InputError("no run of a law follows the second record: check what it is of.")
         return np.array(found)
 
 
-def drawn(runs: Runs, mode: Mode, count: int, rng: np.random.Generator) -> Array:
-    """Return draws of the unknowns (k, m), those that are physics first."""
-    size = np.sqrt(np.diag(mode.covariance))
-    values, vectors = np.linalg.eigh(mode.covariance / np.outer(size, size))
-    root = size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
-    x = mode.x + rng.normal(size=(SPARE * count, len(mode.x))) @ root.T
-    physics = np.all(x[:, runs.positive] > 0.0, axis=1)
-    return np.asarray(x[np.argsort(~physics, kind="stable")[:count]])
+def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:
+    """Return runs with a law, perhaps `alone`, and their unknowns at their means (m,).
+
+    A law that is no sum of parts is a curve through the knots.
+    """
+    curve = is_own(law.structure)
+    runs = Runs(motion) if curve else Runs(motion, law, alone=alone)
+    x = runs.mean.copy()
+    if curve:
+        x[:KNOTS] = motion.curve(law)
+    return runs, x
+
+
+def followed(motion: FreeMotion) -> RunModel:
+    """Return the readings linear about a run that follows them, from the fixed curve."""
+    runs = Runs(motion)
+    linear = runs.follows(np.ones(KNOTS))
+    if linear is None:
+        raise InputError(
+            "no run of a law follows this free motion: check mass, length and stiffness of the"
+            " mechanism, and that nothing drives the motion."
+        )
+    return RunModel(runs, linear)
+
+
+def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> Posterior:
+    """Return the weights of families and shapes, by runs about the most likely curve."""
+    laws = {
+        tuple(zip(family, map(tuple, shapes), strict=True)): prior
+        for family, shapes, prior in grid.families(families)
+    }
+    laws |= dict.fromkeys(model.own, 0.0)
+    posterior = _weighed(model, laws)
+    for part in FINER:
+        laws = _refined(posterior, laws, grid, part)
+        posterior = _weighed(model, laws)
+    for _ in range(AGAIN):
+        k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
+        node, structure = posterior.nodes[k], posterior.structures[s]
+        law, random = posterior.estimate(node, structure)
+        runs, x = begun(model.motion, Candidate(structure=structure, coefficients=law))
+        x += random
+        x[:KNOTS] += model.root(node) @ random[:KNOTS] - random[:KNOTS]
+        there = runs.linear(x)
+        if there is None:
+            break
+        follower = RunModel(runs, there, model)
+        foreseen = model.linear.residual - model.linear.slopes @ (follower.x - model.x)
+        off = abs(foreseen @ foreseen - there.residual @ there.residual)
+        if 0.5 * model.kappa / model.sigma**2 * off < STRAIGHT:
+            break
+        model = follower
+        posterior = _weighed(model, laws)
+    return posterior
+
+
+def _weighed(model: RunModel, laws: "dict[Structure, float]") -> Posterior:
+    every = len(SIZES) * len(SLOW_SIZES)
+    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[FOLLOWING], most=every)
+
+
+def _refined(
+    posterior: Posterior, laws: "dict[Structure, float]", grid: Grid, part: float
+) -> "dict[Structure, float]":
+    """Return structures with shapes a part of a step aside, with the logarithms of their priors."""
+    value = np.log(posterior.shares + 1e-300)
+    order = np.argsort(-value, kind="stable").tolist()
+    best: dict[tuple[str, ...], int] = {}
+    for k in order:
+        best.setdefault(family_of(posterior.structures[k]), k)
+    near = [k for k in order[:KEPT_LAWS] if value[k] > value[order[0]] - BEHIND]
+    found: dict[Structure, float] = {}
+    for k in dict.fromkeys([*near, *best.values()]):
+        law = posterior.structures[k]
+        many = [*grid.finer(family_of(law), [shape for _, shape in law], part)]
+        for shapes in many:
+            one = tuple(zip(family_of(law), map(tuple, shapes), strict=True))
+            found.setdefault(one, laws[law] - math.log(len(many)))
+    return found
 
 
 def worth(linear: Linear, precision: Array, sigma: float) -> float:

@@ -103,6 +103,9 @@ GIVEN: Mapping[str, str] = {
     "body": "rigid body heavier or lighter than given",
 }
 """What may be given wrong."""
+MISTAKEN = 1.0
+"""Size of what is given wrong from which it is a mistake: of three careful experimenters in
+hundred."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -902,6 +905,8 @@ class RecordProblem(Problem):
         if beside and gain is None:
             every = {"beside": every["inertia"] - every["mechanism"]}
         found = []
+        large = [self.model.at(one.node, "given") >= MISTAKEN for one in draws]
+        mistaken = float(np.average(large, weights=[one.random.shape[1] for one in draws]))
         for name, own in every.items():
             of, off = name.replace("beside", "inertia"), own if gain is None else own + gain
             low, high = np.quantile(off, (0.025, 0.975)).tolist()
@@ -920,6 +925,7 @@ class RecordProblem(Problem):
                     probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low,
                     high=high,
                     sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
+                    mistaken=mistaken,
                 )
             )  # fmt: skip
         return found

@@ -16,7 +16,6 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.errors import check_size
 from stickslip.identify.fits.estimation.problem import ResidualJacobian
 from stickslip.identify.fits.settings import CHANCE, NEGLIGIBLE, TAKES_PART
 
@@ -465,48 +464,3 @@ def effective_size(residual: Array) -> float:
     below = np.flatnonzero(correlation <= 0.0)
     last = int(below[0]) if below.size else n
     return float(n / max(1.0 + 2.0 * correlation[1:last].sum(), 1.0))
-
-
-def bootstrap(
-    jacobian: ResidualJacobian,
-    scale: Array,
-    *,
-    draws: int = 2000,
-    blocks: int = BLOCKS,
-    seed: int = 0,
-    held: Mapping[str, Array] | None = None,
-) -> Array:
-    """Return draws (draws, p) of the change of what the optimiser sees when blocks weigh otherwise.
-
-    What leaving each block out changes, with random weights: Gauss-Newton steps, no run is made.
-    Of a table with independent rows, it is what each row changes. Weights are normal, over the root
-    of a chi square of as many degrees as each parameter has; blocks drawn with replacement vary too
-    little where there are so few, and covered 83 % for 95 %. What held parameters of the mechanism
-    make of the estimates, as in `Inference.held`, is added.
-
-    Examples
-    --------
-    >>> rows = np.random.default_rng(1).normal(size=200)
-    >>> mean = ResidualJacobian(
-    ...     values=np.zeros(1),
-    ...     residual=rows - rows.mean(),
-    ...     slopes=np.ones((200, 1)),
-    ...     segment=np.zeros(200, dtype=int),
-    ... )
-    >>> draws = bootstrap(mean, np.eye(1))
-    >>> bool(abs(draws.std() - rows.std() / 200**0.5) < 0.04)
-    True
-    """
-    known = Directions.of(jacobian.slopes @ scale)
-    spread = _spread(jacobian, known, blocks)
-    _, singular, axes = np.linalg.svd(spread.changes, full_matrices=False)
-    check_size("draws", draws * max(scale.shape), "ask for fewer")
-    random = np.random.default_rng(seed)
-    weights = random.standard_normal((draws, len(singular)))
-    degrees = np.array([spread.freedom(row) for row in known.inverse])
-    shrunk = np.sqrt(scipy.stats.chi2.ppf(random.uniform(size=(draws, 1)), degrees) / degrees)
-    found: Array = weights @ (singular[:, None] * axes) @ known.inverse.T / shrunk
-    for moved in (held or {}).values():
-        steps = np.linalg.lstsq(scale, moved.T, rcond=None)[0].T
-        found = found + random.standard_normal((draws, len(steps))) @ steps
-    return found

@@ -163,37 +163,3 @@ class RecordProblem(Problem):
         The answer may be that of the same record with another mechanism: the local states stay
         where they are, so that the difference of the residuals is smooth in what was changed.
         """
-
-
-class FixedParameterProblem:
-    """A problem with one unknown held at a value, for a search.
-
-    Parameters
-    ----------
-    whole : Problem
-        The problem with all p free parameters.
-    index : int
-        Position of the parameter that is held.
-    value : float
-        Its value [SI].
-    """
-
-    def __init__(self, whole: Problem, index: int, value: float) -> None:
-        self.whole, self.index, self.value = whole, index, value
-        items = whole.free_parameters.items
-        known = {**(whole.free_parameters.known or {}), items[index].path: value}
-        self.free_parameters = FreeParameters(items[:index] + items[index + 1 :], known)
-
-    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at the values (p - 1,) of the others."""
-        full = np.insert(values, self.index, self.value)
-        before = near.memory if near is not None else None
-        assert before is None or isinstance(before, ResidualJacobian)
-        seen = self.whole.linearise(full, before)
-        return ResidualJacobian(
-            values=values,
-            residual=seen.residual,
-            slopes=lambda: np.delete(seen.slopes, self.index, axis=1),
-            segment=seen.segment,
-            memory=seen,
-        )

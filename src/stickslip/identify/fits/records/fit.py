@@ -23,11 +23,10 @@ from stickslip.data import (
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
-from stickslip.identify.fits.estimation.jackknife import Displaced, Inference, bootstrap
-from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, improve
+from stickslip.identify.fits.estimation.jackknife import Displaced, Inference
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
 from stickslip.identify.fits.estimation.problem import (
-    FixedParameterProblem,
     Problem,
     RecordProblem,
     ResidualJacobian,
@@ -441,58 +440,6 @@ class RecordFit(Fit[AnyLaw_co]):
             refuse_lack(self.measurement, measurement, compared=compared)
         problem = self.build(self.measurement if measurement is None else measurement, horizon)
         return problem, settled(problem, self.values)
-
-    def bootstrap(self, *, draws: int = 2000, seed: int = 0) -> Array:
-        """Return estimates (draws, p) with blocks of the record weighted anew, in bounds.
-
-        What the record does not tell is not a number in all draws, as its interval has no ends.
-        Stated uncertainties of the mechanism move each draw as well.
-
-        Parameters
-        ----------
-        draws : int
-            Number of draws.
-        seed : int
-            Seed of the random weights.
-
-        Returns
-        -------
-        array (draws, p)
-            Estimates [SI], in the order of the free parameters; NaN where a standard error is
-            infinite.
-        """
-        free_parameters = self.free_parameters
-        low, high = free_parameters.limits()
-        steps = bootstrap(
-            self.optimum.best, self.scale, draws=draws, seed=seed, held=self.inference.held
-        )
-        at = np.clip(free_parameters.coordinates(self.values) + steps, low, high)
-        found = np.array([free_parameters.values(one) for one in at])
-        found[:, ~np.isfinite(self.inference.errors)] = np.nan
-        return found
-
-    def profile(self, name: str, values: Sequence[float]) -> Array:
-        """Return the least sum of squares (n,) with one parameter held at each of the values.
-
-        Parameters
-        ----------
-        name : str
-            Path or last name of an unknown.
-        values : sequence of float
-            Where it is held.
-
-        Returns
-        -------
-        array (n,)
-            Sums of squares.
-        """
-        index = self.free_parameters.paths.index(self.estimate(name).path)
-        costs = []
-        for value in values:
-            held = FixedParameterProblem(self.problem, index, float(value))
-            end, _ = improve(held, np.delete(self.values, index))
-            costs.append(end.cost)
-        return np.array(costs)
 
     def to_dict(self) -> Mapping[str, Any]:
         found, restarts = self.optimum, self.restarts
