@@ -29,6 +29,7 @@ from stickslip.identify.kinds.report import drawn_laws as drawn_laws
 from stickslip.identify.kinds.report import verdict_page as verdict_page
 from stickslip.identify.kinds.report import write_report as write_report
 from stickslip.identify.kinds.report import write_verdict as write_verdict
+from stickslip.identify.kinds.travels.fit import TravelFit as TravelFit
 from stickslip.identify.kinds.travels.fit import fit_travels as fit_travels
 from stickslip.identify.kinds.travels.plan.page import plan_page as plan_page
 from stickslip.identify.kinds.travels.plan.planning import plan as plan
@@ -37,7 +38,6 @@ from stickslip.identify.kinds.travels.plan.sheet import Plan as Plan
 from stickslip.identify.kinds.travels.plan.sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.identify.kinds.travels.plan.tables import known_by as known_by
 from stickslip.identify.kinds.travels.plan.tables import tables_of as tables_of
-from stickslip.identify.kinds.travels.result import TravelFit as TravelFit
 from stickslip.identify.kinds.travels.selection import select_travels as select_travels
 from stickslip.identify.kinds.travels.verdict import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels.verdict import TravelVerdict as TravelVerdict

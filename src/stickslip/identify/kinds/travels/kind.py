@@ -9,8 +9,7 @@ from stickslip.identify import USUAL_LAWS
 from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import AnyLaw, Laws, quantities_read
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, terminal_table
-from stickslip.identify.kinds.travels.fit import fit_travels
-from stickslip.identify.kinds.travels.result import T_END, TravelFit
+from stickslip.identify.kinds.travels.fit import T_END, TravelFit, fit_travels
 from stickslip.identify.kinds.travels.selection import select_travels
 from stickslip.identify.kinds.travels.verdict import TravelVerdict, columns_of
 from stickslip.show.formatting import quantity

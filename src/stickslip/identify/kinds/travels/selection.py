@@ -26,8 +26,7 @@ from stickslip.identify.fits import (
     trials_of,
     under_cycles,
 )
-from stickslip.identify.kinds.travels.fit import travel_fit
-from stickslip.identify.kinds.travels.result import rounded_setting
+from stickslip.identify.kinds.travels.fit import rounded_setting, travel_fit
 from stickslip.identify.kinds.travels.verdict import TravelCandidate, TravelVerdict
 from stickslip.identify.kinds.travels.wording import wording
 from stickslip.identify.projection import TOLERANCE

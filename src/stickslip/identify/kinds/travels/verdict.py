@@ -15,7 +15,7 @@ from stickslip.identify.candidates import Candidate, Verdict, score_scale, score
 from stickslip.identify.criteria import Criteria
 from stickslip.identify.fits import Estimate, Trial, durations, quantities_read
 from stickslip.identify.kinds.kind import Column, Columns, data_row
-from stickslip.identify.kinds.travels.result import TravelFit, words_of
+from stickslip.identify.kinds.travels.fit import TravelFit, words_of
 from stickslip.quantities import parameters
 from stickslip.show.formatting import (
     Scale,

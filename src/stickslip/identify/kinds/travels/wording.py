@@ -15,7 +15,7 @@ from stickslip.identify import THRESHOLDS, PredictionBand, TravelJudgement, para
 from stickslip.identify.candidates import Wording, friction_of, in_sentence, not_distinguished
 from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import Estimate, durations
-from stickslip.identify.kinds.travels.result import words_of
+from stickslip.identify.kinds.travels.fit import words_of
 from stickslip.identify.kinds.travels.verdict import TravelCandidate, estimate_text, what_of
 from stickslip.quantities import fields_of, parameters
 from stickslip.show.formatting import at_worst, capital, count, joined, percent, quantity, scale_of

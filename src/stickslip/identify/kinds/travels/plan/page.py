@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from stickslip.identify.kinds.travels.fit import unit_of
 from stickslip.identify.kinds.travels.plan.sheet import Plan
 from stickslip.identify.kinds.travels.plan.tables import SheetTable, tables_of
-from stickslip.identify.kinds.travels.result import unit_of
 from stickslip.show.formatting import number
 from stickslip.show.report import (
     Blank,

@@ -48,19 +48,19 @@ from stickslip.identify.fits import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.identify.kinds.travels.fit import travel_fit
+from stickslip.identify.kinds.travels.fit import (
+    rounded_setting,
+    setting_text,
+    travel_fit,
+    unit_of,
+    words_of,
+)
 from stickslip.identify.kinds.travels.plan.sheet import (
     Expectation,
     Plan,
     Preparation,
     Separation,
     Telling,
-)
-from stickslip.identify.kinds.travels.result import (
-    rounded_setting,
-    setting_text,
-    unit_of,
-    words_of,
 )
 from stickslip.identify.kinds.travels.selection import ALONE, named_laws
 from stickslip.mechanisms import Mechanism, slip_of, stops_of

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.travels.result import setting_text, unit_of, words_of
+from stickslip.identify.kinds.travels.fit import setting_text, unit_of, words_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.show.described import Described

@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from stickslip.identify.kinds.travels.fit import unit_of
 from stickslip.identify.kinds.travels.plan.sheet import Plan, Telling
-from stickslip.identify.kinds.travels.result import unit_of
 from stickslip.quantities import parameters
 from stickslip.show.formatting import count, fixed, joined, number, quantity, significant
 
