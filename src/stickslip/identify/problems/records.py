@@ -383,8 +383,8 @@ class RecordProblem(Problem):
         """Return the families on which curves are projected, with their structures."""
         known = self.model.families
         laws: dict[Family, list[Structure]] = {}
-        every = (law for law, _ in laws_of(self._grid, [one for one in known if one]))
-        for one in itertools.chain(every, filter(None, self.posterior.structures)):
+        grid = (law for law, _ in laws_of(self._grid, [one for one in known if one]))
+        for one in itertools.chain(grid, filter(None, self.posterior.structures)):
             if is_own(one):
                 laws[family_of(one)] = [one]
             else:
