@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.special import stdtrit
 
 from stickslip.data import (
     Checks,
@@ -426,18 +425,17 @@ class _JointJudge:
         if said := fitter.wrong_columns("viscous"):
             wrong = Finding(kind="joint columns", sentence=said, severity="warning")
             checks = replace(checks, findings=(wrong, *checks.findings))
-        zeros, paths = bool(fitter.settings.position_zeros), motion.torques.linear
+        paths, held = motion.torques.linear, fitter.asked_hold != "first"
         doubts = doubts_of(fitter.mechanism, measurement, paths)
         made = partial(
-            JointRecords.of, motion.mechanism, unknown=(*paths, *doubts), zeros=zeros,
-            resting=motion.resting,
-        )  # fmt: skip
+            JointRecords.of, motion.mechanism, unknown=(*paths, *doubts), resting=motion.resting
+        )
         records = made(measurement)
         if not records.records:
             raise InputError("no joint moves in these records: nothing tells friction.")
-        held = fitter.asked_hold != "first"
-        links = links_of(records, held, doubts)
-        seen = set[str]() if validate is None else {*made(validate).at(links, held=held)}
+        links = links_of(records, held, doubts, zeros=bool(fitter.settings.position_zeros))
+        made = partial(made, bands=records.bands)
+        seen = set[str]() if validate is None else {*made(validate).records}
         return cls(
             fitter=fitter, made=made, records=records, links=links,
             own=records.at(links, held=held), checks=checks, wrong=said, validate=validate,
@@ -528,7 +526,7 @@ def _joint_again(
     measurement: Measurement,
 ) -> Sequence[Record]:
     """Return the records of a joint in another measurement of all."""
-    found: Mapping[str, Sequence[Record]] = made(measurement).at(links, held=held)
+    found: Mapping[str, Sequence[Record]] = made(measurement).at(links, held=held, again=True)
     if name not in found:
         raise NotToldError(f"the {name} does not move in the other measurement.")
     return found[name]
@@ -550,7 +548,7 @@ def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[E
     for path in paths:
         q, given = known[path]
         value = given + links.change[path]
-        half = float(stdtrit(links.freedom, 0.975)) * links.errors[path]
+        half = 1.96 * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
         told = math.isfinite(half)
         found.append(

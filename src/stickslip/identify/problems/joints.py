@@ -31,6 +31,7 @@ Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,10 +49,17 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.forces import Unknown, with_transmitted
 from stickslip.identify.problems.record_columns import Balance
-from stickslip.identify.problems.record_rows import MIDDLE, cutoff_of, even, mean_frequency, moves
+from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
+from stickslip.identify.problems.record_rows import (
+    MIDDLE,
+    PER,
+    cutoff_of,
+    even,
+    mean_frequency,
+    moves,
+)
 from stickslip.identify.problems.record_signals import (
     FEWEST,
-    STRETCHES,
     Filter,
     Record,
     noise_of,
@@ -66,8 +74,17 @@ ROBOTS = 5.0
 accelerations that no torque of a motor goes with (decision 0114)."""
 SEEN = 20.0
 """Range of the positions of a joint that moves, over their noise."""
+ROWS, CURVE = 2.0, 10
+"""Rows of a balance over its columns, at least: those of links, and about so many of its curve."""
+ZERO, LINKED = "zero.", "links."
+"""Beginning of the paths of zeros of positions, and of axes of what the other joints tell."""
+ZEROS, ZERO_SHARES = (0.0005, 0.003, 0.01, 0.03, 0.1), (0.3, 0.3, 0.25, 0.1, 0.05)
+"""Standard deviation of the zeros of positions from record to record [rad] or [m]: encoders count
+from where they were switched on, or set by eye."""
 UNSHOWN = 2.0
-"""Errors of links over those that stretches show: a filter or a delay is the same in all."""
+"""Errors over those that rows show: a filter or a delay is the same in all."""
+ROUNDS = 4
+"""Rounds of the noise of the balances."""
 SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
@@ -82,10 +99,31 @@ class JointRecords:
     """Coordinates that rub and rest: nothing tells their friction."""
     records: Mapping[str, list[Record]]
     """By coordinate, with columns of all parameters that are looked for."""
+    numbers: Mapping[str, Sequence[int]]
+    """By coordinate, the number of the measured record that each record is of."""
+    bands: Mapping[str, float]
+    """By coordinate, the band of its balance [Hz]."""
     widest: float
     """Largest band of a balance [Hz]."""
     inertias: Mapping[str, float]
     """What moves with each coordinate, all others at rest [kg m^2] or [kg]."""
+
+    @property
+    def sought(self) -> tuple[str, ...]:
+        """Paths of the parameters that are looked for."""
+        unknown = next(iter(self.records.values()))[0].unknown
+        return tuple(path for path in unknown if not path.startswith(ZERO))
+
+    @property
+    def zeros(self) -> tuple[str, ...]:
+        """Paths of the zeros of the coordinates."""
+        unknown = next(iter(self.records.values()))[0].unknown
+        return tuple(path for path in unknown if path.startswith(ZERO))
+
+    @property
+    def count(self) -> int:
+        """Number of measured records."""
+        return 1 + max(max(own) for own in self.numbers.values())
 
     @classmethod
     def of(
@@ -94,37 +132,54 @@ class JointRecords:
         measurement: Measurement,
         *,
         unknown: Sequence[str] = (),
-        zeros: bool = False,
         resting: Collection[str] = (),
+        bands: Mapping[str, float] = MappingProxyType({}),
     ) -> "JointRecords":
         """Return the records of the joints, with columns for parameters that are looked for.
 
-        Joints that rest stay where they are in the median.
+        Joints that rest stay where they are in the median. The bands [Hz] may be given.
         """
-        torques = JointTorques.of(mechanism, unknown, by_position=zeros)
+        torques = JointTorques.of(mechanism, unknown, by_position=True)
         pieces = [
-            _Piece.of(mechanism, record, piece, resting)
-            for record in measurement.records()
+            _Piece.of(mechanism, record, piece, resting, number)
+            for number, record in enumerate(measurement.records())
             for piece in between_gaps(record)
             if len(np.asarray(piece.time)) >= FEWEST
         ]
-        return cls._made(torques, mechanism, pieces, resting)
+        return cls._made(torques, mechanism, pieces, resting, bands)
 
-    def at(self, links: "Links", *, held: bool) -> dict[str, list[Record]]:
-        """Return the records with parameters changed, and as uncertain as they are.
+    def at(self, links: "Links", *, held: bool, again: bool = False) -> dict[str, list[Record]]:
+        """Return the records with what the other joints tell of parameters, and how surely.
 
-        Forces may be `held` until the next sample.
+        Forces may be `held` until the next sample. Records of another measurement (`again`) have
+        zeros that nothing tells.
         """
-        told = {path: x for path, x in links.errors.items() if 0.0 < x < math.inf}
+        count = len(links.paths)
 
-        def moved(one: Record) -> Record:
+        def moved(one: Record, told: Told, number: int) -> Record:
             assert one.mechanism is not None
-            forces = [x * one.unknown[path].force for path, x in links.change.items()]
-            mechanism = np.sum([one.mechanism, *forces], axis=0)
-            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in told.items()}
+            at = np.arange(count)
+            if not again:
+                at = np.append(at, count + len(self.zeros) * number + np.arange(len(self.zeros)))
+            paths = (*links.paths, *(() if again else self.zeros))
+            slopes = np.reshape([one.unknown[path].force for path in paths], (len(at), -1)).T
+            axes = slopes @ told.root[at]
+            own = dict(links.doubts) | dict.fromkeys(self.zeros if again else (), links.zero)
+            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in own.items()}
+            name = LINKED if count else ZERO
+            for k, x in enumerate(axes.T):
+                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0)
+            mechanism = one.mechanism + slopes @ told.mean[at]
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
-        return {name: [moved(one) for one in own] for name, own in self.records.items()}
+        return {
+            name: [
+                moved(one, links.all, k)
+                for one, k in zip(own, self.numbers[name], strict=True)
+            ]
+            for name, own in self.records.items()
+            if name in links.others
+        }
 
     @classmethod
     def _made(
@@ -133,6 +188,7 @@ class JointRecords:
         mechanism: Mechanism,
         pieces: Sequence["_Piece"],
         resting: Collection[str],
+        bands: Mapping[str, float],
     ) -> "JointRecords":
         names, contacts = torques.coordinates, contacts_along(mechanism)
         moving = [name not in resting for name in names]
@@ -145,7 +201,10 @@ class JointRecords:
             if moves
         }
         widest = ROBOTS * max(map(mean_frequency, plain.values()), default=math.inf)
-        records = dict[str, list[Record]]()
+        span = sum(float(np.ptp(one.time)) for one in pieces)
+        widest = max(widest, ROWS * (len(torques.linear) + CURVE) / (PER * span))
+        records, numbers = dict[str, list[Record]](), dict[str, list[int]]()
+        widths = dict[str, float]()
         for i, own in plain.items():
             name, inertia = names[i], abs(float(mass[i, i]))
             if name not in contacts:
@@ -156,27 +215,58 @@ class JointRecords:
             seen = [(a, b) for a, b in zip(pieces, noisy, strict=True) if _is_seen(b)]
             if not seen:
                 continue
-            band = min(*(cutoff_of(even(one)) for _, one in seen if moves(one)), widest)
-            records[name] = [one.along(i, record, torques, band) for one, record in seen]
+            cuts = (cutoff_of(even(one)) for _, one in seen if moves(one))
+            widths[name] = bands[name] if name in bands else min(*cuts, widest)
+            records[name] = [one.along(i, record, torques, widths[name]) for one, record in seen]
+            numbers[name] = [one.number for one, _ in seen]
         return cls(
             contacts={name: contacts[name].name for name in records},
             resting=tuple(name for name in contacts if name not in records),
             records=records,
+            numbers=numbers,
+            bands=widths,
             widest=widest,
             inertias={name: abs(float(mass[i, i])) for i, name in enumerate(names)},
         )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Told:
+    """What balances tell of links and of zeros of positions, as a normal distribution."""
+
+    mean: Array
+    """Changes of links, then zeros of each coordinate in each record (p,)."""
+    root: Array
+    """Root of the covariance (p, p)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Links:
     """What the balances of all joints tell of parameters."""
 
-    change: Mapping[str, float]
-    """By path, the change from the values that the records were made with."""
-    errors: Mapping[str, float]
-    """Standard errors; infinite where the motion does not tell a parameter from others."""
-    freedom: float = math.inf
-    """Degrees of freedom of these."""
+    doubts: Mapping[str, float]
+    """Standard errors of parameters that are stated, by path."""
+    paths: tuple[str, ...]
+    """Parameters that are looked for."""
+    all: Told
+    others: Mapping[str, Told]
+    """What the balances of all other joints tell, by coordinate."""
+    zero: float
+    """Standard deviation of the zeros [rad] or [m]."""
+    lost: tuple[str, ...]
+    """Parameters that the motion does not tell from others."""
+
+    @property
+    def change(self) -> dict[str, float]:
+        """By path, the change from the values that the records were made with."""
+        return dict(zip(self.paths, self.all.mean.tolist(), strict=False))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors; infinite where the motion does not tell a parameter from others."""
+        each = np.linalg.norm(self.all.root, axis=1).tolist()
+        found = dict(zip(self.paths, each, strict=False))
+        return found | dict.fromkeys(self.lost, math.inf)
 
 
 def _is_seen(record: Record) -> bool:
@@ -184,62 +274,145 @@ def _is_seen(record: Record) -> bool:
     return bool(np.ptp(record.position) > SEEN * record.position_noise)
 
 
-def links_of(records: JointRecords, held: bool, doubts: Mapping[str, float]) -> Links:
+def links_of(
+    records: JointRecords, held: bool, doubts: Mapping[str, float], *, zeros: bool
+) -> Links:
     """Return parameters from the balances of all joints at once, with their curves as friction.
 
-    Those with stated errors (`doubts`) keep their values.
+    Those with stated errors (`doubts`) keep their values. Zeros of positions differ from record to
+    record as usual, or may be anywhere (`zeros`).
     """
-    known = Links(change=dict.fromkeys(doubts, 0.0), errors=doubts)
-    paths = [path for path in next(iter(records.records.values()))[0].unknown if path not in doubts]
-    if not paths:
-        return known
+    paths = tuple(path for path in records.sought if path not in doubts)
     parts = [
-        _reduced([replace(one, held=held) for one in own], paths, records.widest)
-        for own in records.records.values()
+        _Reduced.of([replace(one, held=held) for one in own], records, name, paths)
+        for name, own in records.records.items()
     ]
-    gram = np.sum([slopes.T @ slopes for slopes, _, _ in parts], axis=0)
+    count = len(paths)
+    usual = LOOKED_FOR * np.min([one.usual for one in parts], axis=0)
+    sizes, shares = ((ZEROS[-1],), (1.0,)) if zeros else (ZEROS, ZERO_SHARES)
+    zero = sizes[len(sizes) // 2]
+
+    def prior(zero: float) -> Array:
+        return np.where(np.arange(len(usual)) < count, usual, zero)
+
+    for _ in range(ROUNDS):
+        told = _told(parts, prior(zero))
+        parts = [one.weighed(told) for one in parts]
+        odds = [math.log(p) + _evidence(parts, prior(x)) for x, p in zip(sizes, shares, strict=True)]
+        zero = sizes[int(np.argmax(odds))]
+    gram = np.sum([one.gram for one in parts], axis=0)[:count, :count]
     scale = np.sqrt(np.diagonal(gram))
     scale[scale == 0.0] = 1.0  # nothing depends on it
-    sizes, basis = np.linalg.eigh(gram / np.outer(scale, scale))
-    kept = sizes > SAME * sizes[-1]
-    inverse = (basis[:, kept] / sizes[kept]) @ basis[:, kept].T / np.outer(scale, scale)
-    change = inverse @ np.sum([slopes.T @ left for slopes, left, _ in parts], axis=0)
-    meat, count = np.zeros_like(gram), sum(int(one.max()) + 1 for _, _, one in parts)
-    for slopes, left, stretches in parts:
-        sums = np.zeros((int(stretches.max()) + 1, len(paths)))
-        np.add.at(sums, stretches, slopes * (left - slopes @ change)[:, None])
-        meat += sums.T @ sums
-    freedom = max(count - (len(parts) + 1) * len(paths), 1)  # each balance fits its own, too
-    meat *= count / freedom
-    errors = UNSHOWN * np.sqrt(np.maximum(np.diagonal(inverse @ meat @ inverse), 0.0))
-    errors[np.sum(basis[:, ~kept] ** 2, axis=1) > SAME] = math.inf
+    values, basis = np.linalg.eigh(gram / np.outer(scale, scale))
+    apart = basis[:, values <= SAME * values.max(initial=0.0)]
+    lost = np.sum(apart**2, axis=1) > SAME
     return Links(
-        change={**known.change, **dict(zip(paths, change.tolist(), strict=True))},
-        errors={**known.errors, **dict(zip(paths, errors.tolist(), strict=True))},
-        freedom=float(freedom),
+        doubts=doubts,
+        paths=paths,
+        all=_told(parts, prior(zero)),
+        others={
+            one.name: _told([x for x in parts if x is not one], prior(zero)) for one in parts
+        },
+        zero=zero,
+        lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
     )
 
 
-def _reduced(
-    records: Sequence[Record], paths: Sequence[str], highest: float
-) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Return slopes (n, k) and the response (n,) less what its curve explains, and stretches."""
-    balance = Balance(records, highest=highest)
-    rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
-    sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
-    hats = [balance.frame.hats(one.velocity) for one in balance.pieces]
-    each = [np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)]
-    curve = rows.seen(each)
-    beside = [fixed[name] for name in ("slope", "delay")]
-    x = np.column_stack([curve, *beside, np.ones(rows.count)])
-    x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
-    gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
-    both = np.column_stack([*(fixed[path] for path in paths), rows.response])
-    both = both - x @ np.linalg.solve(gram, x.T @ both)
-    left = both[:, -1] - both[:, :-1] @ np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=1e-8)[0]
-    size = float(np.sqrt(np.mean(left**2))) + 1e-300
-    stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
-    return both[:, :-1] / size, both[:, -1] / size, stretches
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Reduced:
+    """The balance of a joint less what its curve explains."""
+
+    name: str
+    slopes: Array
+    """By links, and by the zeros of each record (n, p)."""
+    response: Array
+    """Force (n,)."""
+    free: int
+    """Degrees of freedom of the rows."""
+    size: float
+    """Standard deviation of the noise."""
+    kappa: float = 1.0
+    """Share of the rows that count."""
+
+    @classmethod
+    def of(
+        cls, own: Sequence[Record], records: JointRecords, name: str, paths: Sequence[str]
+    ) -> "_Reduced":
+        balance = Balance(own, highest=records.widest)
+        rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
+        sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
+        hats = [balance.frame.hats(one.velocity) for one in balance.pieces]
+        each = [
+            np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)
+        ]
+        names = ("slope", "delay", *(["given"] if "given" in fixed else []))
+        beside = [fixed[name] for name in names]
+        x = np.column_stack([rows.seen(each), *beside, np.ones(rows.count)])
+        x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+        values, basis = np.linalg.eigh(x.T @ x)
+        kept = values > SOFT * values[-1]
+        basis = x @ (basis[:, kept] / np.sqrt(values[kept]))
+        of = np.asarray(records.numbers[name])[rows.piece]
+        at = of[:, None] == np.arange(records.count)
+        slopes = [fixed[path] for path in paths] + [fixed[path] * at for path in records.zeros]
+        both = np.column_stack([*slopes, rows.response])
+        both = both - basis @ (basis.T @ both)
+        return cls(
+            name=name,
+            slopes=both[:, :-1],
+            response=both[:, -1],
+            free=max(rows.count - int(kept.sum()), 1),
+            size=float(np.sqrt(np.mean(rows.response**2))) + 1e-300,
+        )
+
+    @property
+    def gram(self) -> Array:
+        """Products of the slopes over the noise (p, p)."""
+        return np.asarray(self.kappa / self.size**2 * (self.slopes.T @ self.slopes))
+
+    @property
+    def moment(self) -> Array:
+        """Products of the slopes with the response over the noise (p,)."""
+        return np.asarray(self.kappa / self.size**2 * (self.slopes.T @ self.response))
+
+    @property
+    def usual(self) -> Array:
+        """Changes by which the response would change as much as it is (p,)."""
+        return np.asarray(
+            np.sqrt(np.sum(self.response**2) / (np.sum(self.slopes**2, axis=0) + 1e-300))
+        )
+
+    def weighed(self, told: Told) -> "_Reduced":
+        """Return the balance with the noise that parameters leave."""
+        left = self.response - self.slopes @ told.mean
+        used = float(np.sum((self.slopes @ told.root) ** 2)) / self.size**2
+        free = max(self.free - used, 0.5 * self.free)
+        size = float(np.sqrt(np.sum(left**2) / free)) + 1e-300
+        basis, values, _ = np.linalg.svd(self.slopes @ told.root, full_matrices=False)
+        scores = basis[:, values > SAME * values.max(initial=0.0)] * left[:, None]
+        return replace(self, size=size, kappa=share_of(scores))
+
+
+def _told(parts: Sequence[_Reduced], prior: Array) -> Told:
+    """Return what balances tell of parameters with prior standard deviations (p,)."""
+    gram, moment = _normal(parts, prior)
+    root = np.linalg.inv(np.linalg.cholesky(gram)).T
+    return Told(mean=prior * (root @ (root.T @ moment)), root=UNSHOWN * prior[:, None] * root)
+
+
+def _evidence(parts: Sequence[_Reduced], prior: Array) -> float:
+    """Return the logarithm of the marginal likelihood of prior standard deviations (p,)."""
+    gram, moment = _normal(parts, prior)
+    root = np.linalg.cholesky(gram)
+    explained = np.linalg.solve(root, moment)
+    return float(0.5 * explained @ explained - np.sum(np.log(np.diagonal(root))))
+
+
+def _normal(parts: Sequence[_Reduced], prior: Array) -> tuple[Array, Array]:
+    """Return the normal equations of parameters over their priors (p, p) and (p,)."""
+    gram = np.sum([one.gram for one in parts], axis=0) if parts else 0.0 * np.outer(prior, prior)
+    moment = np.sum([one.moment for one in parts], axis=0) if parts else 0.0 * prior
+    return np.eye(len(prior)) + gram * np.outer(prior, prior), moment * prior
 
 
 def _mass(torques: JointTorques, mechanism: Mechanism, q: Array) -> Array:
@@ -266,6 +439,8 @@ class _Piece:
     """Forces that drive the joints (n, m)."""
     noise: Sequence[float]
     """Standard deviation of the noise of the positions of each joint."""
+    number: int
+    """Number of the record."""
 
     @classmethod
     def of(
@@ -274,6 +449,7 @@ class _Piece:
         record: Measurement,
         piece: Measurement,
         resting: Collection[str],
+        number: int,
     ) -> "_Piece":
         check_joints(piece, mechanism.coordinates)
         joints = [piece.joints[name] for name in mechanism.coordinates]
@@ -299,6 +475,7 @@ class _Piece:
                 [np.interp(even, times, np.asarray(one.values("force"), float)) for one in joints]
             ),
             noise=noise,
+            number=number,
         )
 
     def plain(self, i: int, inertia: float) -> Record:
@@ -319,9 +496,7 @@ class _Piece:
         v, a = filt(q, slope=1, full=True), filt(q, slope=2, full=True)
         taken, slopes = torques.along(self.mechanism, self.time, filt(q, full=True), v, a)
         inertia = record.inertia or 0.0
-        paths = [*torques.linear]
-        if torques.by_position:
-            paths += [f"zero.{name}" for name in torques.coordinates]
+        paths = [*torques.linear, *(ZERO + name for name in torques.coordinates)]
         unknown = {
             path: Unknown(force=-slopes[:, i, k], inertia=0.0) for k, path in enumerate(paths)
         }
@@ -334,7 +509,7 @@ class _Piece:
             )
             inputs |= gear_torques(
                 motion, self.force[:, i], taken[:, i], external, 2.0 * step * band,
-                unknown=[*slopes[:, i].T],
+                unknown=[*slopes[:, i, : len(torques.linear)].T],
             )  # fmt: skip
         return replace(
             record,

@@ -350,7 +350,7 @@ class Balance:
         if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
-            return () if records[0].unknown else ("body",)
+            return () if any("zero." not in path for path in records[0].unknown) else ("body",)
         found = self._taken(MIDDLE)
         if not any(np.any(one.force) for one in records):
             names = tuple(name for name in found if name != "both")

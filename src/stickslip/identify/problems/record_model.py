@@ -834,13 +834,7 @@ class RecordModel(Model):
         x = x[:, np.any(x != 0.0, axis=0)]
         if not x.shape[1]:
             return KAPPA
-        scores = np.linalg.qr(x / np.sqrt(np.mean(x * x, axis=0)))[0] * scaled[:, None]
-        alone, most = np.sum(scores**2, axis=0) + 1e-300, 1.0
-        for count in BLOCKS:
-            starts = np.arange(0, len(scaled), max(len(scaled) // count, 1))
-            summed = np.add.reduceat(scores, starts, axis=0)
-            most = max(most, float(np.mean(np.sum(summed**2, axis=0) / alone)))
-        return min(1.0 / most, KAPPA)
+        return share_of(np.linalg.qr(x / np.sqrt(np.mean(x * x, axis=0)))[0] * scaled[:, None])
 
     # ---- LuGre: a length that follows the level
     def _followed(self, search: Posterior, node: Node) -> Node | None:
@@ -940,6 +934,19 @@ class RecordModel(Model):
                 self.weights[which] = math.sqrt(kappa) / (size * usual.pieces[rows.piece])
                 self._again(self._here(own), which)
         return found
+
+
+def share_of(scores: Array) -> float:
+    """Return the share of rows that count, by scores (n, p) of orthogonal columns.
+
+    By their squares by row, and summed in parts of the record.
+    """
+    alone, most = np.sum(scores**2, axis=0) + 1e-300, 1.0
+    for count in BLOCKS:
+        starts = np.arange(0, len(scores), max(len(scores) // count, 1))
+        summed = np.add.reduceat(scores, starts, axis=0)
+        most = max(most, float(np.mean(np.sum(summed**2, axis=0) / alone)))
+    return min(1.0 / most, KAPPA)
 
 
 def usual_families(frame: RecordFrame) -> list[Family]:
