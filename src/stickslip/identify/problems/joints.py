@@ -15,15 +15,21 @@ r"""Records of several joints: the balance of each is a record of one coordinate
    times that of the balance, whose filter follows. Noise of the acceleration of joint :math:`j`
    is a force :math:`M_{ij}` times it, so that the band of joint :math:`i` is that of noise
    :math:`\sqrt{\sum_j M_{ij}^2 \sigma_j^2} / M_{ii}` of its own position.
-3. **Links** that are looked for are found first (`at`), from the balances of all joints at once
-   with the measured curve of each as its friction, whatever its law is. What columns :math:`R_i` of
-   the curve of joint :math:`i` explain is projected out of its response :math:`y_i` and its slopes
-   :math:`U_i`, each is weighed by what is left, :math:`\sigma_i`, and
+3. **Links** that are looked for, and zeros :math:`z` of the positions of each record, which act as
+   :math:`\partial T_i / \partial q_j` along it, are found first (`links_of`), from the balances of
+   all joints at once with the measured curve of each as its friction, whatever its law is. What
+   the curve of joint :math:`i` explains is projected out of its response :math:`y_i` and its
+   slopes :math:`U_i`. With the noise :math:`\sigma_i` that is left of it, the share
+   :math:`\kappa_i` of its rows that count, and a prior :math:`N(0, Q)`, parameters
+   :math:`\theta = (p - p_0, z)` are
 
-   .. math:: p - p_0 = \Big(\sum_i U_i^T P_i U_i / \sigma_i^2\Big)^{-1}
-                       \sum_i U_i^T P_i y_i / \sigma_i^2 .
+   .. math:: \theta \sim N(\Lambda^{-1} \sum_i \kappa_i U_i^T y_i / \sigma_i^2,\; \Lambda^{-1}),
+             \qquad \Lambda = Q^{-1} + \sum_i \kappa_i U_i^T U_i / \sigma_i^2 .
 
-   Their errors are twice those that stretches show.
+   The size of zeros is that with the largest marginal likelihood. Columns of a joint are the axes
+   of that covariance (`at`): of combinations that the motion does not tell apart, each alone is
+   unknown, and their sum is not. Another measurement has zeros that nothing tells.
+4. **Band.** Balances have rows for all these columns: of a short record, more for each second.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 """
@@ -34,7 +40,6 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
@@ -48,7 +53,7 @@ from stickslip.identify.fits import (
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
-from stickslip.identify.problems.record_columns import Balance
+from stickslip.identify.problems.record_columns import ZERO, Balance
 from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
@@ -76,13 +81,14 @@ SEEN = 20.0
 """Range of the positions of a joint that moves, over their noise."""
 ROWS, CURVE = 2.0, 10
 """Rows of a balance over its columns, at least: those of links, and about so many of its curve."""
-ZERO, LINKED = "zero.", "links."
-"""Beginning of the paths of zeros of positions, and of axes of what the other joints tell."""
+LINKED = "links."
+"""Beginning of the names of axes of what is told of links and zeros."""
 ZEROS, ZERO_SHARES = (0.0005, 0.003, 0.01, 0.03, 0.1), (0.3, 0.3, 0.25, 0.1, 0.05)
 """Standard deviation of the zeros of positions from record to record [rad] or [m]: encoders count
 from where they were switched on, or set by eye."""
 UNSHOWN = 2.0
-"""Errors over those that rows show: a filter or a delay is the same in all."""
+"""Errors over those that rows show: a filter or a delay is the same in all, and rows by which a
+joint is judged were among them."""
 ROUNDS = 4
 """Rounds of the noise of the balances."""
 SAME = math.sqrt(np.finfo(float).eps)
@@ -149,23 +155,26 @@ class JointRecords:
         return cls._made(torques, mechanism, pieces, resting, bands)
 
     def at(self, links: "Links", *, held: bool, again: bool = False) -> dict[str, list[Record]]:
-        """Return the records with what the other joints tell of parameters, and how surely.
+        """Return the records with parameters changed, and as uncertain as they are together.
 
         Forces may be `held` until the next sample. Records of another measurement (`again`) have
         zeros that nothing tells.
         """
-        count = len(links.paths)
+        count, zeros = len(links.paths), self.zeros
 
-        def moved(one: Record, told: Told, number: int) -> Record:
+        told = links.told
+
+        def moved(one: Record, number: int) -> Record:
             assert one.mechanism is not None
-            at = np.arange(count)
-            if not again:
-                at = np.append(at, count + len(self.zeros) * number + np.arange(len(self.zeros)))
-            paths = (*links.paths, *(() if again else self.zeros))
+            own = () if again else zeros
+            at = np.append(
+                np.arange(count), count + len(zeros) * number + np.arange(len(own))
+            ).astype(int)
+            paths = (*links.paths, *own)
             slopes = np.reshape([one.unknown[path].force for path in paths], (len(at), -1)).T
             axes = slopes @ told.root[at]
-            own = dict(links.doubts) | dict.fromkeys(self.zeros if again else (), links.zero)
-            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in own.items()}
+            doubts = dict(links.doubts) | dict.fromkeys(zeros if again else (), links.zero)
+            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
             name = LINKED if count else ZERO
             for k, x in enumerate(axes.T):
                 unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0)
@@ -173,12 +182,8 @@ class JointRecords:
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
         return {
-            name: [
-                moved(one, links.all, k)
-                for one, k in zip(own, self.numbers[name], strict=True)
-            ]
+            name: [moved(one, k) for one, k in zip(own, self.numbers[name], strict=True)]
             for name, own in self.records.items()
-            if name in links.others
         }
 
     @classmethod
@@ -248,9 +253,8 @@ class Links:
     """Standard errors of parameters that are stated, by path."""
     paths: tuple[str, ...]
     """Parameters that are looked for."""
-    all: Told
-    others: Mapping[str, Told]
-    """What the balances of all other joints tell, by coordinate."""
+    told: Told
+    """What is told of them, and of zeros."""
     zero: float
     """Standard deviation of the zeros [rad] or [m]."""
     lost: tuple[str, ...]
@@ -259,12 +263,12 @@ class Links:
     @property
     def change(self) -> dict[str, float]:
         """By path, the change from the values that the records were made with."""
-        return dict(zip(self.paths, self.all.mean.tolist(), strict=False))
+        return dict(zip(self.paths, self.told.mean.tolist(), strict=False))
 
     @property
     def errors(self) -> dict[str, float]:
         """Standard errors; infinite where the motion does not tell a parameter from others."""
-        each = np.linalg.norm(self.all.root, axis=1).tolist()
+        each = np.linalg.norm(self.told.root, axis=1).tolist()
         found = dict(zip(self.paths, each, strict=False))
         return found | dict.fromkeys(self.lost, math.inf)
 
@@ -298,7 +302,9 @@ def links_of(
     for _ in range(ROUNDS):
         told = _told(parts, prior(zero))
         parts = [one.weighed(told) for one in parts]
-        odds = [math.log(p) + _evidence(parts, prior(x)) for x, p in zip(sizes, shares, strict=True)]
+        odds = [
+            math.log(p) + _evidence(parts, prior(x)) for x, p in zip(sizes, shares, strict=True)
+        ]
         zero = sizes[int(np.argmax(odds))]
     gram = np.sum([one.gram for one in parts], axis=0)[:count, :count]
     scale = np.sqrt(np.diagonal(gram))
@@ -309,10 +315,7 @@ def links_of(
     return Links(
         doubts=doubts,
         paths=paths,
-        all=_told(parts, prior(zero)),
-        others={
-            one.name: _told([x for x in parts if x is not one], prior(zero)) for one in parts
-        },
+        told=_told(parts, prior(zero)),
         zero=zero,
         lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
     )
@@ -345,8 +348,7 @@ class _Reduced:
         each = [
             np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)
         ]
-        names = ("slope", "delay", *(["given"] if "given" in fixed else []))
-        beside = [fixed[name] for name in names]
+        beside = [fixed[name] for name in ("slope", "delay", "given") if name in fixed]
         x = np.column_stack([rows.seen(each), *beside, np.ones(rows.count)])
         x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
         values, basis = np.linalg.eigh(x.T @ x)
@@ -385,12 +387,13 @@ class _Reduced:
     def weighed(self, told: Told) -> "_Reduced":
         """Return the balance with the noise that parameters leave."""
         left = self.response - self.slopes @ told.mean
-        used = float(np.sum((self.slopes @ told.root) ** 2)) / self.size**2
-        free = max(self.free - used, 0.5 * self.free)
-        size = float(np.sqrt(np.sum(left**2) / free)) + 1e-300
+        used = float(np.sum((self.slopes @ told.root / (UNSHOWN * self.size)) ** 2)) * self.kappa
         basis, values, _ = np.linalg.svd(self.slopes @ told.root, full_matrices=False)
-        scores = basis[:, values > SAME * values.max(initial=0.0)] * left[:, None]
-        return replace(self, size=size, kappa=share_of(scores))
+        kappa = share_of(basis[:, values > SAME * values.max(initial=0.0)] * left[:, None])
+        # the mean of the variance over its posterior, to which so many rows go
+        free = max(self.free - used, 0.5 * self.free) - 2.0 / kappa
+        size = float(np.sqrt(np.sum(left**2) / max(free, 1.0))) + 1e-300
+        return replace(self, size=size, kappa=kappa)
 
 
 def _told(parts: Sequence[_Reduced], prior: Array) -> Told:

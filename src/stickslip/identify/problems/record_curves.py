@@ -296,12 +296,12 @@ class _Readings:
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
         level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
-        if not self.other.measured:
+        if "offset" in plain:
             beside = beside + runs * rng.normal(size=(count, 1))
-        for path, one in self.other.pieces[0].record.unknown.items():
+        of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
+        for path, unknown in self.other.pieces[0].record.unknown.items():
             if path not in plain:  # of the other record alone
-                of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
-                new = one.doubt * rng.normal(size=(count, self.other.runs))
+                new = unknown.doubt * rng.normal(size=(count, self.other.runs))
                 beside = beside + new @ (fixed[path] * of).T
         f += level * z + tilt * slope
         f += self.beyond_inputs(plain, z)
