@@ -478,7 +478,7 @@ class _JointJudge:
         # forces of another joint may follow none of the laws
         asked = LawsToCompare() if self.wrong else laws_for(laws, own, load_of(alone))
         judged = problem_of_records(
-            alone, own, offset=given is None, families=asked.alone, turning=measurement.turning,
+            alone, own, offset=given is None, families=asked.alone, turning="rad" in alone.units,
             highest=self.records.widest, timed=self.fitter.asked_hold is not None,
         )  # fmt: skip
         volts = volts_sentence(f"force.{name}")

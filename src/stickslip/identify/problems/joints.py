@@ -171,7 +171,9 @@ class JointRecords:
                 np.arange(count), count + len(zeros) * number + np.arange(len(own))
             ).astype(int)
             paths = (*links.paths, *own)
-            slopes = np.reshape([one.unknown[path].force for path in paths], (len(at), -1)).T
+            slopes = np.reshape(
+                [one.unknown[path].force for path in paths], (len(at), len(one.time))
+            ).T
             axes = slopes @ told.root[at]
             doubts = dict(links.doubts) | dict.fromkeys(zeros if again else (), links.zero)
             unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
