@@ -11,7 +11,7 @@ r"""Records of several joints: the balance of each is a record of one coordinate
 
    so that it is a record of one coordinate, with known forces of the mechanism and unknown ones
    (:mod:`~stickslip.identify.problems.records`): all that is judged there is judged here.
-2. **Motion.** Velocities and accelerations in :math:`T_i` come from positions in a band `AHEAD`
+2. **Motion.** Velocities and accelerations in :math:`T_i` come from positions in a band `WIDER`
    times that of the balance, whose filter follows. Noise of the acceleration of joint :math:`j`
    is a force :math:`M_{ij}` times it, so that the band of joint :math:`i` is that of noise
    :math:`\sqrt{\sum_j M_{ij}^2 \sigma_j^2} / M_{ii}` of its own position.
@@ -58,6 +58,7 @@ from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
     PER,
+    WIDER,
     cutoff_of,
     even,
     mean_frequency,
@@ -72,25 +73,19 @@ from stickslip.identify.problems.record_signals import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-AHEAD = 2.0
-"""Band of the motion in the equations over that of the balance."""
 ROBOTS = 5.0
 """Band of the balances over the mean frequency of the fastest joint, at most: beyond it gears make
 accelerations that no torque of a motor goes with (decision 0114)."""
 SEEN = 20.0
 """Range of the positions of a joint that moves, over their noise."""
-ROWS, CURVE = 2.0, 10
-"""Rows of a balance over its columns, at least: those of links, and about so many of its curve."""
-LINKED = "links."
-"""Beginning of the names of axes of what is told of links and zeros."""
-ZEROS, ZERO_SHARES = (0.0005, 0.003, 0.01, 0.03, 0.1), (0.3, 0.3, 0.25, 0.1, 0.05)
-"""Standard deviation of the zeros of positions from record to record [rad] or [m]: encoders count
-from where they were switched on, or set by eye."""
+ROWS = 3.0
+"""Rows of a balance over its columns of links, at least: beside them are those of its curve."""
+ZEROS = {0.0005: 0.35, 0.003: 0.3, 0.01: 0.25, 0.03: 0.1}
+"""Standard deviation of the zeros of positions from record to record [rad] or [m], with its prior:
+encoders count from where they were switched on, or set by eye."""
 UNSHOWN = 2.0
 """Errors over those that rows show: a filter or a delay is the same in all, and rows by which a
 joint is judged were among them."""
-ROUNDS = 4
-"""Rounds of the noise of the balances."""
 SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
@@ -114,17 +109,10 @@ class JointRecords:
     inertias: Mapping[str, float]
     """What moves with each coordinate, all others at rest [kg m^2] or [kg]."""
 
-    @property
-    def sought(self) -> tuple[str, ...]:
-        """Paths of the parameters that are looked for."""
-        unknown = next(iter(self.records.values()))[0].unknown
-        return tuple(path for path in unknown if not path.startswith(ZERO))
-
-    @property
-    def zeros(self) -> tuple[str, ...]:
-        """Paths of the zeros of the coordinates."""
-        unknown = next(iter(self.records.values()))[0].unknown
-        return tuple(path for path in unknown if path.startswith(ZERO))
+    sought: tuple[str, ...]
+    """Paths of the parameters that are looked for, and of those with stated errors."""
+    zeros: tuple[str, ...]
+    """Paths of the zeros of the coordinates."""
 
     @property
     def count(self) -> int:
@@ -160,24 +148,19 @@ class JointRecords:
         Forces may be `held` until the next sample. Records of another measurement (`again`) have
         zeros that nothing tells.
         """
-        count, zeros = len(links.paths), self.zeros
-
-        told = links.told
+        count, zeros, told = len(links.paths), self.zeros, links.told
 
         def moved(one: Record, number: int) -> Record:
             assert one.mechanism is not None
             own = () if again else zeros
-            at = np.append(
-                np.arange(count), count + len(zeros) * number + np.arange(len(own))
-            ).astype(int)
-            paths = (*links.paths, *own)
-            slopes = np.reshape(
-                [one.unknown[path].force for path in paths], (len(at), len(one.time))
-            ).T
+            first = count + len(zeros) * number
+            at = [*range(count), *range(first, first + len(own))]
+            forces = [one.unknown[path].force for path in (*links.paths, *own)]
+            slopes = np.reshape(forces, (len(at), len(one.time))).T
             axes = slopes @ told.root[at]
             doubts = dict(links.doubts) | dict.fromkeys(zeros if again else (), links.zero)
             unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
-            name = LINKED if count else ZERO
+            name = "links." if count else ZERO
             for k, x in enumerate(axes.T):
                 unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0)
             mechanism = one.mechanism + slopes @ told.mean[at]
@@ -209,7 +192,7 @@ class JointRecords:
         }
         widest = ROBOTS * max(map(mean_frequency, plain.values()), default=math.inf)
         span = sum(float(np.ptp(one.time)) for one in pieces)
-        widest = max(widest, ROWS * (len(torques.linear) + CURVE) / (PER * span))
+        widest = max(widest, ROWS * len(torques.linear) / (PER * span))
         records, numbers = dict[str, list[Record]](), dict[str, list[int]]()
         widths = dict[str, float]()
         for i, own in plain.items():
@@ -233,6 +216,8 @@ class JointRecords:
             numbers=numbers,
             bands=widths,
             widest=widest,
+            sought=torques.linear,
+            zeros=tuple(ZERO + name for name in names),
             inertias={name: abs(float(mass[i, i])) for i, name in enumerate(names)},
         )
 
@@ -295,19 +280,17 @@ def links_of(
     ]
     count = len(paths)
     usual = LOOKED_FOR * np.min([one.usual for one in parts], axis=0)
-    sizes, shares = ((ZEROS[-1],), (1.0,)) if zeros else (ZEROS, ZERO_SHARES)
-    zero = sizes[len(sizes) // 2]
+    shares = {max(ZEROS): 1.0} if zeros else ZEROS
+    zero = max(shares)
 
     def prior(zero: float) -> Array:
         return np.where(np.arange(len(usual)) < count, usual, zero)
 
-    for _ in range(ROUNDS):
+    for _ in range(4):
         told = _told(parts, prior(zero))
         parts = [one.weighed(told) for one in parts]
-        odds = [
-            math.log(p) + _evidence(parts, prior(x)) for x, p in zip(sizes, shares, strict=True)
-        ]
-        zero = sizes[int(np.argmax(odds))]
+        odds = {x: math.log(p) + _evidence(parts, prior(x)) for x, p in shares.items()}
+        zero = max(odds, key=lambda x: odds[x])
     gram = np.sum([one.gram for one in parts], axis=0)[:count, :count]
     scale = np.sqrt(np.diagonal(gram))
     scale[scale == 0.0] = 1.0  # nothing depends on it
@@ -496,7 +479,7 @@ class _Piece:
     def along(self, i: int, record: Record, torques: JointTorques, band: float) -> Record:
         """Return the record of a joint with the forces that the motion of all joints takes."""
         step = float(self.time[1] - self.time[0])
-        filt = Filter(count=len(self.time), step=step, band=AHEAD * band, every=1)
+        filt = Filter(count=len(self.time), step=step, band=WIDER * band, every=1)
         q = self.position
         v, a = filt(q, slope=1, full=True), filt(q, slope=2, full=True)
         taken, slopes = torques.along(self.mechanism, self.time, filt(q, full=True), v, a)

@@ -30,9 +30,6 @@ RESOLVED_ROWS = 20
 """Rows of a direction with a resolved speed that tell its range."""
 STUDENT = 6.0
 """Degrees of freedom of the noise of readings."""
-RUNS_OF_JOINTS = (0.2, 0.4, 0.4)
-"""Prior probabilities of what runs of a joint differ by, in which is what its rigid body misses: in
-first parts of records of two arms, joints differ by .02 to .2 of their friction from run to run."""
 BRISTLES = ("others", "damping", "slow")
 """What bristles do beside their level, and levels while a turn is passed, which at rest says
 nothing of what they can hold."""
@@ -179,9 +176,7 @@ def run_sizes(model: RecordModel, draws: Sequence[Draws], rng: np.random.Generat
     if "run" in model.names:
         each = [model.at(one.node, "run") for one in draws]
         return np.repeat(each, _numbers(draws))[:, None] * model.size
-    sizes, shares = SCALES["run"]
-    if model.balance.pieces[0].record.joint:
-        shares = RUNS_OF_JOINTS
+    sizes, shares = SCALES["run of a joint" if model.balance.pieces[0].record.joint else "run"]
     return np.asarray(rng.choice(sizes, p=shares, size=(sum(_numbers(draws)), 1)) * model.size)
 
 
