@@ -22,6 +22,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 from unittest import mock
@@ -37,8 +38,9 @@ from stickslip.data.readers.binary import parquet_data
 from stickslip.errors import StickslipError
 from stickslip.identify import BandVerdict
 from stickslip.identify.bands import Array, Foreseen
-from stickslip.identify.fits import RecordSettings
+from stickslip.identify.fits import JointFitter, RecordSettings
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.joints import JointRecords
 from stickslip.identify.problems.record_columns import Balance
 from stickslip.identify.problems.record_curves import OtherRows
 from stickslip.identify.problems.record_rows import MIDDLE
@@ -440,13 +442,40 @@ def plain_rows(rows: Rows) -> dict[str, Array]:
     return found
 
 
-def plain_error(problem: Any, other: Any, values: Array, law: Law | None = None) -> float:
-    """Return the error of Coulomb + viscous friction, or of a law of that form, on other rows."""
+def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, Balance]]:
+    """Return balances of both parts by joint, with what is looked for of the mechanism as given."""
+    fitter = JointFitter.of(
+        case.mechanism, "viscous", case.first, vary=["friction.*", *case.unknown],
+        settings=case.settings,
+    )  # fmt: skip
+    motion, held = fitter.motion, fitter.asked_hold != "first"
+    made = partial(
+        JointRecords.of, motion.mechanism, unknown=motion.torques.linear, resting=motion.resting
+    )
+    first = made(case.first)
+    second = made(other, bands=first.bands)
+    found = {}
+    for name in first.records.keys() & second.records.keys():
+        own, rest = ([replace(one, held=held) for one in x.records[name]] for x in (first, second))
+        balance = Balance(own, highest=first.widest)
+        found[first.contacts[name]] = balance, Balance(rest, like=balance)
+    return found
+
+
+def plain_error(
+    problem: Any, other: Any, values: Array, law: Law | None = None,
+    balances: tuple[Balance, Balance] | None = None,
+) -> float:  # fmt: skip
+    """Return the error of Coulomb + viscous friction, or of a law of that form, on other rows.
+
+    Balances of both parts may be given that say nothing of what the judge knows of a mechanism.
+    """
     if isinstance(problem, RecordProblem):
         assert isinstance(other, OtherRows)
-        balance = problem.model.balance
+        balance, rest = balances or (problem.model.balance, other.balance)
         own, response = plain_columns(balance), balance.rows(MIDDLE).response
-        columns = plain_columns(other.balance)
+        columns = plain_columns(rest)
+        values = values if balances is None else rest.rows(MIDDLE).response
     else:
         table = problem.table
         own, response = plain_rows(table.rows), table.friction
@@ -544,6 +573,7 @@ def judged(case: Case) -> Iterator[Line]:
             continue
         seconds = time.process_time() - began
         joints = getattr(verdict, "joints", {"": verdict})
+        plain = joint_balances(case, other) if hasattr(verdict, "joints") else {}
         for (joint, own), (problem, at, found) in zip(joints.items(), seen, strict=True):
             band, values = found.band, found.measured
             published = case.published.get(joint)
@@ -555,11 +585,11 @@ def judged(case: Case) -> Iterator[Line]:
                 inside=found.inside,
                 ratio=float(np.median(band.high - band.low)) / 2.0 / found.error,
                 error=found.error,
-                plain=plain_error(problem, at, values),
+                plain=plain_error(problem, at, values, balances=plain.get(joint)),
                 handed=handed_error(own, at, values) if not joint else math.nan,
                 interval=inertia_of(own),
                 published=math.nan if published is None
-                else plain_error(problem, at, values, published),
+                else plain_error(problem, at, values, published, plain.get(joint)),
                 spread=float(np.sqrt(np.mean(values**2))),
                 seconds=seconds / len(joints),
                 false=(*false_statements(case, own),),

@@ -7,6 +7,14 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, TRUTH, motion, parts, record
+from tests.identification.test_links import (
+    DESK,
+    LEVELS,
+    SLOPES,
+    excited,
+    of_other_links,
+    undamped,
+)
 
 from stickslip import (
     DirectionDependent,
@@ -21,6 +29,8 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.identify import JointVerdict
+from stickslip.identify.problems.joints import JointRecords
+from stickslip.mechanisms import read_urdf
 
 STRIBECK = Stribeck(
     kinetic_coefficient=0.15, static_coefficient=0.4, stribeck_velocity=0.8,
@@ -100,6 +110,69 @@ def test_a_report_has_a_figure_for_each_joint_and_the_laws_as_a_rig_file(verdict
     assert rig.mechanism.upper_inertia == verdict.best.fit.mechanism.upper_inertia
 
 
+def test_records_of_another_measurement_are_made_once_for_all_joints(verdict, monkeypatch):
+    numbers, made = [], JointRecords._made
+
+    def counted(*given):
+        numbers.append(len(numbers))
+        return made(*given)
+
+    monkeypatch.setattr(JointRecords, "_made", counted)
+    seen = verdict.predict(record(2, span=4.0))
+    assert [*seen] == [*JOINTS]
+    assert numbers == [0]
+
+
+def test_what_is_said_of_a_joint_that_turns_is_in_newton_metres(verdict):
+    for own in verdict.joints.values():
+        assert own.judgement.problem.turning
+
+
+def test_zeros_of_positions_differ_from_record_to_record():
+    """Zeros of .03 rad are .09 N m of gravity: half of the friction of the shoulder."""
+    rng = np.random.default_rng(4)
+
+    def displaced(seed, zeros):
+        one = record(seed, span=6.0, name=str(seed))
+        t, q, forces = parts(one)
+        q = {name: q[name] - x for name, x in zip(JOINTS, zeros, strict=True)}
+        return Measurement(time=t, position=q, force=forces, name=one.name)
+
+    several = [displaced(k, 0.03 * rng.normal(size=2)) for k in range(4)]
+    found = select(
+        GUESSED, ["coulomb-viscous"], Measurement(trials=tuple(several)), vary=LINEAR,
+        validate=displaced(9, (0.02, -0.03)),
+    )  # fmt: skip
+    for name in LINEAR:
+        estimate = found.closest.fit.estimate(f"mechanism.{name}")
+        assert abs(estimate.value - getattr(ARM, name)) < 2.0 * estimate.half_width
+        assert estimate.half_width < 0.02 * getattr(ARM, name)
+    for name, own in found.joints.items():
+        assert own.inside >= 0.9
+        rows = own.judgement.problem.at(np.array([-1.0, 1.0]))
+        curves = own.judgement.curves(rows)
+        low, high = np.quantile(0.5 * (curves[:, 1] - curves[:, 0]), (0.025, 0.975))
+        assert low <= TRUTH[name].force(1.0, 1.0) <= high  # the mean zero is a constant force
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [5, 7])
+def test_a_short_record_tells_links_and_friction_of_another_motion(seed):
+    """Rows of two seconds are few beside links of three joints: the band of balances is wider."""
+    robot = undamped(read_urdf(DESK).robot)
+    given = excited(robot, seed, noise=0.02, seconds=2.0)
+    found = select(
+        of_other_links(robot, 3), ["coulomb-viscous"], given, vary=["friction.*", "links"]
+    )
+    second = found.predict(excited(robot, seed + 1, noise=0.02, seconds=2.0))
+    for (name, own), level, slope in zip(found.joints.items(), LEVELS, SLOPES, strict=True):
+        v, band = own.speeds, own.friction
+        true = level * np.sign(v) + slope * v
+        assert np.mean((band.low <= true) & (true <= band.high)) >= 0.93
+        assert second[name].inside >= 0.9
+        assert second[name].error < 0.1 * level
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 12])
 def test_laws_of_different_kinds_are_named_over_two_records(seed):
@@ -115,14 +188,17 @@ def test_laws_of_different_kinds_are_named_over_two_records(seed):
 
 @pytest.mark.slow
 def test_a_level_that_differs_by_direction_is_in_the_band():
-    """It is the same along a record as a constant force, which is what is named."""
+    """It is the same along a record as a constant force."""
     law = DirectionDependent(
         forward_kinetic_coefficient=0.15, backward_kinetic_coefficient=0.25,
         forward_viscous_coefficient=0.02, backward_viscous_coefficient=0.02,
     )  # fmt: skip
     found = select(GUESSED, None, record(5, {**TRUTH, "shoulder": law}), vary=LINEAR)
     assert covered(found, "shoulder", law) >= 0.93
-    assert found.joints["shoulder"].closest.name == "coulomb-viscous + offset"
+    named = {one.path: one for one in found.joints["shoulder"].parameters}
+    for side, level in (("forward", 0.15), ("backward", 0.25)):
+        one = named[f"friction.{side}_kinetic_coefficient"]
+        assert one.low <= level <= one.high
 
 
 @pytest.mark.slow

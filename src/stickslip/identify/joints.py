@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.special import stdtrit
 
 from stickslip.data import (
     Checks,
@@ -76,23 +75,14 @@ REST = "The joint {} rests throughout: its friction is not identified. Record it
 """Sentence on a joint that rests."""
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class JointLawFit(Fit[Laws]):
-    """The laws of all joints and the mechanism, with their intervals."""
+class _OfJoints:
+    """What is judged joint by joint."""
 
     measurement: Measurement
-    """What was measured."""
     joints: Mapping[str, BandVerdict]
-    """Verdicts by contact."""
-    fits: Mapping[str, LawFit]
-    """Fits by contact."""
-    verdict: "JointVerdict | None" = None
-    """What is said of the fit: the verdict with these laws alone; None in a verdict."""
-    untold: tuple[str, ...] = ()
-    """Why joints and parameters of the mechanism have no values, in sentences."""
 
     def predict(self, measurement: Measurement) -> dict[str, Foreseen]:
-        """Return readings of another measurement beside their band, as a verdict does.
+        """Return readings of another measurement beside their 95 % band, by contact.
 
         Parameters
         ----------
@@ -109,7 +99,32 @@ class JointLawFit(Fit[Laws]):
         InputError
             If no joint of the fit moves in it, or it has the same readings.
         """
-        return _foreseen(self.joints, self.measurement, measurement)
+        refuse_same(self.measurement, measurement)
+        found, resting = dict[str, Foreseen](), list[str]()
+        for name, one in self.joints.items():
+            try:
+                found[name] = one.foreseer(measurement)
+            except NotToldError as error:
+                resting.append(str(error))
+        if not found:
+            raise InputError(" ".join(resting))
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JointLawFit(_OfJoints, Fit[Laws]):
+    """The laws of all joints and the mechanism, with their intervals."""
+
+    measurement: Measurement
+    """What was measured."""
+    joints: Mapping[str, BandVerdict]
+    """Verdicts by contact."""
+    fits: Mapping[str, LawFit]
+    """Fits by contact."""
+    verdict: "JointVerdict | None" = None
+    """What is said of the fit: the verdict with these laws alone; None in a verdict."""
+    untold: tuple[str, ...] = ()
+    """Why joints and parameters of the mechanism have no values, in sentences."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -153,7 +168,7 @@ class JointLaws(Candidate[JointLawFit]):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class JointVerdict(Verdict[JointLaws]):
+class JointVerdict(_OfJoints, Verdict[JointLaws]):
     """A verdict on each of several joints, and the mechanism that goes with them."""
 
     joints: Mapping[str, BandVerdict]
@@ -194,26 +209,6 @@ class JointVerdict(Verdict[JointLaws]):
         if joint not in self.joints:
             raise InputError(f"joint must be {' or '.join(self.joints)}, got {joint!r}.")
         return self.joints[joint]
-
-    def predict(self, measurement: Measurement) -> dict[str, Foreseen]:
-        """Return readings of another measurement beside their 95 % band, by contact.
-
-        Parameters
-        ----------
-        measurement : Measurement
-            Positions and forces of the joints in another run.
-
-        Returns
-        -------
-        dict of str to Foreseen
-            Force at the rows of each joint that moves, its band, the share in it, and the error.
-
-        Raises
-        ------
-        InputError
-            If no joint of the fit moves in it, or it has the same readings.
-        """
-        return _foreseen(self.joints, self.measurement, measurement)
 
     def band(
         self,
@@ -398,7 +393,7 @@ class _JointJudge:
 
     fitter: JointFitter
     """Motions, and what is looked for of the mechanism."""
-    made: Callable[[Measurement], JointRecords]
+    again: "_Again"
     """Makes records of another measurement."""
     records: JointRecords
     links: Links
@@ -426,20 +421,19 @@ class _JointJudge:
         if said := fitter.wrong_columns("viscous"):
             wrong = Finding(kind="joint columns", sentence=said, severity="warning")
             checks = replace(checks, findings=(wrong, *checks.findings))
-        zeros, paths = bool(fitter.settings.position_zeros), motion.torques.linear
+        paths, held = motion.torques.linear, fitter.asked_hold != "first"
         doubts = doubts_of(fitter.mechanism, measurement, paths)
         made = partial(
-            JointRecords.of, motion.mechanism, unknown=(*paths, *doubts), zeros=zeros,
-            resting=motion.resting,
-        )  # fmt: skip
+            JointRecords.of, motion.mechanism, unknown=(*paths, *doubts), resting=motion.resting
+        )
         records = made(measurement)
         if not records.records:
             raise InputError("no joint moves in these records: nothing tells friction.")
-        held = fitter.asked_hold != "first"
-        links = links_of(records, held, doubts)
-        seen = set[str]() if validate is None else {*made(validate).at(links, held=held)}
+        links = links_of(records, held, doubts, zeros=bool(fitter.settings.position_zeros))
+        again = _Again(partial(made, bands=records.bands), links, held=held)
+        seen = set[str]() if validate is None else {*again.records(validate)}
         return cls(
-            fitter=fitter, made=made, records=records, links=links,
+            fitter=fitter, again=again, records=records, links=links,
             own=records.at(links, held=held), checks=checks, wrong=said, validate=validate,
             moved=frozenset(seen), tolerance=tolerance,
         )  # fmt: skip
@@ -484,12 +478,11 @@ class _JointJudge:
         # forces of another joint may follow none of the laws
         asked = LawsToCompare() if self.wrong else laws_for(laws, own, load_of(alone))
         judged = problem_of_records(
-            alone, own, offset=given is None, families=asked.alone, turning=measurement.turning,
+            alone, own, offset=given is None, families=asked.alone, turning="rad" in alone.units,
             highest=self.records.widest, timed=self.fitter.asked_hold is not None,
         )  # fmt: skip
         volts = volts_sentence(f"force.{name}")
         findings = (x for x in self.checks.findings if x.kind != "volts" or x.sentence == volts)
-        held = self.fitter.asked_hold != "first"
         return record_verdict(
             with_own_laws(judged, asked),
             alone,
@@ -500,38 +493,42 @@ class _JointJudge:
             route=JOINTS,
             second=self.validate and joint_record(mechanism, self.validate, name),
             other=self.validate if name in self.moved else None,
-            again=partial(_joint_again, self.made, self.links, held, name),
+            again=partial(self.again.of, name),
         )
 
 
-def _foreseen(
-    joints: Mapping[str, BandVerdict], judged: Measurement, measurement: Measurement
-) -> dict[str, Foreseen]:
-    """Return readings of another measurement by contact, of the joints that move in it."""
-    refuse_same(judged, measurement)
-    found, resting = dict[str, Foreseen](), list[str]()
-    for name, one in joints.items():
-        try:
-            found[name] = one.foreseer(measurement)
-        except NotToldError as error:
-            resting.append(str(error))
-    if not found:
-        raise InputError(" ".join(resting))
-    return found
+class _Again:
+    """Makes records of joints in another measurement, once for all of them.
 
+    Parameters
+    ----------
+    made : callable
+        Makes the records of a measurement.
+    links : Links
+        What is told of parameters.
+    held : bool
+        Whether forces hold until the next sample.
+    """
 
-def _joint_again(
-    made: Callable[[Measurement], JointRecords],
-    links: Links,
-    held: bool,
-    name: str,
-    measurement: Measurement,
-) -> Sequence[Record]:
-    """Return the records of a joint in another measurement of all."""
-    found: Mapping[str, Sequence[Record]] = made(measurement).at(links, held=held)
-    if name not in found:
-        raise NotToldError(f"the {name} does not move in the other measurement.")
-    return found[name]
+    def __init__(
+        self, made: Callable[[Measurement], JointRecords], links: Links, *, held: bool
+    ) -> None:
+        self._made, self._links, self._held = made, links, held
+        self._last: tuple[Measurement, Mapping[str, Sequence[Record]]] | None = None
+
+    def records(self, measurement: Measurement) -> Mapping[str, Sequence[Record]]:
+        """Return the records of the joints that move, by coordinate."""
+        if self._last is None or self._last[0] is not measurement:
+            made = self._made(measurement).at(self._links, held=self._held, again=True)
+            self._last = measurement, made
+        return self._last[1]
+
+    def of(self, name: str, measurement: Measurement) -> Sequence[Record]:
+        """Return the records of a joint."""
+        found = self.records(measurement)
+        if name not in found:
+            raise NotToldError(f"the {name} does not move in the other measurement.")
+        return found[name]
 
 
 def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
@@ -550,7 +547,7 @@ def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[E
     for path in paths:
         q, given = known[path]
         value = given + links.change[path]
-        half = float(stdtrit(links.freedom, 0.975)) * links.errors[path]
+        half = 1.96 * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
         told = math.isfinite(half)
         found.append(

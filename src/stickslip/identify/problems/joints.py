@@ -11,19 +11,25 @@ r"""Records of several joints: the balance of each is a record of one coordinate
 
    so that it is a record of one coordinate, with known forces of the mechanism and unknown ones
    (:mod:`~stickslip.identify.problems.records`): all that is judged there is judged here.
-2. **Motion.** Velocities and accelerations in :math:`T_i` come from positions in a band `AHEAD`
+2. **Motion.** Velocities and accelerations in :math:`T_i` come from positions in a band `WIDER`
    times that of the balance, whose filter follows. Noise of the acceleration of joint :math:`j`
    is a force :math:`M_{ij}` times it, so that the band of joint :math:`i` is that of noise
    :math:`\sqrt{\sum_j M_{ij}^2 \sigma_j^2} / M_{ii}` of its own position.
-3. **Links** that are looked for are found first (`at`), from the balances of all joints at once
-   with the measured curve of each as its friction, whatever its law is. What columns :math:`R_i` of
-   the curve of joint :math:`i` explain is projected out of its response :math:`y_i` and its slopes
-   :math:`U_i`, each is weighed by what is left, :math:`\sigma_i`, and
+3. **Links** that are looked for, and zeros :math:`z` of the positions of each record, which act as
+   :math:`\partial T_i / \partial q_j` along it, are found first (`links_of`), from the balances of
+   all joints at once with the measured curve of each as its friction, whatever its law is. What
+   the curve of joint :math:`i` explains is projected out of its response :math:`y_i` and its
+   slopes :math:`U_i`. With the noise :math:`\sigma_i` that is left of it, the share
+   :math:`\kappa_i` of its rows that count, and a prior :math:`N(0, Q)`, parameters
+   :math:`\theta = (p - p_0, z)` are
 
-   .. math:: p - p_0 = \Big(\sum_i U_i^T P_i U_i / \sigma_i^2\Big)^{-1}
-                       \sum_i U_i^T P_i y_i / \sigma_i^2 .
+   .. math:: \theta \sim N(\Lambda^{-1} \sum_i \kappa_i U_i^T y_i / \sigma_i^2,\; \Lambda^{-1}),
+             \qquad \Lambda = Q^{-1} + \sum_i \kappa_i U_i^T U_i / \sigma_i^2 .
 
-   Their errors are twice those that stretches show.
+   The size of zeros is that with the largest marginal likelihood. Columns of a joint are the axes
+   of that covariance (`at`): of combinations that the motion does not tell apart, each alone is
+   unknown, and their sum is not. Another measurement has zeros that nothing tells.
+4. **Band.** Balances have rows for all these columns: of a short record, more for each second.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 """
@@ -31,9 +37,9 @@ Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
@@ -47,11 +53,19 @@ from stickslip.identify.fits import (
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
-from stickslip.identify.problems.record_columns import Balance
-from stickslip.identify.problems.record_rows import MIDDLE, cutoff_of, even, mean_frequency, moves
+from stickslip.identify.problems.record_columns import ZERO, Balance
+from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
+from stickslip.identify.problems.record_rows import (
+    MIDDLE,
+    PER,
+    WIDER,
+    cutoff_of,
+    even,
+    mean_frequency,
+    moves,
+)
 from stickslip.identify.problems.record_signals import (
     FEWEST,
-    STRETCHES,
     Filter,
     Record,
     noise_of,
@@ -59,15 +73,19 @@ from stickslip.identify.problems.record_signals import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-AHEAD = 2.0
-"""Band of the motion in the equations over that of the balance."""
 ROBOTS = 5.0
 """Band of the balances over the mean frequency of the fastest joint, at most: beyond it gears make
 accelerations that no torque of a motor goes with (docs: why/filters-and-rest)."""
 SEEN = 20.0
 """Range of the positions of a joint that moves, over their noise."""
+ROWS = 3.0
+"""Rows of a balance over its columns of links, at least: beside them are those of its curve."""
+ZEROS = {0.0005: 0.35, 0.003: 0.3, 0.01: 0.25, 0.03: 0.1}
+"""Standard deviation of the zeros of positions from record to record [rad] or [m], with its prior:
+encoders count from where they were switched on, or set by eye."""
 UNSHOWN = 2.0
-"""Errors of links over those that stretches show: a filter or a delay is the same in all."""
+"""Errors over those that rows show: a filter or a delay is the same in all, and rows by which a
+joint is judged were among them."""
 SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
@@ -82,10 +100,24 @@ class JointRecords:
     """Coordinates that rub and rest: nothing tells their friction."""
     records: Mapping[str, list[Record]]
     """By coordinate, with columns of all parameters that are looked for."""
+    numbers: Mapping[str, Sequence[int]]
+    """By coordinate, the number of the measured record that each record is of."""
+    bands: Mapping[str, float]
+    """By coordinate, the band of its balance [Hz]."""
     widest: float
     """Largest band of a balance [Hz]."""
     inertias: Mapping[str, float]
     """What moves with each coordinate, all others at rest [kg m^2] or [kg]."""
+
+    sought: tuple[str, ...]
+    """Paths of the parameters that are looked for, and of those with stated errors."""
+    zeros: tuple[str, ...]
+    """Paths of the zeros of the coordinates."""
+
+    @property
+    def count(self) -> int:
+        """Number of measured records."""
+        return 1 + max(max(own) for own in self.numbers.values())
 
     @classmethod
     def of(
@@ -94,37 +126,50 @@ class JointRecords:
         measurement: Measurement,
         *,
         unknown: Sequence[str] = (),
-        zeros: bool = False,
         resting: Collection[str] = (),
+        bands: Mapping[str, float] = MappingProxyType({}),
     ) -> "JointRecords":
         """Return the records of the joints, with columns for parameters that are looked for.
 
-        Joints that rest stay where they are in the median.
+        Joints that rest stay where they are in the median. The bands [Hz] may be given.
         """
-        torques = JointTorques.of(mechanism, unknown, by_position=zeros)
+        torques = JointTorques.of(mechanism, unknown, by_position=True)
         pieces = [
-            _Piece.of(mechanism, record, piece, resting)
-            for record in measurement.records()
+            _Piece.of(mechanism, record, piece, resting, number)
+            for number, record in enumerate(measurement.records())
             for piece in between_gaps(record)
             if len(np.asarray(piece.time)) >= FEWEST
         ]
-        return cls._made(torques, mechanism, pieces, resting)
+        return cls._made(torques, mechanism, pieces, resting, bands)
 
-    def at(self, links: "Links", *, held: bool) -> dict[str, list[Record]]:
-        """Return the records with parameters changed, and as uncertain as they are.
+    def at(self, links: "Links", *, held: bool, again: bool = False) -> dict[str, list[Record]]:
+        """Return the records with parameters changed, and as uncertain as they are together.
 
-        Forces may be `held` until the next sample.
+        Forces may be `held` until the next sample. Records of another measurement (`again`) have
+        zeros that nothing tells.
         """
-        told = {path: x for path, x in links.errors.items() if 0.0 < x < math.inf}
+        count, zeros, told = len(links.paths), self.zeros, links.told
 
-        def moved(one: Record) -> Record:
+        def moved(one: Record, number: int) -> Record:
             assert one.mechanism is not None
-            forces = [x * one.unknown[path].force for path, x in links.change.items()]
-            mechanism = np.sum([one.mechanism, *forces], axis=0)
-            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in told.items()}
+            own = () if again else zeros
+            first = count + len(zeros) * number
+            at = [*range(count), *range(first, first + len(own))]
+            forces = [one.unknown[path].force for path in (*links.paths, *own)]
+            slopes = np.reshape(forces, (len(at), len(one.time))).T
+            axes = slopes @ told.root[at]
+            doubts = dict(links.doubts) | dict.fromkeys(zeros if again else (), links.zero)
+            unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
+            name = "links." if count else ZERO
+            for k, x in enumerate(axes.T):
+                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0)
+            mechanism = one.mechanism + slopes @ told.mean[at]
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
-        return {name: [moved(one) for one in own] for name, own in self.records.items()}
+        return {
+            name: [moved(one, k) for one, k in zip(own, self.numbers[name], strict=True)]
+            for name, own in self.records.items()
+        }
 
     @classmethod
     def _made(
@@ -133,6 +178,7 @@ class JointRecords:
         mechanism: Mechanism,
         pieces: Sequence["_Piece"],
         resting: Collection[str],
+        bands: Mapping[str, float],
     ) -> "JointRecords":
         names, contacts = torques.coordinates, contacts_along(mechanism)
         moving = [name not in resting for name in names]
@@ -145,7 +191,10 @@ class JointRecords:
             if moves
         }
         widest = ROBOTS * max(map(mean_frequency, plain.values()), default=math.inf)
-        records = dict[str, list[Record]]()
+        span = sum(float(np.ptp(one.time)) for one in pieces)
+        widest = max(widest, ROWS * len(torques.linear) / (PER * span))
+        records, numbers = dict[str, list[Record]](), dict[str, list[int]]()
+        widths = dict[str, float]()
         for i, own in plain.items():
             name, inertia = names[i], abs(float(mass[i, i]))
             if name not in contacts:
@@ -156,27 +205,59 @@ class JointRecords:
             seen = [(a, b) for a, b in zip(pieces, noisy, strict=True) if _is_seen(b)]
             if not seen:
                 continue
-            band = min(*(cutoff_of(even(one)) for _, one in seen if moves(one)), widest)
-            records[name] = [one.along(i, record, torques, band) for one, record in seen]
+            cuts = (cutoff_of(even(one)) for _, one in seen if moves(one))
+            widths[name] = bands[name] if name in bands else min(*cuts, widest)
+            records[name] = [one.along(i, record, torques, widths[name]) for one, record in seen]
+            numbers[name] = [one.number for one, _ in seen]
         return cls(
             contacts={name: contacts[name].name for name in records},
             resting=tuple(name for name in contacts if name not in records),
             records=records,
+            numbers=numbers,
+            bands=widths,
             widest=widest,
+            sought=torques.linear,
+            zeros=tuple(ZERO + name for name in names),
             inertias={name: abs(float(mass[i, i])) for i, name in enumerate(names)},
         )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Told:
+    """What balances tell of links and of zeros of positions, as a normal distribution."""
+
+    mean: Array
+    """Changes of links, then zeros of each coordinate in each record (p,)."""
+    root: Array
+    """Root of the covariance (p, p)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Links:
     """What the balances of all joints tell of parameters."""
 
-    change: Mapping[str, float]
-    """By path, the change from the values that the records were made with."""
-    errors: Mapping[str, float]
-    """Standard errors; infinite where the motion does not tell a parameter from others."""
-    freedom: float = math.inf
-    """Degrees of freedom of these."""
+    doubts: Mapping[str, float]
+    """Standard errors of parameters that are stated, by path."""
+    paths: tuple[str, ...]
+    """Parameters that are looked for."""
+    told: Told
+    """What is told of them, and of zeros."""
+    zero: float
+    """Standard deviation of the zeros [rad] or [m]."""
+    lost: tuple[str, ...]
+    """Parameters that the motion does not tell from others."""
+
+    @property
+    def change(self) -> dict[str, float]:
+        """By path, the change from the values that the records were made with."""
+        return dict(zip(self.paths, self.told.mean.tolist(), strict=False))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors; infinite where the motion does not tell a parameter from others."""
+        each = np.linalg.norm(self.told.root, axis=1).tolist()
+        found = dict(zip(self.paths, each, strict=False))
+        return found | dict.fromkeys(self.lost, math.inf)
 
 
 def _is_seen(record: Record) -> bool:
@@ -184,62 +265,142 @@ def _is_seen(record: Record) -> bool:
     return bool(np.ptp(record.position) > SEEN * record.position_noise)
 
 
-def links_of(records: JointRecords, held: bool, doubts: Mapping[str, float]) -> Links:
+def links_of(
+    records: JointRecords, held: bool, doubts: Mapping[str, float], *, zeros: bool
+) -> Links:
     """Return parameters from the balances of all joints at once, with their curves as friction.
 
-    Those with stated errors (`doubts`) keep their values.
+    Those with stated errors (`doubts`) keep their values. Zeros of positions differ from record to
+    record as usual, or may be anywhere (`zeros`).
     """
-    known = Links(change=dict.fromkeys(doubts, 0.0), errors=doubts)
-    paths = [path for path in next(iter(records.records.values()))[0].unknown if path not in doubts]
-    if not paths:
-        return known
+    paths = tuple(path for path in records.sought if path not in doubts)
     parts = [
-        _reduced([replace(one, held=held) for one in own], paths, records.widest)
-        for own in records.records.values()
+        _Reduced.of([replace(one, held=held) for one in own], records, name, paths)
+        for name, own in records.records.items()
     ]
-    gram = np.sum([slopes.T @ slopes for slopes, _, _ in parts], axis=0)
+    count = len(paths)
+    usual = LOOKED_FOR * np.min([one.usual for one in parts], axis=0)
+    shares = {max(ZEROS): 1.0} if zeros else ZEROS
+    zero = max(shares)
+
+    def prior(zero: float) -> Array:
+        return np.where(np.arange(len(usual)) < count, usual, zero)
+
+    for _ in range(4):
+        told = _told(parts, prior(zero))
+        parts = [one.weighed(told) for one in parts]
+        odds = {x: math.log(p) + _evidence(parts, prior(x)) for x, p in shares.items()}
+        zero = max(odds, key=lambda x: odds[x])
+    gram = np.sum([one.gram for one in parts], axis=0)[:count, :count]
     scale = np.sqrt(np.diagonal(gram))
     scale[scale == 0.0] = 1.0  # nothing depends on it
-    sizes, basis = np.linalg.eigh(gram / np.outer(scale, scale))
-    kept = sizes > SAME * sizes[-1]
-    inverse = (basis[:, kept] / sizes[kept]) @ basis[:, kept].T / np.outer(scale, scale)
-    change = inverse @ np.sum([slopes.T @ left for slopes, left, _ in parts], axis=0)
-    meat, count = np.zeros_like(gram), sum(int(one.max()) + 1 for _, _, one in parts)
-    for slopes, left, stretches in parts:
-        sums = np.zeros((int(stretches.max()) + 1, len(paths)))
-        np.add.at(sums, stretches, slopes * (left - slopes @ change)[:, None])
-        meat += sums.T @ sums
-    freedom = max(count - (len(parts) + 1) * len(paths), 1)  # each balance fits its own, too
-    meat *= count / freedom
-    errors = UNSHOWN * np.sqrt(np.maximum(np.diagonal(inverse @ meat @ inverse), 0.0))
-    errors[np.sum(basis[:, ~kept] ** 2, axis=1) > SAME] = math.inf
+    values, basis = np.linalg.eigh(gram / np.outer(scale, scale))
+    apart = basis[:, values <= SAME * values.max(initial=0.0)]
+    lost = np.sum(apart**2, axis=1) > SAME
     return Links(
-        change={**known.change, **dict(zip(paths, change.tolist(), strict=True))},
-        errors={**known.errors, **dict(zip(paths, errors.tolist(), strict=True))},
-        freedom=float(freedom),
+        doubts=doubts,
+        paths=paths,
+        told=_told(parts, prior(zero)),
+        zero=zero,
+        lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
     )
 
 
-def _reduced(
-    records: Sequence[Record], paths: Sequence[str], highest: float
-) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Return slopes (n, k) and the response (n,) less what its curve explains, and stretches."""
-    balance = Balance(records, highest=highest)
-    rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
-    sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
-    hats = [balance.frame.hats(one.velocity) for one in balance.pieces]
-    each = [np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)]
-    curve = rows.seen(each)
-    beside = [fixed[name] for name in ("slope", "delay")]
-    x = np.column_stack([curve, *beside, np.ones(rows.count)])
-    x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
-    gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
-    both = np.column_stack([*(fixed[path] for path in paths), rows.response])
-    both = both - x @ np.linalg.solve(gram, x.T @ both)
-    left = both[:, -1] - both[:, :-1] @ np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=1e-8)[0]
-    size = float(np.sqrt(np.mean(left**2))) + 1e-300
-    stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
-    return both[:, :-1] / size, both[:, -1] / size, stretches
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Reduced:
+    """The balance of a joint less what its curve explains."""
+
+    name: str
+    slopes: Array
+    """By links, and by the zeros of each record (n, p)."""
+    response: Array
+    """Force (n,)."""
+    free: int
+    """Degrees of freedom of the rows."""
+    size: float
+    """Standard deviation of the noise."""
+    kappa: float = 1.0
+    """Share of the rows that count."""
+
+    @classmethod
+    def of(
+        cls, own: Sequence[Record], records: JointRecords, name: str, paths: Sequence[str]
+    ) -> "_Reduced":
+        balance = Balance(own, highest=records.widest)
+        rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
+        sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
+        hats = [balance.frame.hats(one.velocity) for one in balance.pieces]
+        each = [
+            np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)
+        ]
+        beside = [fixed[name] for name in ("slope", "delay", "given") if name in fixed]
+        x = np.column_stack([rows.seen(each), *beside, np.ones(rows.count)])
+        x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+        values, basis = np.linalg.eigh(x.T @ x)
+        kept = values > SOFT * values[-1]
+        basis = x @ (basis[:, kept] / np.sqrt(values[kept]))
+        of = np.asarray(records.numbers[name])[rows.piece]
+        at = of[:, None] == np.arange(records.count)
+        slopes = [fixed[path] for path in paths] + [fixed[path] * at for path in records.zeros]
+        both = np.column_stack([*slopes, rows.response])
+        both = both - basis @ (basis.T @ both)
+        return cls(
+            name=name,
+            slopes=both[:, :-1],
+            response=both[:, -1],
+            free=max(rows.count - int(kept.sum()), 1),
+            size=float(np.sqrt(np.mean(rows.response**2))) + 1e-300,
+        )
+
+    @property
+    def gram(self) -> Array:
+        """Products of the slopes over the noise (p, p)."""
+        return np.asarray(self.kappa / self.size**2 * (self.slopes.T @ self.slopes))
+
+    @property
+    def moment(self) -> Array:
+        """Products of the slopes with the response over the noise (p,)."""
+        return np.asarray(self.kappa / self.size**2 * (self.slopes.T @ self.response))
+
+    @property
+    def usual(self) -> Array:
+        """Changes by which the response would change as much as it is (p,)."""
+        return np.asarray(
+            np.sqrt(np.sum(self.response**2) / (np.sum(self.slopes**2, axis=0) + 1e-300))
+        )
+
+    def weighed(self, told: Told) -> "_Reduced":
+        """Return the balance with the noise that parameters leave."""
+        left = self.response - self.slopes @ told.mean
+        used = float(np.sum((self.slopes @ told.root / (UNSHOWN * self.size)) ** 2)) * self.kappa
+        basis, values, _ = np.linalg.svd(self.slopes @ told.root, full_matrices=False)
+        kappa = share_of(basis[:, values > SAME * values.max(initial=0.0)] * left[:, None])
+        # the mean of the variance over its posterior, to which so many rows go
+        free = max(self.free - used, 0.5 * self.free) - 2.0 / kappa
+        size = float(np.sqrt(np.sum(left**2) / max(free, 1.0))) + 1e-300
+        return replace(self, size=size, kappa=kappa)
+
+
+def _told(parts: Sequence[_Reduced], prior: Array) -> Told:
+    """Return what balances tell of parameters with prior standard deviations (p,)."""
+    gram, moment = _normal(parts, prior)
+    root = np.linalg.inv(np.linalg.cholesky(gram)).T
+    return Told(mean=prior * (root @ (root.T @ moment)), root=UNSHOWN * prior[:, None] * root)
+
+
+def _evidence(parts: Sequence[_Reduced], prior: Array) -> float:
+    """Return the logarithm of the marginal likelihood of prior standard deviations (p,)."""
+    gram, moment = _normal(parts, prior)
+    root = np.linalg.cholesky(gram)
+    explained = np.linalg.solve(root, moment)
+    return float(0.5 * explained @ explained - np.sum(np.log(np.diagonal(root))))
+
+
+def _normal(parts: Sequence[_Reduced], prior: Array) -> tuple[Array, Array]:
+    """Return the normal equations of parameters over their priors (p, p) and (p,)."""
+    gram = np.sum([one.gram for one in parts], axis=0) if parts else 0.0 * np.outer(prior, prior)
+    moment = np.sum([one.moment for one in parts], axis=0) if parts else 0.0 * prior
+    return np.eye(len(prior)) + gram * np.outer(prior, prior), moment * prior
 
 
 def _mass(torques: JointTorques, mechanism: Mechanism, q: Array) -> Array:
@@ -266,6 +427,8 @@ class _Piece:
     """Forces that drive the joints (n, m)."""
     noise: Sequence[float]
     """Standard deviation of the noise of the positions of each joint."""
+    number: int
+    """Number of the record."""
 
     @classmethod
     def of(
@@ -274,6 +437,7 @@ class _Piece:
         record: Measurement,
         piece: Measurement,
         resting: Collection[str],
+        number: int,
     ) -> "_Piece":
         check_joints(piece, mechanism.coordinates)
         joints = [piece.joints[name] for name in mechanism.coordinates]
@@ -299,6 +463,7 @@ class _Piece:
                 [np.interp(even, times, np.asarray(one.values("force"), float)) for one in joints]
             ),
             noise=noise,
+            number=number,
         )
 
     def plain(self, i: int, inertia: float) -> Record:
@@ -314,14 +479,12 @@ class _Piece:
     def along(self, i: int, record: Record, torques: JointTorques, band: float) -> Record:
         """Return the record of a joint with the forces that the motion of all joints takes."""
         step = float(self.time[1] - self.time[0])
-        filt = Filter(count=len(self.time), step=step, band=AHEAD * band, every=1)
+        filt = Filter(count=len(self.time), step=step, band=WIDER * band, every=1)
         q = self.position
         v, a = filt(q, slope=1, full=True), filt(q, slope=2, full=True)
         taken, slopes = torques.along(self.mechanism, self.time, filt(q, full=True), v, a)
         inertia = record.inertia or 0.0
-        paths = [*torques.linear]
-        if torques.by_position:
-            paths += [f"zero.{name}" for name in torques.coordinates]
+        paths = [*torques.linear, *(ZERO + name for name in torques.coordinates)]
         unknown = {
             path: Unknown(force=-slopes[:, i, k], inertia=0.0) for k, path in enumerate(paths)
         }
@@ -334,7 +497,7 @@ class _Piece:
             )
             inputs |= gear_torques(
                 motion, self.force[:, i], taken[:, i], external, 2.0 * step * band,
-                unknown=[*slopes[:, i].T],
+                unknown=[*slopes[:, i, : len(torques.linear)].T],
             )  # fmt: skip
         return replace(
             record,

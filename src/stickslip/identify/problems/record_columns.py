@@ -67,6 +67,8 @@ KNOTS = 2.5
 """Knots of the curve for each e-fold of speed."""
 AT_ONCE = 64
 """Columns that are filtered at once, which bounds the memory."""
+ZERO = "zero."
+"""Beginning of the paths of zeros of positions, of which no record is without."""
 SAME_SPAN = 0.01
 """Part of a column outside another from which they are told apart."""
 TINY = 1e-300
@@ -350,7 +352,9 @@ class Balance:
         if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
-            return () if records[0].unknown else ("body",)
+            return (
+                () if any(not path.startswith(ZERO) for path in records[0].unknown) else ("body",)
+            )
         found = self._taken(MIDDLE)
         if not any(np.any(one.force) for one in records):
             names = tuple(name for name in found if name != "both")

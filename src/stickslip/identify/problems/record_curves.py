@@ -176,7 +176,7 @@ def run_sizes(model: RecordModel, draws: Sequence[Draws], rng: np.random.Generat
     if "run" in model.names:
         each = [model.at(one.node, "run") for one in draws]
         return np.repeat(each, _numbers(draws))[:, None] * model.size
-    sizes, shares = SCALES["run"]
+    sizes, shares = SCALES["run of a joint" if model.balance.pieces[0].record.joint else "run"]
     return np.asarray(rng.choice(sizes, p=shares, size=(sum(_numbers(draws)), 1)) * model.size)
 
 
@@ -296,6 +296,13 @@ class _Readings:
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
         level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
+        if "offset" in plain:
+            beside = beside + runs * rng.normal(size=(count, 1))
+        of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
+        for path, unknown in self.other.pieces[0].record.unknown.items():
+            if path not in plain:  # of the other record alone
+                new = unknown.doubt * rng.normal(size=(count, self.other.runs))
+                beside = beside + new @ (fixed[path] * of).T
         f += level * z + tilt * slope
         f += self.beyond_inputs(plain, z)
         if self.rests:  # one in ten draws is at each level, so that the band has them both

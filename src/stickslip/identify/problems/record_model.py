@@ -93,6 +93,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "push": ((0.003, 0.05, 0.3), (0.7, 0.2, 0.1)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
+    "run of a joint": ((0.005, 0.02, 0.08), (0.2, 0.4, 0.4)),
     "noise": ((0.71, 1.0, 1.41, 2.0, 2.83, 4.0), (1 / 6,) * 6),
     "given": ((0.01, 0.1, 1.0, 10.0), (0.8, 0.15, 0.04, 0.01)),
 }
@@ -102,9 +103,11 @@ force by place; of springs that relax; of the level and viscous friction of a tw
 record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the dead zone of
 a drive; the change with
 an e-fold of the load that is not in proportion, and with an input by its standard deviation; level
-and viscous friction of another run; noise over what the last round left, which a fit that follows
-the noise makes too small; errors of the inertia and of the forces that are given, over these, of
-which the last are wrong units. They say what a careful experimenter would expect."""
+and viscous friction of another run, and of one of a joint, in which is what its rigid body misses
+(first parts of records of two arms: .02 to .2 from run to run); noise over what the last round
+left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
+that are given, over these, of which the last are wrong units. They say what a careful experimenter
+would expect."""
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""
@@ -387,6 +390,7 @@ class RecordModel(Model):
             "input": bool(self.frame.inputs),
             "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,
             "run": balance.runs > 1,
+            "run of a joint": False,
             "given": bool(balance.given),
         }
         return acts.get(name, True)
@@ -851,13 +855,7 @@ class RecordModel(Model):
         x = x[:, np.any(x != 0.0, axis=0)]
         if not x.shape[1]:
             return KAPPA
-        scores = np.linalg.qr(x / np.sqrt(np.mean(x * x, axis=0)))[0] * scaled[:, None]
-        alone, most = np.sum(scores**2, axis=0) + 1e-300, 1.0
-        for count in BLOCKS:
-            starts = np.arange(0, len(scaled), max(len(scaled) // count, 1))
-            summed = np.add.reduceat(scores, starts, axis=0)
-            most = max(most, float(np.mean(np.sum(summed**2, axis=0) / alone)))
-        return min(1.0 / most, KAPPA)
+        return share_of(np.linalg.qr(x / np.sqrt(np.mean(x * x, axis=0)))[0] * scaled[:, None])
 
     # ---- LuGre: a length that follows the level
     def _followed(self, search: Posterior, node: Node) -> Node | None:
@@ -958,6 +956,19 @@ class RecordModel(Model):
                 self.weights[which] = math.sqrt(kappa) / (size * usual.pieces[rows.piece])
                 self._again(self._here(own), which)
         return found
+
+
+def share_of(scores: Array) -> float:
+    """Return the share of rows that count, by scores (n, p) of orthogonal columns.
+
+    By their squares by row, and summed in parts of the record.
+    """
+    alone, most = np.sum(scores**2, axis=0) + 1e-300, 1.0
+    for count in BLOCKS:
+        starts = np.arange(0, len(scores), max(len(scores) // count, 1))
+        summed = np.add.reduceat(scores, starts, axis=0)
+        most = max(most, float(np.mean(np.sum(summed**2, axis=0) / alone)))
+    return min(1.0 / most, KAPPA)
 
 
 def usual_families(frame: RecordFrame) -> list[Family]:
