@@ -223,7 +223,7 @@ FEW, FEWEST = 20, 5
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
 """Step and largest of the wave numbers that are looked at, over those of the range; their rows."""
 BESIDE_LEVELS = ("power", "saturating", "tanh")
-"""Flows that fall off, and so may stand for a level, and a level that is smooth as with bristles."""
+"""Flows that fall off, and so may stand for a level, and a level as smooth as with bristles."""
 FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, which is not told from a damping that is looked for."""
 ALONG = ("drift", "place", "force", "relaxing", "stretch", "run")
