@@ -24,6 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Rectangle
 from matplotlib.text import Text
+from matplotlib.transforms import ScaledTranslation, Transform
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 from numpy.typing import NDArray
 from typing_extensions import override
@@ -248,6 +249,10 @@ FAR: Final = 4.0
 """Travel over the mechanism's own width from which the view follows it."""
 FLAT: Final = 0.42
 """Height over width of a scene below which it stands above the time plots, not beside them."""
+BAR, KEY = 22.0, 44.0
+"""Distance of the bar of a force, and of what arrows are, from the axes above them [CSS px]."""
+LOW: Final = 380.0
+"""Height below which time plots have no room for words beside them [CSS px]."""
 CURVES: Final = (C1, C2, C3, C4)
 """Colours of the coordinates of several contacts, in turn."""
 NAMED: Final = 3
@@ -340,7 +345,8 @@ class Painted:
         ]  # fmt: skip
         if keys:
             axes.legend(
-                handles=keys, loc="upper left", bbox_to_anchor=(0.0, 0.0), borderaxespad=4.2,
+                handles=keys, loc="upper left", bbox_to_anchor=(0.0, 0.0),
+                bbox_transform=_below(axes, KEY), borderaxespad=0.0,
                 ncols=1 if narrow else len(keys), frameon=False, handlelength=0.9,
                 columnspacing=1.0, handletextpad=0.4, borderpad=0.0, fontsize=11,
             )  # fmt: skip
@@ -363,7 +369,7 @@ class Painted:
         force = scenes.nice(0.25 * min(view.width, view.height) / self.scales.metres)
         bar = AnchoredSizeBar(
             axes.transData, force * self.scales.metres, f"{force:g} N", "upper left",
-            bbox_to_anchor=(0.0, 0.0), bbox_transform=axes.transAxes, borderpad=1.8, pad=0.0,
+            bbox_to_anchor=(0.0, 0.0), bbox_transform=_below(axes, BAR), borderpad=0.0, pad=0.0,
             sep=3, frameon=False, color=INK,
         )  # fmt: skip
         bar.set_gid("force-scale")
@@ -381,6 +387,13 @@ class Painted:
             axes.set_xlim(middle - 0.5 * (high - low), middle + 0.5 * (high - low))
         self._passing = artists_of(axes, shapes, modes, self.scales)
         return [axes.xaxis, *self._passing] if self.follows else [*self._passing]
+
+
+def _below(axes: Axes, points: float) -> Transform:
+    """Return fractions of axes, moved down."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return axes.transAxes + ScaledTranslation(0.0, -points / 72.0, figure.dpi_scale_trans)
 
 
 def _seen(shape: scenes.Arrow | scenes.Turn, scales: scenes.Scales) -> bool:
@@ -488,7 +501,8 @@ class Stage:
         self.modes = {name: f"mode:{name}" for name in run.contacts} or {"": "mode"}
         self.axes, panels = layout(figure, narrow=narrow, flat=flat)
         self._title = self.axes.set_title("0 s", y=1.0, fontsize=11.5, color=INK)
-        self.cursors = _curves(panels, run, mechanism, until, narrow=narrow)
+        short = narrow or 72.0 * figure.get_figheight() < LOW
+        self.cursors = _curves(panels, run, mechanism, until, short=short)
         if self.painted is not None:
             self.painted.explain(self.axes, narrow=narrow)
         self._update = None if found is None else found(self.axes, mechanism, seen)
@@ -549,7 +563,7 @@ Cursor = tuple[Line2D, list[tuple[Line2D, str, float]]]
 
 
 def _curves(
-    panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, narrow: bool
+    panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, short: bool
 ) -> list[Cursor]:
     """Draw place, velocity and friction against time; return their cursors."""
     seen = dense(run, until)
@@ -568,7 +582,7 @@ def _curves(
             colour = CURVES[i % len(CURVES)]
             axes.plot(seen.t, factor * seen[name], color=colour, linewidth=1.6)
             dots.append((axes.plot([], [], "o", color=colour, markersize=5)[0], name, factor))
-        axes.set_ylabel(f"{names[0] if narrow and len(names) == 1 else title}, {unit}")
+        axes.set_ylabel(f"{names[0] if short and len(names) == 1 else title}, {unit}")
         axes.locator_params(axis="y", nbins=4)
         axes.margins(x=0, y=0.12)
         axes.grid(axis="y")
