@@ -366,7 +366,7 @@ class Painted:
         axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
         if not self.scales.metres:
             return
-        force = scenes.nice(0.25 * min(view.width, view.height) / self.scales.metres)
+        force = scenes.nice(0.5 * min(view.width, view.height) / self.scales.metres)
         bar = AnchoredSizeBar(
             axes.transData, force * self.scales.metres, f"{force:g} N", "upper left",
             bbox_to_anchor=(0.0, 0.0), bbox_transform=_below(axes, BAR), borderpad=0.0, pad=0.0,
