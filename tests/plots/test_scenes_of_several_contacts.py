@@ -8,6 +8,7 @@ from benchmarks.several.brakes import DiscBrake, Lining
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from tests.contact_cases import Arm, coulomb
 from tests.support import SEVERAL, SHOWN
 
@@ -21,7 +22,7 @@ from stickslip.show.plots.animations import (
     frame_times,
     moments_of,
 )
-from stickslip.show.plots.scenes import Ball, Box, Ground, bars, scene_of
+from stickslip.show.plots.scenes import PICTURES, Ball, Box, Ground, bars, scene_of
 from stickslip.show.plots.theme import SLIP_BACK, STICK, house_style
 
 PLAIN = EventDriven(tier="python")
@@ -37,14 +38,14 @@ def run_of(mechanism, t_end=0.4, y0=None):
 
 
 def shapes_of(mechanism, run, t):
-    picture = scene_of(mechanism)(mechanism, run.sampled(20))
+    picture = PICTURES[mechanism.name](mechanism, run.sampled(20))
     return picture.shapes(moments_of(run, mechanism, np.array([t]))[0])
 
 
 def test_every_mechanism_of_ours_has_a_scene():
     names = {one.name for one in (*CASES.values(), *SHOWN.values())}
     assert names == set(MECHANISMS)
-    assert all(scene_of(one) is not bars for one in CASES.values())
+    assert set(PICTURES) == set(MECHANISMS)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -73,10 +74,10 @@ def test_a_contact_that_sticks_is_told_from_one_that_slips():
         stage = Stage(figure, run, arm, until=0.4)
         stage.show(moments_of(run, arm, np.array([0.02]))[0])
     assert stage._title.get_text() == "0.020 s, sticks: joint-2, joint-3"
-    balls = [s for s in stage.picture.shapes(moments_of(run, arm, np.array([0.02]))[0])
+    balls = [s for s in stage.painted.picture.shapes(moments_of(run, arm, np.array([0.02]))[0])
              if isinstance(s, Ball) and s.fill == "mode"]  # fmt: skip
     modes = {"joint-1": -1, "joint-2": 0, "joint-3": 3}
-    drawn = artists_of(stage.axes, balls, modes, stage.scales)
+    drawn = artists_of(stage.axes, balls, modes, stage.painted.scales)
     assert [to_hex(one.get_facecolor()) for one in drawn[:2]] == [SLIP_BACK, STICK]
     assert drawn[2].get_facecolor()[3] == 0.0  # an open contact is seen through
     assert set(MODE_COLOURS) >= {-1, 0, 1, 3}
@@ -118,6 +119,9 @@ def test_an_animation_ends_after_the_last_coordinate_has_arrived():
 
 def test_a_mechanism_that_nobody_has_drawn_is_shown_by_bars_in_the_colours_of_its_contacts():
     run = run_of(Arm(), y0={"shoulder": 1.0})
-    shapes = shapes_of(Arm(), run, 0.1)
-    bars_of = [s.contact for s in shapes if isinstance(s, Box) and s.fill == "mode"]
-    assert bars_of == ["shoulder", "elbow"]
+    assert scene_of(Arm()) is bars
+    update = bars(Figure().add_subplot(), Arm(), run.sampled(20))
+    (moment,) = moments_of(run, Arm(), np.array([0.1]))
+    drawn = [to_hex(bar.get_facecolor()) for bar in update(moment) if isinstance(bar, Rectangle)]
+    modes = [MODE_COLOURS[round(moment[f"mode:{contact}"])] for contact in run.contacts]
+    assert drawn[: len(modes)] == modes

@@ -54,11 +54,11 @@ SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
 def run_animate(options: AnimateOptions) -> None:
     """Simulate, draw, show; a run_animate that ends early is shown up to its end."""
-    from stickslip.show.plots import animate, encoder_of, frame_times
+    from stickslip.show.plots import animate, frame_rate, frame_times
 
-    output, fps, speed = options.output, options.fps, options.speed
+    output, speed = options.output, options.speed
     size = _size(options.size)
-    encoder_of(output)
+    fps = frame_rate(output, options.fps)
     refuse_overwriting(output, output.parent, force=options.force)
     rig, chosen = inputs.rig_and_friction(options)
     law = inputs.friction_of(chosen)

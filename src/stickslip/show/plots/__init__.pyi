@@ -2,7 +2,7 @@
 from stickslip.show.plots.animations import animate as animate
 from stickslip.show.plots.animations import animation_html as animation_html
 from stickslip.show.plots.animations import draw_scene as draw_scene
-from stickslip.show.plots.animations import encoder_of as encoder_of
+from stickslip.show.plots.animations import frame_rate as frame_rate
 from stickslip.show.plots.animations import frame_times as frame_times
 from stickslip.show.plots.animations import picture_of as picture_of
 from stickslip.show.plots.axes import Sizes as Sizes

@@ -1,35 +1,35 @@
-"""Animations of runs: frames as a GIF, an MP4, or inside HTML.
+"""Animations of runs by matplotlib's writers: a scene to scale beside time plots with a cursor.
 
-Frames are drawn once and then blitted: only what moves is painted anew. A GIF is written by Pillow,
-an MP4 by ffmpeg, one picture after the other, so that no animation is held in memory.
+What does not move is drawn once and becomes a picture behind the frames, so that a writer, which
+draws the figure anew for each frame, draws that picture and what moves.
 """
 
 import base64
-import contextlib
 import html
-import io
-import itertools
 import math
-import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Rectangle
 from matplotlib.text import Text
+from matplotlib.transforms import ScaledTranslation, Transform
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 from numpy.typing import NDArray
+from typing_extensions import override
 
-from stickslip.engine.trajectory import UNLOADED, Trajectory
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, driven_by_motor, motor_of, slipping
 from stickslip.mechanisms.drives import Drive
@@ -37,18 +37,13 @@ from stickslip.show.documents import unwritable
 from stickslip.show.formatting import scale_of
 from stickslip.show.plots import scenes, theme
 from stickslip.show.plots.axes import dense, horizon, raster, within
-from stickslip.show.plots.scenes import Drawn, Scene
+from stickslip.show.plots.scenes import MODE_COLOURS, Drawn, Scene
 from stickslip.show.plots.svg import Draw, Size, standalone_svg
-from stickslip.show.plots.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, STICK, SURFACE, shade
-
-# A frame of an animation: a scene painted to scale, beside time plots with a cursor.
+from stickslip.show.plots.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, SURFACE, shade
 
 # Paints shapes with matplotlib, in the colours of the theme.
 
-MODE_COLOURS: Final = MappingProxyType(
-    {0: STICK, 2: STICK, -2: STICK, 1: SURFACE, -1: SLIP_BACK, UNLOADED: "none"}
-)
-"""Fill of the body that rubs, by mode: the bands behind curves have the same."""
+Pixels: TypeAlias = NDArray[np.uint8]
 ROLE_COLOURS: Final[MappingProxyType[scenes.Role, str]] = MappingProxyType(
     {"friction": C2, "normal": C3, "drive": C4}
 )
@@ -248,121 +243,16 @@ NAMES: Final[Mapping[scenes.Role, str]] = {
     "normal": "normal force",
     "drive": "drive",
 }
-LETTER: Final = 6.4
-"""Width of a letter of the key [CSS px]."""
-EDGE, TITLE, KEY, AXIS, LABEL, GAP = 14.0, 26.0, 62.0, 44.0, 72.0, 18.0
-"""Margins [CSS px]: around all, above a scene, below it, below and left of time plots, between."""
-
-
-def layout(figure: Figure, *, narrow: bool, flat: bool) -> tuple[Axes, list[Axes]]:
-    """Return the axes of the scene and of three time plots.
-
-    They stand beside each other where the scene is high, else one above the other; all places are
-    given in pixels, so that they do not move from frame to frame.
-    """
-    figure.set_layout_engine("none")
-    width, height = (72.0 * inches for inches in figure.get_size_inches())
-    if narrow:
-        low = 0.52 * height if not flat else 0.62 * height
-        scene = (EDGE, low + KEY, width - EDGE, height - TITLE)
-        panels = _stacked(LABEL, AXIS, width - EDGE, low - 0.4 * GAP)
-    elif flat:
-        low = 0.44 * height
-        scene = (EDGE, low + KEY, width - EDGE, height - TITLE)
-        each = (width - EDGE) / 3
-        panels = [(i * each + LABEL, AXIS, (i + 1) * each, low - GAP) for i in range(3)]
-    else:
-        scene = (EDGE, KEY, 0.53 * width, height - TITLE)
-        panels = _stacked(0.53 * width + LABEL, AXIS, width - EDGE, height - EDGE)
-    axes, *plots = (
-        figure.add_axes(((l / width), b / height, (r - l) / width, (t - b) / height))
-        for l, b, r, t in (scene, *panels)  # noqa: E741  # left, bottom, right, top
-    )
-    axes.spines[:].set_visible(False)
-    axes.set_yticks([])
-    for plot in plots[1:]:
-        plot.sharex(plots[0])
-    return axes, plots
-
-
-Place = tuple[float, float, float, float]
-
-
-def _stacked(left: float, bottom: float, right: float, top: float) -> list[Place]:
-    """Return three places one below the other."""
-    each = (top - bottom + GAP) / 3
-    return [(left, bottom + i * each, right, bottom + (i + 1) * each - GAP) for i in (2, 1, 0)]
-
-
-def write_legend(
-    axes: Axes,
-    picture: scenes.Picture,
-    shown: Sequence[Sequence[scenes.Shape]],
-    scales: scenes.Scales,
-) -> None:
-    """Say below a scene, whose limits are set, what its arrows are and how long they are."""
-    kinds = {
-        s.role: type(s)
-        for shapes in shown
-        for s in shapes
-        if isinstance(s, (scenes.Arrow, scenes.Turn)) and _seen(s, scales)
-    }
-    names = {**NAMES, **(picture.names or {})}
-    x = 0.0
-    for role, colour in ROLE_COLOURS.items():
-        if role in kinds:
-            _write(axes, x, -34.0, names[role], colour)
-            x += LETTER * (len(names[role]) + 2)
-    x = 0.0
-    if scenes.Arrow in kinds.values() and scales.metres:
-        x = _bar(axes, scales)
-    if scenes.Turn in kinds.values():
-        _write(axes, x, -52.0, f"¼ of a turn is {scales.torque:.2g} N m", MUTED)
-
-
-def _bar(axes: Axes, scales: scenes.Scales) -> float:
-    """Draw the length of a round force; return where it ends [CSS px]."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    force = scenes.nice(0.25 * min(right - left, high - low) / scales.metres)
-    share = force * scales.metres / (right - left)
-    figure = axes.get_figure(root=True)
-    wide = 72.0 * axes.get_window_extent().width / (figure.dpi if figure else 72.0)
-    height = -52.0 / (wide * (high - low) / (right - left))
-    axes.plot(
-        [0.0, share], [height, height], transform=axes.transAxes, color=INK, linewidth=2.0,
-        clip_on=False, gid="force-scale", solid_capstyle="butt",
-    )  # fmt: skip
-    text = f"{force:g} N"
-    _write(axes, share * wide + 6.0, -52.0, text, MUTED)
-    return share * wide + 6.0 + LETTER * (len(text) + 3)
-
-
-def _write(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
-    axes.annotate(
-        text,
-        (0.0, 0.0),
-        xycoords="axes fraction",
-        xytext=(x, y),
-        textcoords="offset points",
-        va="center",
-        color=colour,
-        fontsize=11,
-        annotation_clip=False,
-    )
-
-
-def _seen(shape: scenes.Arrow | scenes.Turn, scales: scenes.Scales) -> bool:
-    return abs(shape.value) > (0.01 * scales.torque if isinstance(shape, scenes.Turn) else 0.0)
-
-
 LOOKS: Final = 121
 """Times at which is looked how much room a scene takes."""
 FAR: Final = 4.0
 """Travel over the mechanism's own width from which the view follows it."""
-FOLLOWED: Final = 1.0
-"""Half the width of a view that follows over the mechanism's own width."""
 FLAT: Final = 0.42
 """Height over width of a scene below which it stands above the time plots, not beside them."""
+BAR, KEY = 22.0, 44.0
+"""Distance of the bar of a force, and of what arrows are, from the axes above them [CSS px]."""
+LOW: Final = 380.0
+"""Height below which time plots have no room for words beside them [CSS px]."""
 CURVES: Final = (C1, C2, C3, C4)
 """Colours of the coordinates of several contacts, in turn."""
 NAMED: Final = 3
@@ -410,6 +300,162 @@ def moments_of(
     ]
 
 
+class Painted:
+    """Shapes of a mechanism, painted moment after moment.
+
+    Parameters
+    ----------
+    picture : stickslip.show.plots.scenes.Picture
+        How the run is drawn.
+    moments : sequence of mapping
+        Moments all over the run, for the room that it takes.
+    """
+
+    def __init__(self, picture: scenes.Picture, moments: Sequence[scenes.Moment]) -> None:
+        self.picture = picture
+        self._shown = shown = [picture.shapes(moment) for moment in moments]
+        self._passing: list[Artist] = []
+        bare = [scenes.extent_of(shapes) for shapes in shown]
+        everything = scenes.joined(bare)
+        wide = max(extent.width for extent in bare)
+        self.follows = everything.width > FAR * wide
+        size = max(wide if self.follows else everything.width / 2, everything.height)
+        self.scales: scenes.Scales = scenes.scales_of(shown, size)
+        whole = scenes.joined([scenes.extent_of(shapes, self.scales) for shapes in shown])
+        if self.follows:
+            middle = 0.5 * (bare[0].left + bare[0].right)
+            whole = scenes.Extent(middle - wide, middle + wide, whole.bottom, whole.top)
+        self.whole = whole
+
+    def explain(self, axes: Axes, *, narrow: bool) -> None:
+        """Say below a scene what its arrows are, and its unit of length."""
+        kinds = {
+            s.role: type(s)
+            for shapes in self._shown
+            for s in shapes
+            if isinstance(s, (scenes.Arrow, scenes.Turn)) and _seen(s, self.scales)
+        }
+        names = {**NAMES, **(self.picture.names or {})}
+        turn = f" (¼ of a turn: {self.scales.torque:.2g} N m)"
+        keys = [
+            Line2D([], [], color=ROLE_COLOURS[role], linewidth=2.0,
+                   label=names[role] + (turn if kinds[role] is scenes.Turn else ""))
+            for role in ROLE_COLOURS
+            if role in kinds
+        ]  # fmt: skip
+        if keys:
+            axes.legend(
+                handles=keys, loc="upper left", bbox_to_anchor=(0.0, 0.0),
+                bbox_transform=_below(axes, KEY), borderaxespad=0.0,
+                ncols=1 if narrow else len(keys), frameon=False, handlelength=0.9,
+                columnspacing=1.0, handletextpad=0.4, borderpad=0.0, fontsize=11,
+            )  # fmt: skip
+        axes.set_yticks([])
+        axes.spines["bottom"].set_visible(True)
+        factor, unit = (1e3, "mm") if self.whole.width < 1.0 else (1.0, "m")
+        axes.set_xlabel(f"places in {unit}", loc="right", color=MUTED)
+        axes.xaxis.set_major_formatter(
+            lambda x, _: f"{factor * x + 0.0:g}".replace("-", "\N{MINUS SIGN}")
+        )
+        axes.locator_params(axis="x", nbins=5)
+
+    def place(self, axes: Axes) -> None:
+        """Set the limits of axes that have their place, and draw the length of a round force."""
+        box = axes.get_window_extent()
+        view = _padded(self.whole, box.height / box.width)
+        axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
+        if not self.scales.metres:
+            return
+        force = scenes.nice(0.5 * min(view.width, view.height) / self.scales.metres)
+        bar = AnchoredSizeBar(
+            axes.transData, force * self.scales.metres, f"{force:g} N", "upper left",
+            bbox_to_anchor=(0.0, 0.0), bbox_transform=_below(axes, BAR), borderpad=0.0, pad=0.0,
+            sep=3, frameon=False, color=INK,
+        )  # fmt: skip
+        bar.set_gid("force-scale")
+        axes.add_artist(bar)
+
+    def update(self, axes: Axes, now: scenes.Moment, modes: Mapping[str, int]) -> list[Artist]:
+        """Paint a moment in place of the last one; return what moved, from back to front."""
+        for artist in self._passing:
+            artist.remove()
+        shapes = self.picture.shapes(now)
+        if self.follows:
+            low, high = axes.get_xlim()
+            extent = scenes.extent_of(shapes)
+            middle = 0.5 * (extent.left + extent.right)
+            axes.set_xlim(middle - 0.5 * (high - low), middle + 0.5 * (high - low))
+        self._passing = artists_of(axes, shapes, modes, self.scales)
+        return [axes.xaxis, *self._passing] if self.follows else [*self._passing]
+
+
+def _below(axes: Axes, points: float) -> Transform:
+    """Return fractions of axes, moved down."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return axes.transAxes + ScaledTranslation(0.0, -points / 72.0, figure.dpi_scale_trans)
+
+
+def _seen(shape: scenes.Arrow | scenes.Turn, scales: scenes.Scales) -> bool:
+    return abs(shape.value) > (0.01 * scales.torque if isinstance(shape, scenes.Turn) else 0.0)
+
+
+def _padded(whole: scenes.Extent, shape: float) -> scenes.Extent:
+    """Return a view of the given height over width around a box, with a margin."""
+    margin = 0.05 * max(whole.width, whole.height)
+    width, height = whole.width + 2 * margin, whole.height + 2 * margin
+    bottom = whole.bottom - margin
+    middle = 0.5 * (whole.left + whole.right)
+    if height < shape * width:
+        bottom -= 0.35 * (shape * width - height)  # what stands on the ground stands low
+        height = shape * width
+    else:
+        width = height / shape
+    return scenes.Extent(middle - 0.5 * width, middle + 0.5 * width, bottom, bottom + height)
+
+
+def layout(figure: Figure, *, narrow: bool, flat: bool) -> tuple[Axes, list[Axes]]:
+    """Return the axes of the scene and of three time plots: beside each other, or above."""
+    names = ["place", "rate", "friction"]
+    figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.06)
+    if narrow:
+        rows = [["scene"], *([name] for name in names)]
+        heights, widths = [3.0, 1.0, 1.0, 1.0], [1.0]
+    elif flat:
+        rows = [["scene"] * 3, names]
+        heights, widths = [1.3, 1.0], [1.0] * 3
+    else:
+        rows = [["scene", name] for name in names]
+        heights, widths = [1.0] * 3, [1.15, 1.0]
+    mosaic: Any = rows  # the stubs want a protocol that lists of lists do not meet
+    found = figure.subplot_mosaic(mosaic, width_ratios=widths, height_ratios=heights)
+    scene, *plots = (found[name] for name in ("scene", *names))
+    scene.spines[:].set_visible(False)
+    for plot in plots[1:]:
+        plot.sharex(plots[0])
+    return scene, plots
+
+
+class Still(Artist):
+    """A picture of the size of its figure, which lies behind all else.
+
+    `Figure.figimage` would resample it for each frame.
+    """
+
+    zorder = -1.0
+
+    def __init__(self, pixels: Pixels) -> None:
+        super().__init__()
+        self._pixels = np.ascontiguousarray(pixels[::-1])
+
+    @override
+    def draw(self, renderer: RendererBase) -> None:
+        """Copy the picture into the figure."""
+        context = renderer.new_gc()
+        renderer.draw_image(context, 0.0, 0.0, self._pixels)
+        context.restore()
+
+
 class Stage:
     """Draws moments of a run into a figure, one after the other.
 
@@ -438,68 +484,66 @@ class Stage:
         mechanism: Mechanism,
         *,
         until: float,
-        scene: scenes.Scene | None = None,
+        scene: Scene | None = None,
         narrow: bool = False,
         digits: int = 3,
     ) -> None:
-        first = run.span[0]
-        looks = np.linspace(first, until, LOOKS)
-        self.picture: scenes.Picture = (scene or scenes.scene_of(mechanism))(
-            mechanism, run.at(looks)
-        )
-        self.digits = digits
+        looks = np.linspace(run.span[0], until, LOOKS)
+        seen = run.at(looks)
+        found = scene or scenes.scene_of(mechanism)
+        self.painted: Painted | None = None
+        flat = False
+        if found is None:
+            picture = scenes.PICTURES[mechanism.name](mechanism, seen)
+            self.painted = Painted(picture, moments_of(run, mechanism, looks))
+            flat = self.painted.whole.height < FLAT * self.painted.whole.width
+        self.figure, self.digits = figure, digits
         self.modes = {name: f"mode:{name}" for name in run.contacts} or {"": "mode"}
-        shown = [self.picture.shapes(m) for m in moments_of(run, mechanism, looks)]
-        whole = self._measured(shown)
-        self.axes, panels = layout(figure, narrow=narrow, flat=whole.height < FLAT * whole.width)
-        box = self.axes.get_window_extent()
-        view = _padded(whole, box.height / box.width, ground=self.picture.metric)
-        self.axes.set_xlim(view.left, view.right)
-        self.axes.set_ylim(view.bottom, view.top)
-        _ruler(self.axes, view, metric=self.picture.metric)
-        self.cursors = _curves(panels, run, mechanism, until, narrow=narrow)
-        write_legend(self.axes, self.picture, shown, self.scales)
-        self.passing: list[Artist] = []
-        self._title = self.axes.set_title("", fontsize=11.5, color=INK)
-
-    def _measured(self, shown: Sequence[Sequence[scenes.Shape]]) -> scenes.Extent:
-        """Return what is seen, and choose how long arrows are."""
-        bare = [scenes.extent_of(shapes) for shapes in shown]
-        everything = scenes.joined(bare)
-        own = max(extent.width for extent in bare)
-        self.follows = everything.width > FAR * own
-        size = max(own if self.follows else everything.width / 2, everything.height)
-        self.scales: scenes.Scales = scenes.scales_of(shown, size)
-        whole = scenes.joined([scenes.extent_of(shapes, self.scales) for shapes in shown])
-        if not self.follows:
-            return whole
-        middle = 0.5 * (bare[0].left + bare[0].right)
-        return scenes.Extent(
-            middle - FOLLOWED * own, middle + FOLLOWED * own, whole.bottom, whole.top
-        )
+        self.axes, panels = layout(figure, narrow=narrow, flat=flat)
+        self._title = self.axes.set_title("0 s", y=1.0, fontsize=11.5, color=INK)
+        short = narrow or 72.0 * figure.get_figheight() < LOW
+        self.cursors = _curves(panels, run, mechanism, until, short=short)
+        if self.painted is not None:
+            self.painted.explain(self.axes, narrow=narrow)
+        self._update = None if found is None else found(self.axes, mechanism, seen)
+        figure.align_ylabels(panels)
+        figure.draw_without_rendering()  # finds places, which stay from here on
+        figure.set_layout_engine("none")
+        if self.painted is not None:
+            self.painted.place(self.axes)
 
     def show(self, moment: scenes.Moment) -> list[Artist]:
         """Draw a moment in place of the last one; return what moved, from back to front."""
-        for artist in self.passing:
-            artist.remove()
-        shapes = self.picture.shapes(moment)
-        if self.follows:
-            low, high = self.axes.get_xlim()
-            extent = scenes.extent_of(shapes)
-            middle = 0.5 * (extent.left + extent.right)
-            half = 0.5 * (high - low)
-            self.axes.set_xlim(middle - half, middle + half)
         modes = {name: round(moment[column]) for name, column in self.modes.items()}
-        self.passing = artists_of(self.axes, shapes, modes, self.scales)
+        if self._update is not None:
+            moved = [*self._update(moment)]
+        else:
+            assert self.painted is not None
+            moved = self.painted.update(self.axes, moment, modes)
         self._title.set_text(f"{moment['t']:.{self.digits}f} s, {_words(modes)}")
-        moved: list[Artist] = [*self.passing, self._title]
+        moved.append(self._title)
         for cursor, dots in self.cursors:
             cursor.set_xdata([moment["t"], moment["t"]])
             moved.append(cursor)
             for dot, name, factor in dots:
                 dot.set_data([moment["t"]], [factor * moment[name]])
                 moved.append(dot)
-        return [self.axes.xaxis, *moved] if self.follows else moved
+        return moved
+
+    def settle(self, moved: Sequence[Artist]) -> None:
+        """Put a picture of all that has not moved in its place, so that frames are drawn fast."""
+        for artist in moved:
+            artist.set_visible(False)
+        canvas: Any = FigureCanvasAgg(self.figure)  # half of it has no types
+        canvas.draw()
+        still = Still(np.array(canvas.buffer_rgba()))
+        for parent in (self.figure, *self.figure.axes):
+            for artist in parent.get_children():
+                if artist not in self.figure.axes and artist is not self.figure.patch:
+                    artist.set_visible(False)
+        for artist in moved:
+            artist.set_visible(True)
+        self.figure.add_artist(still)
 
 
 def _words(modes: Mapping[str, int]) -> str:
@@ -519,7 +563,7 @@ Cursor = tuple[Line2D, list[tuple[Line2D, str, float]]]
 
 
 def _curves(
-    panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, narrow: bool
+    panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, short: bool
 ) -> list[Cursor]:
     """Draw place, velocity and friction against time; return their cursors."""
     seen = dense(run, until)
@@ -530,8 +574,6 @@ def _curves(
     shown = {"angle" if unit == "rad" else "displacement": places, "velocity": rates}
     if not run.contacts:
         shown["friction"] = ["friction"]
-    lowest = min(axes.get_position().y0 for axes in panels)
-    pixel = 72 / panels[0].get_figure(root=True).dpi  # type: ignore[union-attr]  # they have one
     found: list[Cursor] = []
     for axes, (title, names) in zip(panels, shown.items(), strict=False):
         factor, unit = scale_of(np.concatenate([seen[name] for name in names]), run.units[names[0]])
@@ -540,8 +582,7 @@ def _curves(
             colour = CURVES[i % len(CURVES)]
             axes.plot(seen.t, factor * seen[name], color=colour, linewidth=1.6)
             dots.append((axes.plot([], [], "o", color=colour, markersize=5)[0], name, factor))
-        axes.set_ylabel(f"{names[0] if narrow and len(names) == 1 else title}, {unit}")
-        axes.yaxis.set_label_coords(-48 / max(axes.get_window_extent().width * pixel, 1.0), 0.5)
+        axes.set_ylabel(f"{names[0] if short and len(names) == 1 else title}, {unit}")
         axes.locator_params(axis="y", nbins=4)
         axes.margins(x=0, y=0.12)
         axes.grid(axis="y")
@@ -556,11 +597,14 @@ def _curves(
             if (name := along[contact]) in places:  # a key to the curves above
                 label.set_color(CURVES[places.index(name) % len(CURVES)])
         found.append((panels[-1].axvline(float(seen.t[0]), color=INK, linewidth=1.0), []))
-    lower = [axes for axes in panels if axes.get_position().y0 <= lowest]
-    for axes in panels:
-        axes.tick_params(labelbottom=axes in lower)
-    key = "" if run.contacts else _key(run, seen, until)
-    lower[len(lower) // 2].set_xlabel(f"time, s{key}")  # longer than a panel beside others is wide
+    below = [bool((spec := axes.get_subplotspec()) and spec.is_last_row()) for axes in panels]
+    for axes, last in zip(panels, below, strict=True):
+        axes.tick_params(labelbottom=last)
+    text = f"time, s{'' if run.contacts else _key(run, seen, until)}"
+    if all(below):
+        panels[0].get_figure(root=True).supxlabel(text, fontsize=11)  # type: ignore[union-attr]  # they have one
+    else:
+        panels[-1].set_xlabel(text)
     return found
 
 
@@ -581,195 +625,7 @@ def _spans(seen: Trajectory, mode: int) -> list[tuple[float, float]]:
     ]
 
 
-def _padded(whole: scenes.Extent, shape: float, *, ground: bool) -> scenes.Extent:
-    """Return a view of the given height over width around a box, with a margin."""
-    margin = 0.05 * max(whole.width, whole.height)
-    width, height = whole.width + 2 * margin, whole.height + 2 * margin
-    bottom = whole.bottom - margin
-    middle = 0.5 * (whole.left + whole.right)
-    if height < shape * width:
-        spare = shape * width - height
-        # what stands on the ground stands low in the picture
-        bottom -= 0.35 * spare if ground else 0.5 * spare
-        height = shape * width
-    else:
-        width = height / shape
-    return scenes.Extent(middle - 0.5 * width, middle + 0.5 * width, bottom, bottom + height)
-
-
-def _ruler(axes: Axes, view: scenes.Extent, *, metric: bool) -> None:
-    """Write the scale below the scene, in the unit that suits it."""
-    if not metric:
-        axes.set_xticks([])
-        return
-    factor, unit = (1e3, "mm") if view.width < 1.0 else (1.0, "m")
-    axes.xaxis.set_major_formatter(
-        lambda x, _: f"{factor * x + 0.0:g}".replace("-", "\N{MINUS SIGN}")
-    )
-    axes.locator_params(axis="x", nbins=5)
-    axes.spines["bottom"].set_visible(True)
-    axes.annotate(
-        f"places in {unit}",
-        (1.0, 0.0),
-        xycoords="axes fraction",
-        xytext=(0, -52),
-        textcoords="offset points",
-        ha="right",
-        va="center",
-        color=MUTED,
-        fontsize=11,
-    )
-
-
-# Animations of runs: frames as a GIF, an MP4, or inside HTML.
-
-# Pictures one after the other as a GIF, by Pillow, or as an MP4, by ffmpeg.
-
-PAPERS: Final = (theme.SURFACE, theme.STICK, theme.SLIP_BACK)
-INKS: Final = (theme.INK, theme.MUTED, theme.C1, theme.C2, theme.C3, theme.C4)
-SHADES: Final = 9
-"""Steps from each paper to each ink, for smooth edges. One palette for all frames makes a GIF a
-fraction of the size: only what changes is kept of a frame."""
-
-
-class Encoder(Protocol):
-    """Writes pictures (height, width, 3) into a file."""
-
-    def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second."""
-
-
-@dataclass(frozen=True)
-class Gif:
-    """GIF by Pillow; durations are hundredths of a second, kept right on the whole."""
-
-    def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second."""
-        path.write_bytes(gif_of(pictures, fps))
-
-
-def gif_of(pictures: Iterator[Any], fps: float) -> bytes:
-    """Return pictures (height, width, 3) as a GIF that repeats itself, empty if there are none.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> white = np.full((2, 3, 3), 255, dtype=np.uint8)
-    >>> gif_of(iter([white, 0 * white]), 25.0)[:6]
-    b'GIF89a'
-    """
-    from PIL import Image
-
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(bytes(_palette()))
-    frames = [
-        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
-        for picture in pictures
-    ]
-    if not frames:
-        return b""
-    ends = [round(100.0 * (i + 1) / fps) for i in range(len(frames))]
-    lengths = [10 * (b - a) for a, b in zip([0, *ends], ends, strict=False)]
-    buffer = io.BytesIO()
-    frames[0].save(
-        buffer,
-        format="GIF",
-        save_all=True,
-        append_images=frames[1:],
-        duration=lengths,
-        loop=0,
-        optimize=True,
-        disposal=1,
-    )
-    return buffer.getvalue()
-
-
-def _palette() -> list[int]:
-    """Return the colours of the theme and those between each paper and each ink, flat."""
-    pairs = [(_rgb(paper), _rgb(ink)) for paper in PAPERS for ink in INKS]
-    found = {
-        tuple(round(a + (b - a) * step / (SHADES - 1)) for a, b in zip(paper, ink, strict=True))
-        for paper, ink in pairs
-        for step in range(SHADES)
-    }
-    found.add(_rgb(theme.LINE))  # too pale for shades, which would be taken for paper
-    return [level for colour in sorted(found, reverse=True) for level in colour]
-
-
-def _rgb(colour: str) -> tuple[int, ...]:
-    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
-
-
-@dataclass(frozen=True)
-class Mp4:
-    """H.264 by the program ffmpeg, which reads raw pictures."""
-
-    def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second."""
-        first = next(pictures, None)
-        if first is None:
-            return
-        height, width = first.shape[:2]
-        command = [
-            ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
-            "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-", "-an",
-            # players want even sizes and this form of colours
-            "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
-            "-c:v", "libx264", "-movflags", "+faststart", str(path),
-        ]  # fmt: skip
-        with tempfile.TemporaryFile() as said:
-            with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process:
-                try:
-                    _feed(process, first, pictures)
-                except BaseException:
-                    process.kill()
-                    raise
-            if process.returncode:
-                said.seek(0)
-                words = said.read().decode(errors="replace").strip() or "no message"
-                raise InputError(f"ffmpeg could not write {path.name}: {words}")
-
-
-def _feed(process: "subprocess.Popen[bytes]", first: Any, rest: Iterator[Any]) -> None:
-    """Hand pictures on as they are made; an ffmpeg that has given up says itself why."""
-    with contextlib.suppress(BrokenPipeError), process.stdin as pipe:  # type: ignore[union-attr]  # it is a pipe
-        for picture in itertools.chain((first,), rest):
-            pipe.write(picture.tobytes())
-
-
-def ffmpeg() -> str:
-    """Return where ffmpeg is."""
-    found = shutil.which("ffmpeg")
-    if found is None:
-        raise InputError(
-            "an .mp4 file needs the program ffmpeg, which is not on the PATH; install it (such as"
-            " `apt install ffmpeg`, `brew install ffmpeg`), or write a .gif file."
-        )
-    return found
-
-
-ENCODERS: Final[MappingProxyType[str, Encoder]] = MappingProxyType({".gif": Gif(), ".mp4": Mp4()})
-"""By the ending of the file."""
-
-
-def encoder_of(path: Path) -> Encoder:
-    """Return what writes a file of that name, or say why nothing does.
-
-    Examples
-    --------
-    >>> encoder_of(Path("cart.gif"))
-    Gif()
-    """
-    suffix = path.suffix.lower()
-    if suffix not in ENCODERS:
-        known = ", ".join(ENCODERS)
-        raise InputError(f"an animation is written as one of {known}, got {path.name!r}.")
-    if suffix == ".mp4":
-        ffmpeg()  # before the frames are drawn
-    return ENCODERS[suffix]
-
-
-# Animations of runs: a scene to scale beside time plots, as GIF or MP4.
+# Frames of runs, by matplotlib's writers: GIF by Pillow, MP4 by the program ffmpeg.
 
 ANIMATION_SIZE: Final[Size] = (880, 400)
 NARROWEST: Final = 620.0
@@ -777,8 +633,79 @@ NARROWEST: Final = 620.0
 MOST_FRAMES: Final = 2000
 FASTEST: Final = 50.0
 """Frames a second that browsers show of a GIF."""
+CENTISECONDS: Final = 100.0
+"""Units in a second in which a GIF counts how long a frame stands [1/s]."""
 
-Pixels: TypeAlias = NDArray[np.uint8]
+
+class GifWriter(PillowWriter):
+    """Matplotlib's writer of GIFs, with one palette for all frames.
+
+    So only what changes is kept of a frame, which makes a file a fraction of the size.
+    """
+
+    @override
+    def finish(self) -> None:
+        """Write the frames that there are."""
+        from PIL import Image
+
+        frames: list[Any] = self._frames  # type: ignore[has-type]  # the stubs leave it out
+        if not frames:
+            return
+        some: Any = Image.fromarray(np.vstack(frames[:: max(1, len(frames) // COLOURED)]))
+        counts = sorted(some.getcolors(some.width * some.height), reverse=True)
+        kept = np.zeros((0, 3), dtype=np.int64)
+        for _, colour in counts:
+            # areas keep their colours, shades of edges next to these go
+            if len(kept) < 256 and (np.abs(kept - colour).max(axis=1) >= ALIKE).all():
+                kept = np.vstack([kept, colour])
+        palette = Image.new("P", (1, 1))
+        palette.putpalette(kept.ravel().tolist())
+        plain = Image.Dither.NONE
+        self._frames = [frame.quantize(palette=palette, dither=plain) for frame in frames]
+        super().finish()
+
+
+COLOURED: Final = 8
+"""Frames, spread over an animation, of which the colours of all are taken."""
+ALIKE: Final = 8
+"""Levels of red, green or blue below which Pillow may take a colour for its neighbour."""
+
+
+def frame_rate(path: Path, fps: float) -> float:
+    """Return how many frames a second a file of that name has, or say why nothing writes it.
+
+    A GIF counts in hundredths of a second how long a frame stands.
+
+    Examples
+    --------
+    >>> frame_rate(Path("cart.gif"), 25.0), round(frame_rate(Path("cart.gif"), 30.0), 3)
+    (25.0, 33.333)
+    """
+    suffix = path.suffix.lower()
+    if suffix not in {".gif", ".mp4"}:
+        raise InputError(f"an animation is written as one of .gif, .mp4, got {path.name!r}.")
+    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError(
+            "an .mp4 file needs the program ffmpeg, which is not on the PATH; install it (such as"
+            " `apt install ffmpeg`, `brew install ffmpeg`), or write a .gif file."
+        )
+    theme.number("fps", fps)
+    if fps <= 0:
+        raise InputError(f"fps [1/s] must be above 0, got {fps:g}.")
+    if suffix == ".mp4":
+        return fps
+    if fps > FASTEST:
+        raise InputError(
+            f"a GIF shows at most {FASTEST:g} frames a second, got fps={fps:g}; write an .mp4."
+        )
+    return CENTISECONDS / round(CENTISECONDS / fps)
+
+
+def _writer(path: Path, fps: float) -> AbstractMovieWriter:
+    if path.suffix.lower() == ".gif":
+        # the writer cuts off parts of a millisecond, of which rounding may leave nearly a whole
+        return GifWriter(fps=fps * (1.0 - 1e-9))  # type: ignore[arg-type]  # any real number does
+    return FFMpegWriter(fps=fps, codec="h264", extra_args=["-movflags", "+faststart"])  # type: ignore[arg-type]
 
 
 def draw_scene(
@@ -795,7 +722,7 @@ def draw_scene(
     t : float
         The moment [s].
     scene : callable, optional
-        How it is drawn, if not as `stickslip.show.plots.scenes.scene_of` says.
+        Draws it with matplotlib, as `stickslip.show.plots.scenes.Scene` says.
 
     Returns
     -------
@@ -832,8 +759,12 @@ def draw_scene(
 def picture_of(run: Trajectory, mechanism: Drawn, t: float, *, size: Size) -> Pixels:
     """Return what `draw_scene` draws as a picture (height, width, 3) in RGB."""
     theme.check_scene(run, mechanism)
-    (pixels,) = frames(run, mechanism, np.array([t]), size=size, dpi=72.0, scene=None)
-    return pixels
+    with theme.house_style():
+        stage = _stage(run, mechanism, np.array([t]), size=size, dpi=72.0, scene=None)
+        stage.show(moments_of(run, mechanism, np.array([t]))[0])
+        canvas: Any = FigureCanvasAgg(stage.figure)  # half of it has no types
+        canvas.draw()
+        return np.array(canvas.buffer_rgba())[:, :, :3]
 
 
 def animate(
@@ -864,7 +795,7 @@ def animate(
         The file; it appears whole or not at all, and replaces one that is there. MP4 needs the
         program ``ffmpeg``.
     fps : float
-        Frames a second, at most 50 for a GIF.
+        Frames a second; a GIF has the nearest of 50, 33.3, 25, 20, ..., and no more.
     speed : float
         Seconds of the run in a second of the animation: 0.1 is slow motion.
     until : float, optional
@@ -875,7 +806,7 @@ def animate(
     dpi : float
         Resolution: 72 makes a pixel of each CSS pixel, 144 four.
     scene : callable, optional
-        How the mechanism is drawn, if not as `stickslip.show.plots.scenes.scene_of` says.
+        Draws the mechanism with matplotlib, as `stickslip.show.plots.scenes.Scene` says.
     progress : callable, optional
         Called with the number of frames done and of all; if it returns False, nothing is written.
 
@@ -899,23 +830,16 @@ def animate(
     """
     theme.check_scene(run, mechanism, scene)
     path = theme.file_of(path)
-    encoder = encoder_of(path)
-    _check(encoder, fps=fps, size=size, dpi=dpi)
+    fps = frame_rate(path, fps)
+    _check(size=size, dpi=dpi)
     times = frame_times(run, mechanism, fps=fps, speed=speed, until=until)
-    done = 0
-
-    def told() -> Iterator[Pixels]:
-        nonlocal done
-        for pixels in frames(run, mechanism, times, size=size, dpi=dpi, scene=scene):
-            yield pixels
-            done += 1
-            if progress is not None and progress(done, len(times)) is False:
-                return
-
     beside = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
-        encoder.write(told(), beside, fps)
-        if done < len(times):
+        complete = _write(
+            run, mechanism, beside, times, fps=fps, size=size, dpi=dpi, scene=scene,
+            progress=progress,
+        )  # fmt: skip
+        if not complete:
             return None
         beside.replace(path)
     except OSError as error:
@@ -923,6 +847,58 @@ def animate(
     finally:
         beside.unlink(missing_ok=True)
     return path
+
+
+def _write(
+    run: Trajectory,
+    mechanism: Drawn,
+    path: Path,
+    times: NDArray[np.float64],
+    *,
+    fps: float,
+    size: Size,
+    dpi: float,
+    scene: Scene[Drawn] | None,
+    progress: Callable[[int, int], object] | None = None,
+) -> bool:
+    """Write frames at some times into a file; return whether they all are in it."""
+    writer = _writer(path, fps)
+    try:
+        with theme.house_style():
+            stage = _stage(run, mechanism, times, size=size, dpi=dpi, scene=scene)
+            with writer.saving(stage.figure, str(path), dpi):
+                for done, moment in enumerate(moments_of(run, mechanism, times), 1):
+                    moved = stage.show(moment)
+                    if done == 1:
+                        stage.settle(moved)
+                    writer.grab_frame()
+                    if progress is not None and progress(done, len(times)) is False:
+                        return done == len(times)
+    except (subprocess.CalledProcessError, BrokenPipeError) as error:
+        words = (getattr(error, "stderr", "") or "").strip() or "no message"
+        raise InputError(f"ffmpeg could not write {path.name}: {words}") from error
+    return True
+
+
+def _stage(
+    run: Trajectory,
+    mechanism: Drawn,
+    times: NDArray[np.float64],
+    *,
+    size: Size,
+    dpi: float,
+    scene: Scene[Drawn] | None,
+) -> Stage:
+    figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=dpi, facecolor=theme.SURFACE)
+    return Stage(
+        figure,
+        run,
+        mechanism,
+        until=float(times[-1]) if times.size > 1 else run.span[1],
+        scene=scene,
+        narrow=size[0] < NARROWEST,
+        digits=_digits(times),
+    )
 
 
 def frame_times(
@@ -962,62 +938,15 @@ def frame_times(
     return times
 
 
-def frames(
-    run: Trajectory,
-    mechanism: Mechanism,
-    times: NDArray[np.float64],
-    *,
-    size: Size,
-    dpi: float,
-    scene: Scene | None,
-) -> Iterator[Pixels]:
-    """Yield pictures (height, width, 3) of a run at some times."""
-    with theme.house_style():
-        figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=dpi, layout="constrained")
-        figure.set_facecolor(theme.SURFACE)
-        canvas: Any = FigureCanvasAgg(figure)  # half of it has no types
-        stage = Stage(
-            figure,
-            run,
-            mechanism,
-            until=float(times[-1]) if times.size > 1 else run.span[1],
-            scene=scene,
-            narrow=size[0] < NARROWEST,
-            digits=_digits(times),
-        )
-    moments = moments_of(run, mechanism, times)
-    background = None
-    for moment in moments:
-        with theme.house_style():  # not across a yield: others may draw in between
-            moving = stage.show(moment)
-            if background is None:
-                # what does not move is drawn once, which makes frames several times cheaper
-                for artist in moving:
-                    artist.set_animated(True)
-                canvas.draw()
-                background = canvas.copy_from_bbox(figure.bbox)
-            canvas.restore_region(background)
-            for artist in moving:
-                artist.set_animated(True)
-                figure.draw_artist(artist)
-            pixels = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
-        yield pixels
-
-
 def _digits(times: NDArray[np.float64]) -> int:
     """Return decimals that tell neighbouring frames apart."""
     step = float(times[1] - times[0]) if times.size > 1 else 1.0
     return max(0, math.ceil(-math.log10(step) - 1e-9)) if step < 1.0 else 2
 
 
-def _check(encoder: Encoder, *, fps: float, size: Size, dpi: float) -> None:
-    theme.number("fps", fps)
+def _check(*, size: Size, dpi: float) -> None:
     theme.number("dpi", dpi)
     theme.check_size(size)
-    if encoder is ENCODERS[".gif"] and fps > FASTEST:
-        raise InputError(
-            f"a GIF shows at most {FASTEST:g} frames a second, got fps={fps:g}; write an .mp4."
-        )
     if not (min(size) >= 200 and max(size) * dpi / 72 <= 8000):
         raise InputError(
             f"size must be at least 200 by 200 px and, times dpi / 72, at most 8000 px, got"
@@ -1027,6 +956,7 @@ def _check(encoder: Encoder, *, fps: float, size: Size, dpi: float) -> None:
 
 # Animations inside HTML: a GIF of bounded size on screen, a still picture in print.
 
+GIF: Final = Path("run.gif")
 MOST_BYTES: Final = 1_500_000
 """Bytes of a GIF in a page, if nothing else is asked for."""
 PHONE: Final = 620
@@ -1103,11 +1033,13 @@ def animation_html(
         raise InputError("an animation needs an `alt` text that says what it shows, got none.")
 
     def gif(shape: Size) -> bytes:
-        rate = fps
+        rate = frame_rate(GIF, fps)
         while True:
             times = frame_times(run, mechanism, fps=rate, speed=speed, until=until)
-            pictures = frames(run, mechanism, times, size=shape, dpi=72.0, scene=scene)
-            content = gif_of(pictures, rate)
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / GIF
+                _write(run, mechanism, path, times, fps=rate, size=shape, dpi=72.0, scene=scene)
+                content = path.read_bytes()
             if len(content) <= most_bytes:
                 return content
             if rate <= SLOWEST:
@@ -1116,7 +1048,7 @@ def animation_html(
                     f" than most_bytes={most_bytes}: show less of the run by `until`, or raise"
                     " `speed`."
                 )
-            rate = max(SLOWEST, 0.8 * rate * most_bytes / len(content))
+            rate = frame_rate(GIF, max(SLOWEST, 0.8 * rate * most_bytes / len(content)))
 
     content = gif(size)
     phone = None if narrow is None else gif(narrow)

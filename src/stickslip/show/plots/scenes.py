@@ -1,8 +1,7 @@
 """What mechanisms look like: shapes in metres, and where they are at a moment of a run.
 
-A scene is a function of a run that gives the shapes of one moment; how they are painted is another
-matter. A mechanism has the scene that an installed package registers for it, one of ours, or bars
-that show its coordinates.
+A picture of ours gives the shapes of each moment, which `animations` paints. Other mechanisms have
+a scene of matplotlib's artists, which an installed package registers, or bars for their states.
 """
 
 import functools
@@ -15,12 +14,15 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from typing_extensions import TypeVar
 
 from stickslip import mechanisms
-from stickslip.engine.trajectory import Trajectory
+from stickslip.engine.trajectory import UNLOADED, Trajectory
 from stickslip.errors import StickslipError
 from stickslip.show.described import Described
+from stickslip.show.plots import theme
 
 # The shapes that scenes are made of, in metres; how they are painted is another matter.
 
@@ -30,6 +32,17 @@ Fill: TypeAlias = Literal["mode", "body", "solid", "none"]
 Role: TypeAlias = Literal["friction", "normal", "drive"]
 Moment: TypeAlias = Mapping[str, float]
 """Columns of a run at one time, ``"t"``, and the present value of each drive by its name."""
+MODE_COLOURS: Final = MappingProxyType(
+    {
+        0: theme.STICK,
+        2: theme.STICK,
+        -2: theme.STICK,
+        1: theme.SURFACE,
+        -1: theme.SLIP_BACK,
+        UNLOADED: "none",
+    }
+)
+"""Fill of the body that rubs, by mode: the bands behind curves have the same."""
 TALL: Final = 0.6
 """Height of a block over its length."""
 Drawn = TypeVar("Drawn", bound=mechanisms.Mechanism, default=Any)
@@ -170,15 +183,14 @@ class Picture(metaclass=Described):
 
     shapes: Callable[[Moment], Sequence[Shape]]
     """What is to be seen at a moment, from back to front."""
-    metric: bool = True
-    """Whether places are metres, and a scale is shown below."""
     names: Mapping[Role, str] | None = None
     """What the arrows are called; friction, normal force and drive if not given."""
 
 
-Scene: TypeAlias = Callable[[Drawn, Trajectory], Picture]
-"""Called once with the mechanism and its run, sampled evenly; dimensions that the mechanism does
-not have follow from the run.
+Update: TypeAlias = Callable[[Moment], Iterable[Artist]]
+"""Moves artists to a moment and returns those that it has moved or made."""
+Scene: TypeAlias = Callable[[Axes, Drawn, Trajectory], Update]
+"""Draws the mechanism into empty axes, with matplotlib; called once, with its run, sampled evenly.
 """
 
 
@@ -805,7 +817,7 @@ def two_mass_capsule(mechanism: mechanisms.TwoMassCapsule, run: Trajectory) -> P
     return Picture(shapes=shapes, names={})
 
 
-SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
+PICTURES: Final[Mapping[str, Callable[[Any, Trajectory], Picture]]] = MappingProxyType(
     {
         mechanisms.SpringBlock.name: spring_block,
         mechanisms.TowedBlock.name: towed_block,
@@ -822,71 +834,58 @@ SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
         mechanisms.Robot.name: arm,
     }
 )
-"""The scenes of our mechanisms, by the names of these."""
+"""How our mechanisms are drawn, by the names of these."""
 
 
 # Which scene a mechanism has: ours, that of an installed package, or bars.
 
-HALF = 1.0
-"""Length of the bar of the largest value."""
 
-
-def bars(mechanism: mechanisms.Mechanism, run: Trajectory) -> Picture:
-    """Return bars for the states, each over its largest value in the run.
+def bars(axes: Axes, mechanism: mechanisms.Mechanism, run: Trajectory) -> Update:
+    """Draw bars for the states, each over its largest value in the run.
 
     Examples
     --------
+    >>> from matplotlib.figure import Figure
     >>> from stickslip import Axis, Coulomb, simulate
     >>> from stickslip.mechanisms.drives import Pulse
     >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
     >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0).sampled(50)
-    >>> picture = bars(axis, run)
-    >>> bar, *_ = [s for s in picture.shapes({"x": 5.0, "v": 0.0}) if isinstance(s, Box)]
-    >>> round(bar.left, 6), round(bar.width, 6), bar.fill
-    (0.0, 1.0, 'mode')
+    >>> update = bars(Figure().add_subplot(), axis, run)
+    >>> bar, *_ = update({"x": float(run["x"].max()), "v": 0.0, "mode": 0.0})
+    >>> bar.get_width()
+    1.0
     """
     contacts = mechanism.contacts()
-    slips = {name: place.name for place in contacts for name in place.slips}
-    names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
+    columns = {
+        name: f"mode:{place.name}" if len(contacts) > 1 else "mode"
+        for place in contacts
+        for name in place.slips
+    }
+    names = tuple(run.states or (*mechanism.coordinates, *mechanism.rates))
     largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
+    axes.set(xlim=(-1.0, 1.0), xticks=[], yticks=range(len(names)), yticklabels=names)
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=theme.INK, linewidth=1.2)
+    drawn = list(axes.barh(names, [0.0] * len(names), height=0.4, edgecolor=theme.INK))
+    texts = [axes.text(1.0, row - 0.3, "", ha="right", va="bottom") for row in range(len(names))]
 
-    def shapes(now: Moment) -> list[Shape]:
-        found: list[Shape] = []
-        for row, name in enumerate(names):
-            base = -0.45 * row
-            length = HALF * now[name] / largest[name]
-            fill: Fill = "mode" if name in slips else "body"
-            contact = slips.get(name, "") if len(contacts) > 1 else ""
-            left, width = min(0.0, length), abs(length)
-            found += [
-                Rod(points=((-HALF, base), (HALF, base)), width=0.6),
-                Box(
-                    left=left,
-                    bottom=base,
-                    width=width,
-                    height=0.16,
-                    fill=fill,
-                    contact=contact,
-                ),
-                Rod(points=((0.0, base - 0.03), (0.0, base + 0.19)), width=1.2),
-                Word(at=(-HALF, base + 0.25), text=name),
-                Word(
-                    at=(HALF, base + 0.25),
-                    text=f"{now[name] + 0.0:.3g} {run.units.get(name, '1')}",
-                    align="right",
-                ),
-            ]
-        return found
+    def update(now: Moment) -> list[Artist]:
+        for name, bar, text in zip(names, drawn, texts, strict=True):
+            mode = round(now[columns[name]]) if name in columns else None
+            bar.set_width(now[name] / largest[name])
+            bar.set_facecolor(theme.SURFACE if mode is None else MODE_COLOURS[mode])
+            text.set_text(f"{now[name] + 0.0:.3g} {run.units.get(name, '1')}")
+        return [*drawn, *texts]
 
-    return Picture(shapes=shapes, metric=False)
+    return update
 
 
 GROUP = "stickslip.scenes"
 
 
 @functools.cache
-def _scenes() -> Mapping[str, Scene]:
-    found = dict(SCENES)
+def _registered() -> Mapping[str, Scene]:
+    found: dict[str, Scene] = {}
     for entry in entry_points(group=GROUP):
         scene = entry.load()
         if not callable(scene):
@@ -895,26 +894,16 @@ def _scenes() -> Mapping[str, Scene]:
     return MappingProxyType(found)
 
 
-def scene_of(mechanism: mechanisms.Mechanism) -> Scene:
-    """Return the scene of a mechanism, by the name of its type.
+def scene_of(mechanism: mechanisms.Mechanism) -> Scene | None:
+    """Return the scene that a package registers, or bars; None where ours is drawn, by shapes.
 
-    Packages add scenes under the entry point ``stickslip.scenes``, by the name of the mechanism. A
-    mechanism without one is shown by bars for its states.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The mechanism.
-
-    Returns
-    -------
-    callable
-        Called with mechanism and run, gives a `Picture`.
+    Packages add scenes under the entry point ``stickslip.scenes``, by the name of the mechanism.
 
     Examples
     --------
     >>> from stickslip import Pendulum
-    >>> scene_of(Pendulum(mass=0.2, length=0.5)).__name__
-    'pendulum'
+    >>> scene_of(Pendulum(mass=0.2, length=0.5)) is None
+    True
     """
-    return _scenes().get(mechanism.name, bars)
+    found = _registered().get(mechanism.name)
+    return found if found or mechanism.name in PICTURES else bars

@@ -417,9 +417,7 @@ def check_scene(run: object, mechanism: object, scene: object = None) -> None:
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
     if scene is not None and not callable(scene):
-        raise InputError(
-            f"scene must be a function of mechanism and run that gives a Picture, got {scene!r}."
-        )
+        raise InputError(f"scene must be a function of axes, mechanism and run, got {scene!r}.")
     own = (*mechanism.coordinates, *mechanism.rates)
     # a run that was put together from columns does not say which of them are states
     states = run.states[: len(own)] if run.states else tuple(n for n in own if n in run.names)
