@@ -1012,7 +1012,7 @@ def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tupl
     >>> from stickslip.mechanisms.drives import Drive
     >>> [
     ...     kind.__name__
-    ...     for kind in own_classes("stickslip.mechanisms.drives", {"Sine": "elementary"}, Drive)
+    ...     for kind in own_classes("stickslip.mechanisms.drives", {"Sine": "shapes"}, Drive)
     ... ]
     ['Sine']
     """

@@ -113,6 +113,6 @@ def test_no_public_result_prints_its_arrays():
     fitted = fit(Axis(inertia=1.0), Coulomb, along)
     again = Measurement(velocity=SPEED, friction=2.02 * np.sign(SPEED))
     found = repr(fitted.predict(again))
-    assert re.match(r"<Foreseen: \d+ % of the 40 readings lie in the band;", found)
+    assert re.match(r"<Foreseen: [\d.]+ % of the 40 readings lie in the band;", found)
     assert "array" not in repr(fitted.predict(again))
     assert "array" not in repr(fitted)

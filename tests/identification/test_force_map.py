@@ -182,8 +182,6 @@ def test_an_encoder_that_flickers_at_rest_is_at_rest():
     assert np.mean(own.path.velocity[resting] == 0.0) > 0.99
 
 
-FALSE = "a Stribeck velocity beyond the fastest speed leaves a false value with a narrow interval"
-MISSED = ("stribeck",)
 SLIDING = [name for name in TRUE if name not in ("dahl", "lugre")]
 
 
@@ -192,13 +190,7 @@ def values_of(found):
     return {one.path.removeprefix("mechanism."): one.value for one in found.estimates}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.xfail(reason=FALSE)] * (name in MISSED))
-        for name in SLIDING
-    ],
-)
+@pytest.mark.parametrize("name", SLIDING)
 def test_a_law_of_speed_alone_gives_its_parameters_back(name):
     record = record_of(TRUE[name], rate=200.0)
     found = stickslip.fit(AXIS, LAWS[name], record)

@@ -147,7 +147,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
     with pytest.raises(InputError, match="turn the sign of the force"):
         fit(axis, CoulombViscous, reversed_force)
     doubted = fit(axis, CoulombViscous, reversed_force, vary=["friction.*", "mechanism.inertia"])
-    assert doubted.verdict.words.verdict.startswith("None of the laws compared describes")
+    assert doubted.verdict.words.verdict.startswith("Check units, gains and signs first")
 
 
 @pytest.mark.parametrize(

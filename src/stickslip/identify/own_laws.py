@@ -180,22 +180,33 @@ class OwnLaw:
             for x, one in zip(own, ranges, strict=True)
         ]
         scale = np.array(sizes)
-        best, least = own, math.inf
+        best, cost = own, math.inf
         for begin in sorted(begins, key=lambda x: float(np.sum(left(np.array(x)) ** 2)))[:6]:
             inside = np.clip(begin, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
             with suppress(ValueError):
                 end = least_squares(left, inside, bounds=(low, high), x_scale=scale)
-                if end.cost < least:
-                    best, least = end.x.tolist(), float(end.cost)
+                if end.cost < cost:
+                    best, cost = end.x.tolist(), float(end.cost)
         found = replace(self, law=self.at(best), sizes=dict(zip(self.varied, sizes, strict=True)))
         own_sizes = np.where(np.abs(best) > SMALL * scale, np.abs(best), scale)
-        x = found.columns(best, rows)[:, 1:] * own_sizes / allowed[:, None]
+
+        def changes(values: Sequence[float]) -> Array:
+            return found.columns(values, rows)[:, 1:] * own_sizes / allowed[:, None]
+
+        x = changes(best)
         least = UNTOLD * math.sqrt(len(x))
         _, told, ways = np.linalg.svd(x, full_matrices=True)
         told = np.concatenate([told, np.zeros(len(ways) - len(told))])
         lost = np.any(np.abs(ways[told < least]) > PART_OF, axis=0)
+        for k in (k for k in shapes if lost[k]):  # what another value of it hides is not told
+            low_end = max(low[k], 1e-3 * high[k])
+            hidden = changes([low_end if place == k else z for place, z in enumerate(best)])
+            lost |= np.linalg.norm(hidden, axis=0) < least
+        given = np.where(lost, own, best)
+        if np.sum(left(given) ** 2) <= 2.0 * cost + 1.0:
+            found = replace(found, law=self.at(given.tolist()))
         _, order = qr(x, mode="r", pivoting=True)
-        kept = {*order[: int(np.sum(told >= least))].tolist()}
+        kept = {*order[: int(np.sum(told >= least))].tolist()} - {*np.flatnonzero(lost).tolist()}
         return replace(
             found,
             varied=tuple(name for k, name in enumerate(self.varied) if k in kept),
