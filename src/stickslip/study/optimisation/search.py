@@ -187,9 +187,8 @@ class Motion(metaclass=Described):
     @property
     def reason(self) -> str:
         """Why it is not feasible, in words; empty if it is."""
-        for cycle in self.cycles:
-            if cycle.lasted < 1.0:
-                return f"its run stopped at {quantity(cycle.run.span[1], 's')}: {cycle.run.ending}"
+        if ended := [cycle.ended for cycle in self.cycles if cycle.ended]:
+            return ended[0]
         if exceeded := [margin.name for margin in self.margins if not margin.kept]:
             return f"exceeds {', '.join(exceeded)}"
         return "" if self.feasible else "does not travel forward"
@@ -350,9 +349,8 @@ class Problem:
 
     def judged(self, values: Mapping[str, float]) -> Motion:
         """Run given values in all scenarios."""
-        cycles = tuple(
-            measure(mechanism, law, coordinate=self.slip) for mechanism, law in self.pairs(values)
-        )
+        measured = (measure(*pair, coordinate=self.slip) for pair in self.pairs(values))
+        cycles = tuple(dataclasses.replace(cycle, run=None) for cycle in measured)
         ended = any(cycle.lasted < 1.0 for cycle in cycles)
         goals = {
             goal.name: math.nan if ended else self._over_scenarios(goal, cycles)
@@ -528,6 +526,8 @@ def optimise(
             f" given: {start.reason}): widen limits or ranges, or increase evaluations."
         )
     best, found = with_values(mechanism, law, motions[0].parameters)
+    run = measure(best, found, coordinate=slip).run
+    assert run is not None
     return Optimum(
         mechanism=best,
         law=found,
@@ -538,7 +538,7 @@ def optimise(
         scenarios=_words(problem),
         motions=motions,
         start=start,
-        run=measure(best, found, coordinate=slip).run,
+        run=run,
         evaluations=1 + len(tried),
         seed=seed,
         cancelled=cancelled,

@@ -64,8 +64,8 @@ class Cycle(metaclass=Described):
     (0.0064304, True)
     """
 
-    run: Trajectory = field(repr=False)
-    """All cycles from rest on."""
+    run: Trajectory | None = field(default=None, repr=False)
+    """All cycles from rest on; None of candidates, whose runs would fill the memory."""
     begin: float
     """When the cycles that count begin [s]."""
     period: float
@@ -86,6 +86,8 @@ class Cycle(metaclass=Described):
     """Least normal force over that at rest, of all contacts; 1 where none bears any at rest."""
     largest: Mapping[str, float]
     """Largest absolute value of each column of the run, and acceleration of prescribed motions."""
+    ended: str = ""
+    """When and why the run ended early, in words."""
 
     @property
     def speed(self) -> float:
@@ -184,9 +186,11 @@ def _repeats(run: Trajectory, slip: str, rate: str, count: int, period: float) -
 def _cut_short(run: Trajectory, period: float, lasted: float) -> Cycle:
     """Return a cycle of which nothing is known but when it ended."""
     unknown = dict.fromkeys(("travel", "back_slip", "work", "peak_force", "load_share"), math.nan)
+    ended = f"its run stopped at {run.span[1]:.4g} s: {run.ending}"
     return Cycle(
-        run=run, begin=0.0, period=period, lasted=lasted, repeats=False, largest={}, **unknown
-    )
+        run=run, begin=0.0, period=period, lasted=lasted, ended=ended, repeats=False, largest={},
+        **unknown,
+    )  # fmt: skip
 
 
 def _measured(
