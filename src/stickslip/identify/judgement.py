@@ -386,13 +386,18 @@ class Judgement:
     def _metric(self) -> tuple[Any, Array]:
         return self.problem.metric(self._places, self.target.allowed)
 
+    @cached_property
+    def _middle(self) -> Array:
+        """The curve (1, n) through which a law is laid."""
+        if self._metric[1].ndim == 1:
+            return self.target.middle[None]
+        # what is known of sums over the rows is kept by the mean
+        return np.asarray(np.mean(self.problem.steady(self._metric[0], self.draws), axis=0))[None]
+
     def _projected(self, rung: Rung, draws: Sequence[Draws] | None = None) -> tuple[Array, Shaped]:
         """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family."""
         rows, weights = self._metric
-        curves = self.problem.steady(rows, self.draws if draws is None else draws)
-        if draws is None:  # what is known of sums over the rows is kept by the mean
-            middle = np.median if weights.ndim == 1 else np.mean
-            curves = np.asarray(middle(curves, axis=0))[None]
+        curves = self._middle if draws is None else self.problem.steady(rows, draws)
         free, coarse = self.problem.free(rung)
         projector = Projector(
             lambda structure: self.problem.design(structure, rows),

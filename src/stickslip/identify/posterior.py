@@ -201,21 +201,25 @@ def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") 
 
 
 def brakes(mean: Array, covariance: Array, positive: "NDArray[np.bool_]", sums: Array) -> Array:
-    """Return logarithms of the probability (s,) that coefficients (s, d) and sums are not negative.
+    """Return by how much likelier than before coefficients (s, d) and sums are not negative.
+
+    Logarithms (s,); before, coefficients are about 0 and none goes with another.
 
     Examples
     --------
     >>> sums = np.array([[[1.0, 1.0]]])  # of two that are either sign alone
-    >>> found = brakes(np.zeros((1, 2)), np.eye(2)[None], np.zeros((1, 2), dtype=bool), sums)
-    >>> round(float(np.exp(found[0])), 2)
-    0.5
+    >>> found = brakes(np.ones((1, 2)), np.eye(2)[None], np.zeros((1, 2), dtype=bool), sums)
+    >>> round(float(np.exp(found[0])), 2)  # Phi(2 / sqrt(2)) over a half
+    1.84
     """
-    if sums.shape[1]:
-        both = np.concatenate([np.broadcast_to(np.eye(mean.shape[1]), covariance.shape), sums], 1)
-        mean = np.einsum("skd,sd->sk", both, mean)
-        covariance = both @ covariance @ both.swapaxes(1, 2)
-        positive = np.concatenate([positive, np.ones(sums.shape[:2], dtype=bool)], axis=1)
-    return not_negative(mean, covariance, positive)
+    if not sums.shape[1]:
+        before = positive.sum(axis=1) * math.log(0.5)
+        return np.asarray(not_negative(mean, covariance, positive) - before)
+    both = np.concatenate([np.broadcast_to(np.eye(mean.shape[1]), covariance.shape), sums], axis=1)
+    positive = np.concatenate([positive, np.ones(sums.shape[:2], dtype=bool)], axis=1)
+    ends, across = np.einsum("skd,sd->sk", both, mean), both.swapaxes(1, 2)
+    before = not_negative(0.0 * ends, both @ across, positive)
+    return np.asarray(not_negative(ends, both @ covariance @ across, positive) - before)
 
 
 def held_to_zero(x: Array, root: Array, bounded: Places) -> None:
@@ -288,7 +292,7 @@ class Posterior:
         """Yield structures with as many columns: places, columns, signs, sums, what is known."""
         number = {one: k for k, one in enumerate(self.columns)}
         free = [tuple(x for x in one if x not in self.known_of(one)) for one in self.structures]
-        sums = [self.sums_of(one) for one in free]
+        sums = [self.model.not_below_zero(one) for one in free]
         groups: dict[tuple[int, int, tuple[tuple[Column, float], ...]], list[int]] = {}
         for k, one in enumerate(self.structures):
             known = tuple(self.known_of(one).items())
@@ -304,10 +308,6 @@ class Posterior:
                 np.array([sums[k] for k in places]).reshape(len(places), more, length),
                 {number[column]: x for column, x in known},
             )
-
-    def sums_of(self, structure: Structure) -> Array:
-        """Return the sums of coefficients (k, d) that are not negative."""
-        return self.model.not_below_zero(structure)
 
     def known_of(self, structure: Structure) -> Mapping[Column, float]:
         """Return the columns of a structure whose coefficients are known, with these."""
@@ -371,9 +371,7 @@ class Posterior:
             quadratic = 0.5 * np.einsum("si,sij,sj->s", c, m, c)
             gain = np.sum(moment * c, axis=1) - quadratic
             gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
-            sums = rows * system.sizes[of][:, None, :]
-            prior = np.broadcast_to(np.eye(size), inverse.shape)
-            inside = brakes(c, inverse, positive, sums) - brakes(0.0 * c, prior, positive, sums)
+            inside = brakes(c, inverse, positive, rows * system.sizes[of][:, None, :])
             found[at] = base + gain + inside
         return np.asarray(found + self._priors + self.model.prior(node))
 
@@ -424,7 +422,7 @@ class Posterior:
             if name not in self.model.signed:
                 kept &= x[m + place] > 0.0
         sizes = system.sizes[[self.columns.index(one) for one in structure]]
-        kept &= np.all((self.sums_of(structure) * sizes) @ x[m:] >= 0.0, axis=0)
+        kept &= np.all((self.model.not_below_zero(structure) * sizes) @ x[m:] >= 0.0, axis=0)
         x = x[:, np.argsort(~kept, kind="stable")[:count]]
         bounded = m + np.flatnonzero(self._is_positive(structure))
         held_to_zero(x, root, bounded)

@@ -104,8 +104,8 @@ GIVEN: Mapping[str, str] = {
 }
 """What may be given wrong."""
 MISTAKEN = 1.0
-"""Size of what is given wrong from which it is a mistake: of three careful experimenters in
-hundred."""
+"""Size of what is given wrong from which it is a mistake: its prior is that of the last two sizes,
+of five careful experimenters in hundred."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
