@@ -53,7 +53,7 @@ from stickslip.identify.fits import (
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
-from stickslip.identify.problems.record_columns import ZERO, Balance
+from stickslip.identify.problems.record_columns import ZERO, Balance, Memory
 from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
@@ -333,8 +333,9 @@ class _Reduced:
         each = [
             np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)
         ]
-        beside = [fixed[name] for name in ("slope", "delay", "given") if name in fixed]
-        x = np.column_stack([rows.seen(each), *beside, np.ones(rows.count)])
+        beside = [fixed[name] for name in ("slope", "given") if name in fixed]
+        late = balance.delayed(MIDDLE, Memory())
+        x = np.column_stack([rows.seen(each), *beside, late, np.ones(rows.count)])
         x = x / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
         values, basis = np.linalg.eigh(x.T @ x)
         kept = values > SOFT * values[-1]

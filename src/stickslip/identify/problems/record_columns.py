@@ -537,10 +537,8 @@ class Balance:
         found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
             found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
-        late = [p.late for p in pieces]
-        found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
         if self.driven:
-            found["zone"] = rows.seen([np.sign(self._needed(p))[:, None] for p in pieces])
+            found["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(Memory())])
         if self.given:
             found["given"] = self.errors(which)
         for path in pieces[0].record.unknown:
@@ -554,29 +552,54 @@ class Balance:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(one.record.force) for one in self.pieces)
 
-    @cached_property
-    def _plainly(self) -> Array:
-        """Inertia, viscous friction and level (3,) by which a plain balance leaves least."""
-        rows = self.rows(MIDDLE)
-        level = rows.seen([p.direction * self.load(p) for p in self.pieces])
-        x = np.column_stack([rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)])
-        size = np.sqrt(np.mean(x * x, axis=0)) + TINY
-        return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)[:3]
+    def _plainly(self, memory: Memory) -> Array:
+        """Return what a plain balance with a bristle leaves least with.
 
-    def _needed(self, piece: Piece) -> Array:
-        """Return the force that the motion needs (n,) [N], about.
+        They are inertia, viscous friction, level, a constant and what is looked for.
+        """
+        rows = self.rows(MIDDLE)
+        states = zip(self.states(memory), self.pieces, strict=True)
+        level = rows.seen([state * self.load(p) for state, p in states])
+        x = np.column_stack(
+            [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)]
+            + [self.unknown(MIDDLE, path) for path in self._looked_for]
+        )
+        size = np.sqrt(np.mean(x * x, axis=0)) + TINY
+        return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)
+
+    @property
+    def _looked_for(self) -> list[str]:
+        """Paths of what is looked for and is given with no error."""
+        return [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+
+    def needed(self, memory: Memory) -> list[Array]:
+        """Return the force that the motion needs, about, at the samples of the pieces [N].
 
         That which was recorded has its noise, with which it would explain itself.
         """
-        inertia, slope, level = self._from._plainly
-        filt, record = piece.filters[MIDDLE], piece.record
-        if record.velocity is None:
-            acceleration = filt(record.position, bent=True, slope=2, full=True)
-        else:
-            acceleration = filt(record.velocity, slope=1, full=True)
-        found = inertia * acceleration + slope * piece.velocity / self.frame.top
-        found = found + level * piece.direction * self.load(piece)
-        return np.asarray(found if record.mechanism is None else found - record.mechanism)
+        inertia, slope, level, constant, *sizes = self._from._plainly(memory).tolist()
+        every = []
+        for piece, state in zip(self.pieces, self.states(memory), strict=True):
+            filt, record = piece.filters[MIDDLE], piece.record
+            if record.velocity is None:
+                acceleration = filt(record.position, bent=True, slope=2, full=True)
+            else:
+                acceleration = filt(record.velocity, slope=1, full=True)
+            found = inertia * acceleration + slope * piece.velocity / self.frame.top + constant
+            found = found + level * state * self.load(piece)
+            for path, size in zip(self._from._looked_for, sizes, strict=True):
+                one = record.unknown[path]
+                found = found + size * (one.inertia * acceleration - one.force)
+            every.append(found if record.mechanism is None else found - record.mechanism)
+        return every
+
+    def delayed(self, which: int, memory: Memory) -> Array:
+        """Return what a unit of a delay of the force changes, at the rows (n,) [N/s]."""
+        rows = self.rows(which)
+        if self.driven:
+            return rows.seen(self.needed(memory), slope=1)
+        late = [one.late for one in self.pieces]
+        return rows.seen([one.record.force for one in self.pieces], slope=1, late=late)
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""
@@ -730,6 +753,7 @@ class Balance:
         )
         ends = np.cumsum([0, *widths])
         groups = {name: seen[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+        groups["delay"] = self.delayed(which, memory)[:, None]
         return groups, seen[:, ends[-1] :]
 
     @cached_property

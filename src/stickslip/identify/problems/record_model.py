@@ -20,7 +20,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 import copy
 import math
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -575,7 +575,7 @@ class RecordModel(Model):
             return np.hstack([fixed, rows.seen(parts)])
 
         def look(memory: Memory) -> None:
-            x = np.hstack([columns(memory), plain["delay"]])
+            x = np.hstack([columns(memory), balance.delayed(MIDDLE, memory)[:, None]])
             scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
             x = x / scale
             gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
@@ -595,7 +595,7 @@ class RecordModel(Model):
         for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
         looked.sort(key=lambda one: one[0])
-        if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
+        if self._delayed(columns, [none, *(one[1] for one in looked[:KEPT])]):
             return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
         about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
@@ -619,7 +619,7 @@ class RecordModel(Model):
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
 
-    def _delayed(self, columns: Sequence[Array]) -> bool:
+    def _delayed(self, columns: Callable[[Memory], Array], memories: Sequence[Memory]) -> bool:
         """Let forces act at another time if that leaves far less; return whether it does.
 
         A delay is looked for that is not linear any more: each stands with a column for the rest,
@@ -630,12 +630,14 @@ class RecordModel(Model):
             return False
         forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
         rest = rows.response - rows.seen(forces, late=late)
+        every = [
+            np.hstack([columns(one), balance.delayed(MIDDLE, one)[:, None]]) for one in memories
+        ]
         left, delays = list[float](), (DELAYS / balance.pieces[0].cutoff).tolist()
         for k, delay in enumerate(delays):
             at = [x + delay for x in late]
             y = rest + rows.seen(forces, late=at)
-            slope = rows.seen(forces, slope=1, late=at)[:, None]
-            fits = [squares_left(np.hstack([x, slope]), y) for x in columns]
+            fits = [squares_left(x, y) for x in every]
             square, more = min(fits)
             left.append(square)
             delays[k] = delay + more
