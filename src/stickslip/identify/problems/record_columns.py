@@ -473,7 +473,7 @@ class Balance:
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
         groups["others"] = np.column_stack(
-            [bristle(piece.along(one), one, 0.0) - state for one in lengths]
+            [bristle(piece.along(one), one, n) - state for one in lengths for n in (0.0, 1.0)]
         )
         for name in frame.inputs:
             u = self.input(piece, name)

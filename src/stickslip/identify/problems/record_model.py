@@ -861,10 +861,11 @@ class RecordModel(Model):
 
     # ---- LuGre: a length that follows the level
     def _followed(self, search: Posterior, node: Node) -> Node | None:
-        """Let the length of a bristle follow the level; return the new node, or None.
+        """Look for the length of a bristle as finely as it is known; return the new node, or None.
 
-        The level is that of the best law with one, and of the curve what is not linear in the speed
-        at the top, which is viscous: a length that follows it would act as inertia.
+        It is the same at all speeds, or follows the level: that of the best law with one, and of
+        the curve what is not linear in the speed at the top, which is viscous: a length that
+        follows it would act as inertia.
         """
         bristle, frame = self.memory(node), self.frame
         if bristle.length <= SHORT * frame.noise:
@@ -872,38 +873,44 @@ class RecordModel(Model):
         rows, balance = self.balance.rows(MIDDLE), self.balance
         if math.sqrt(float(np.mean(self.part(bristle) ** 2))) < SEEN:
             return None
+        old = search.value(node)
+
+        def look(memory: Memory) -> float:
+            self.memories.append(memory)
+            return search.value((*node[:-2], len(self.memories) - 1, 0))
+
         state = rows.taken(balance.states(bristle))
         part = (np.abs(state) < PART) & (np.abs(rows.velocity) > frame.low / 3.0)
         speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
         speed = max(speed, frame.low)
-        old = search.value(node)
-
-        def look(length: float, ratio: Array) -> float:
-            self.memories.append(Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed))
-            return search.value((*node[:-2], len(self.memories) - 1, 0))
-
-        ratios = [*self._ratios(search, node, speed)]
-        if not ratios:
-            return None
-        ratio = max(ratios, key=lambda one: look(bristle.length, one))
-
-        factors = np.array(FOLLOWING if bristle.ratio is None else AGAIN)
-        values = [look(bristle.length * x, ratio) for x in factors]
-        k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
-        bend = np.polyfit(np.log(factors[k - 1 : k + 2]), values[k - 1 : k + 2], 2)
-        step = -bend[1] / (2.0 * bend[0]) if bend[0] < 0.0 else math.log(factors[np.argmax(values)])
-        length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
-        new = look(length, ratio)
-        width = 0.1
-        if bend[0] < 0.0:
-            width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
+        forms = [bristle] * (bristle.ratio is None)
+        ratios = [*self._ratios(search, node, speed)] if bristle.lags else []
+        if ratios:
+            following = [replace(bristle, exponent=LUGRE, ratio=x, speed=speed) for x in ratios]
+            forms.append(max(following, key=look))
         slower = max(0.0, 1.0 - math.log(speed / frame.low))
-        unknown = math.hypot(BELOW * slower, frame.noise / length)
-        spread = math.hypot(WITHIN * width, unknown)
-        following = replace(self.memories[-1], spread=spread)
-        beside = [replace(following, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
-        self.memories[-1] = following
-        kept = [self.memories[0], following, *beside, *([bristle] if old > new - 5.0 else [])]
+        looked = list[tuple[float, list[Memory]]]()
+        for form in forms:
+            grows = form.ratio is not None and bristle.ratio is None
+            factors = np.array(FOLLOWING if grows else AGAIN)
+            values = [look(replace(form, length=bristle.length * x)) for x in factors]
+            k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
+            bend, step = _top(np.log(factors[k - 1 : k + 2]), np.array(values[k - 1 : k + 2]))
+            length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
+            width = 0.1 if bend >= 0.0 else float(np.clip(math.sqrt(-0.5 / bend), *WIDTHS))
+            unknown = frame.noise / length
+            if form.ratio is not None:
+                unknown = math.hypot(BELOW * slower, unknown)
+            middle = replace(form, length=length, spread=math.hypot(WITHIN * width, unknown))
+            beside = [replace(middle, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
+            looked.append((look(middle), [middle, *beside]))
+        looked.sort(key=lambda one: -one[0])
+        if not looked:
+            return None
+        new = looked[0][0]
+        kept = [self.memories[0], *looked[0][1]]
+        kept += [one[1][0] for one in looked[1:] if one[0] > new - 5.0]
+        kept += [bristle] if old > new - 5.0 else []
         self._keep(kept)
         node = (*node[:-2], 1 if new > old else len(kept) - 1, 0)
         return self._again(self._here(node), 0)
@@ -990,6 +997,15 @@ def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structur
         for _, shapes, prior in grid.families([rest]):
             law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda one: one[0])
             yield tuple(law), prior - PLACE * len(beside)
+
+
+def _top(x: Array, y: Array) -> tuple[float, float]:
+    """Return half the second derivative of a parabola through three points, and where its top is.
+
+    Where it has none, it is the largest of the points.
+    """
+    bend, tilt, _ = np.polyfit(x, y, 2).tolist()
+    return bend, -tilt / (2.0 * bend) if bend < 0.0 else float(x[np.argmax(y)])
 
 
 def squares_left(x: Array, y: Array, far: float = 4.0) -> tuple[float, float]:
