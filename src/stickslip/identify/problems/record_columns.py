@@ -517,7 +517,7 @@ class Balance:
         parts = [hats, *(one[:, None] for one in levels)]
         if memory.ratio is not None:
             parts.append(np.asarray(length)[:, None] / memory.length)
-        found = relaxed(piece.along(memory.length), length, load * np.hstack(parts))
+        found = load * relaxed(piece.along(memory.length), length, np.hstack(parts))
         groups["common"] = found[:, : hats.shape[1]]
         x[:, lagging] = found[:, hats.shape[1] : hats.shape[1] + len(lagging)]
         if memory.ratio is not None:
