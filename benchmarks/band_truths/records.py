@@ -183,6 +183,16 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
     top = float(np.max(np.abs(np.gradient(first.true_position, first.t))))
     asked, beyond = asked_over(0.02 * top, 0.9 * top, both=True)
     asked, beyond = (_with(random, p, points) for points in (asked, beyond))
+    # what changes with the place is on the average over the places that were visited
+    places = np.linspace(first.true_position.min(), first.true_position.max(), 1000)
+    wave = float(np.mean(np.sin(p.wave * places)))
+    p = replace(
+        p, forward=p.forward * (1.0 + p.level_ripple * wave),
+        backward=p.backward * (1.0 + p.level_ripple * wave),
+        step_forward=p.step_forward * (1.0 + p.level_ripple * wave),
+        step_backward=p.step_backward * (1.0 + p.level_ripple * wave),
+        offset=p.offset + p.ripple * wave,
+    )  # fmt: skip
     level = (p.forward + p.backward) / 2.0
     known = wrong.mechanism.offset if wrong.mechanism else 0.0
     parameters = {"inertia": p.inertia} if wrong.steady and wrong.free else {}

@@ -1,6 +1,7 @@
 """Records of one coordinate that are exact, broken, or of which something is given wrong."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +19,9 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
+from stickslip.identify.bands import Array
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.record_columns import Balance, Memory
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
     BalanceRows,
@@ -428,3 +431,84 @@ def test_a_part_of_the_level_that_no_load_changes_is_told() -> None:
     assert judgement.acting(rows) == pytest.approx(expected, rel=0.02)
     band = judgement.band(rows)
     assert np.all((band.low - 0.02 < expected) & (expected < band.high + 0.02))
+
+
+# ---- delays, and bristles of any length
+
+
+def stretched(x: Array, length: float, exponent: float) -> Array:
+    """Return how far a bristle is stretched along a way (n,): |dz/dx| = (1 - z sgn dx)^n/length."""
+    z, found = 0.0, np.zeros_like(x)
+    for k, dx in enumerate(np.diff(x, prepend=x[0])):
+        side, parts = math.copysign(1.0, dx), max(1, math.ceil(abs(dx) / (0.02 * length)))
+        for _ in range(parts):
+            z += dx / parts / length * max(1.0 - z * side, 0.0) ** exponent
+            z = min(max(z, -1.0), 1.0)
+        found[k] = z
+    return found
+
+
+def preslid(friction: Callable[[Array, Array], Array], seed: int = 1, **further: Any) -> Record:
+    """Return the record of `driven` with friction (way, time) in place of its level."""
+    plain = driven(level=0.0, noise=0.0)
+    x, rng = plain.position, np.random.default_rng(seed)
+    force = plain.force + friction(x, plain.time) + 0.02 * rng.normal(size=len(x))
+    return replace(plain, position=x + 1e-6 * rng.normal(size=len(x)), force=force, **further)
+
+
+def test_noise_of_the_force_is_no_delay() -> None:
+    """The derivative of the recorded force has its noise, which makes every delay seem less."""
+    columns = []
+    for noise in (0.0, 100.0):
+        record = driven(seconds=12.0)
+        force = record.force + noise * 0.02 * np.random.default_rng(2).normal(size=4000 + 2000)
+        balance = Balance([replace(record, force=force)], highest=20.0)
+        columns.append(balance.delayed(MIDDLE, Memory()))
+    quiet, noisy = columns
+    assert noisy @ quiet / (noisy @ noisy) == pytest.approx(1.0, abs=0.02)
+    assert noisy @ quiet / (quiet @ quiet) == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_force_that_is_recorded_late_is_said_to_be_and_changes_no_inertia() -> None:
+    record = driven(noise=3.0, seconds=12.0)
+    late = replace(record, force=np.interp(record.time - 0.004, record.time, record.force))
+    judgement = judged(late)
+    inertia = next(one for one in judgement.intervals if one.path.endswith("inertia"))
+    assert inertia.low < INERTIA < inertia.high
+    delay = {one.term: one for one in judgement.findings}["delay"]
+    assert delay.asserted
+    assert delay.low < -0.004 < delay.high
+
+
+@pytest.mark.parametrize(("length", "exponent"), [(1e-3, 1.0), (1.3e-3, 2.0), (1.3e-3, 0.0)])
+def test_the_length_of_a_bristle_is_found_between_those_of_the_grid(
+    length: float, exponent: float
+) -> None:
+    record = preslid(lambda x, _: LEVEL * stretched(x, length, exponent))
+    judgement = judged(record)
+    memory = judgement.problem.model.memory(judgement.problem.posterior.best)
+    assert memory.length == pytest.approx(length, rel=0.02)
+    assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.005)
+
+
+def test_a_second_memory_is_no_dead_zone() -> None:
+    record = preslid(lambda x, _: 5.0 * stretched(x, 4e-4, 1.0) + 4.0 * stretched(x, 6e-3, 1.0))
+    judgement = judged(record)
+    assert "zone" not in [one.term for one in judgement.findings]
+    rows = judgement.problem.at(np.array([-0.1, 0.05, 0.1]))
+    band, v = judgement.band(rows), np.array([-0.1, 0.05, 0.1])
+    true = 9.0 * np.sign(v) + VISCOUS * v
+    assert np.all((band.low < true) & (true < band.high))
+
+
+def test_a_bristle_carries_the_load_of_the_moment() -> None:
+    def loads(t: Array) -> Array:
+        return 10.0 + 6.0 * np.sin(4.0 * t)
+
+    record = preslid(lambda x, t: 0.8 * loads(t) * stretched(x, 1.5e-3, 1.0))
+    problem = RecordProblem([replace(record, load=loads(record.time))], normal=10.0)
+    judgement = Judgement(problem)
+    assert judgement.named.family == ("level", "viscous")
+    rows = problem.at(np.full(2, 0.05), load=np.array([5.0, 15.0]))
+    expected = 0.8 * np.array([5.0, 15.0]) + VISCOUS * 0.05
+    assert judgement.acting(rows) == pytest.approx(expected, rel=0.005)
