@@ -92,6 +92,7 @@ def judged(rig: Rig) -> "Judged":
 ALIKE: Mapping[str, frozenset[str]] = {
     "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance", "backlash", "clip"}),
     "zone": frozenset({"dead_zone"}),
+    "clip": frozenset({"clip"}),
     "force": frozenset({"force", "spring", "ripple", "offset_drift"}),
     "place": frozenset({"place", "level_ripple"}),
     "relaxing": frozenset({"hose", "spring"}),

@@ -268,8 +268,11 @@ SIDES = DirectionDependent(
 )  # fmt: skip
 
 
-def moved(friction: FrictionLaw, seed: int, size: float = 1.0) -> Record:
-    """Return a record at 200 Hz under a force of five sines that is held between samples."""
+def moved(friction: FrictionLaw, seed: int, size: float = 1.0, limit: float = math.inf) -> Record:
+    """Return a record at 200 Hz under a force of five sines that is held between samples.
+
+    The drive saturates at a limit, of which the recorded force knows nothing.
+    """
     random = np.random.default_rng(seed)
     t = np.arange(0.0, 8.0, 0.005)
     phases, sizes = random.uniform(0.0, 2.0 * np.pi, 5), random.uniform(4.0, 9.0, 5)
@@ -277,7 +280,7 @@ def moved(friction: FrictionLaw, seed: int, size: float = 1.0) -> Record:
         size * a * np.sin(2.0 * np.pi * f * t + p)
         for f, a, p in zip((0.23, 0.41, 0.67, 1.1, 1.7), sizes, phases, strict=True)
     )
-    axis = Axis(inertia=2.0, drive=Sampled(times=t, values=force))
+    axis = Axis(inertia=2.0, drive=Sampled(times=t, values=np.clip(force, -limit, limit)))
     x = simulate(axis, friction, t_end=float(t[-1])).at(t)["x"]
     read = x + random.normal(0.0, 1e-5, len(t))
     return Record(time=t, position=read, force=np.asarray(force), inertia=2.0, held=True)
@@ -398,6 +401,25 @@ def test_a_record_that_never_rests_has_no_rows_at_rest() -> None:
 # ---- drives and loads
 
 
+def test_a_drive_that_saturates_is_found_with_its_limit() -> None:
+    law = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
+    judgement = judged(replace(moved(law, 1, limit=14.0), inertia=None))
+    assert judgement.named.family == ("level", "viscous")
+    finding = {one.term: one for one in judgement.findings}["clip"]
+    assert finding.asserted
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.model.balance.limit == pytest.approx(14.0, rel=0.03)
+    found = {one.path.rpartition(".")[2]: one for one in judgement.intervals}
+    for name, true in ("kinetic_coefficient", 4.0), ("viscous_coefficient", 6.0), ("inertia", 2.0):
+        assert found[name].low < true < found[name].high
+    # another record is cut off at the same force
+    rows = problem.like([moved(law, 2, limit=14.0)])
+    band = judgement.reading_band(rows)
+    assert np.mean((band.low <= rows.response) & (rows.response <= band.high)) > 0.9
+    assert "clip" not in [one.term for one in judged(moved(law, 1)).findings]
+
+
 def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:
     judgement = judged(driven(inertia=40.0, zone=3.0))
     assert judgement.named.family == ("level", "viscous")
@@ -486,7 +508,9 @@ def test_the_length_of_a_bristle_is_found_between_those_of_the_grid(
 ) -> None:
     record = preslid(lambda x, _: LEVEL * stretched(x, length, exponent))
     judgement = judged(record)
-    memory = judgement.problem.model.memory(judgement.problem.posterior.best)
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    memory = problem.model.memory(problem.posterior.best)
     assert memory.length == pytest.approx(length, rel=0.02)
     assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.005)
 

@@ -311,6 +311,8 @@ class Balance:
                 replace(one, delay=first.delay, wider=min(first.wider, one.widest))
                 for one in self.pieces
             ]
+        self.limit: float = math.inf
+        """Force above which no more of what was recorded acts [N]."""
         self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
@@ -325,6 +327,8 @@ class Balance:
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
+        if like is not None and math.isfinite(like.limit):
+            self.saturate(like.limit)
 
     @property
     def measured(self) -> bool:
@@ -369,6 +373,16 @@ class Balance:
     def delay(self, late: float) -> None:
         """Let forces act later than recorded [s], as found along the records."""
         self.take([replace(one, delay=late) for one in self.pieces])
+
+    def saturate(self, limit: float) -> None:
+        """Let forces above a limit not act."""
+        self.limit = limit
+        self.take(
+            [
+                replace(p, record=replace(p.record, force=np.clip(p.record.force, -limit, limit)))
+                for p in self.pieces
+            ]
+        )
 
     def widen(self) -> bool:
         """Let velocities have the widest band, if that is wider; return whether it is."""
@@ -537,8 +551,12 @@ class Balance:
         found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
             found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
+        late = [p.late for p in pieces]
         if self.driven:
             found["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(Memory())])
+        if math.isfinite(self.limit):  # what an error of the limit changes
+            at = [np.sign(p.record.force) * (np.abs(p.record.force) >= self.limit) for p in pieces]
+            found["limit"] = rows.seen(at, late=late)[:, None]
         if self.given:
             found["given"] = self.errors(which)
         for path in pieces[0].record.unknown:

@@ -59,6 +59,7 @@ from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
 
 Names: TypeAlias = NDArray[np.str_]
+Mask: TypeAlias = NDArray[np.bool_]
 
 FINE = 1.6
 """Shapes of a term for each e-fold of speed."""
@@ -124,9 +125,11 @@ SIZES: dict[str, float] = {
     "offset": 0.3,
     "side": 0.003,
     "slow": 0.3,
+    "limit": 0.1,
 }
 """Sizes that are no scales: a constant force, the least of the slope by direction, and what levels
-change by at speeds below those resolved, which tells no shape of a law."""
+change by at speeds below those resolved, which tells no shape of a law; and the error of the force
+at which a drive saturates."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
 TIMED = 0.1
@@ -216,6 +219,13 @@ FARTHEST = 30.0
 HALVED = 2.0
 """What is left without a delay over that with it, from which it is taken: true delays that are not
 linear leave 2.7 to 500 times less, and the moments of turns up to 1.6 times."""
+LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
+"""Limits of the force that are looked at, over the largest, and their number."""
+CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.5
+"""Share of a row's force above a limit from which it is cut off, and shares of rows that are."""
+SATURATED = 15.0
+"""What is left over that with a limit, from which it is taken: drives that saturate leave 30 to
+16,000 times less, hoses, which bend what is left as a limit does, up to 5.4 times."""
 LINEAR = 0.08
 """Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
@@ -595,7 +605,8 @@ class RecordModel(Model):
         for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
         looked.sort(key=lambda one: one[0])
-        if self._delayed(columns, [none, *(one[1] for one in looked[:KEPT])]):
+        likely = [none, *(one[1] for one in looked[:KEPT])]
+        if self._saturated(columns, likely) or self._delayed(columns, likely):
             return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
         about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
@@ -646,6 +657,43 @@ class RecordModel(Model):
         if abs(found) < LINEAR / balance.pieces[0].cutoff or left[none] < HALVED * left[least]:
             return False
         balance.delay(found)
+        return True
+
+    def _saturated(self, columns: Callable[[Memory], Array], memories: Sequence[Memory]) -> bool:
+        """Let forces above a limit not act if that leaves far less; return whether it does.
+
+        Where a drive saturates, what is recorded tells only that the force is at its limit. Forces
+        that are cut off have no noise, so that rows with some count as no less than others leave.
+        """
+        rows, balance = self.balance.rows(MIDDLE), self.balance
+        if not balance.driven or math.isfinite(balance.limit):
+            return False
+        forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
+        rest = rows.response - rows.seen(forces, late=late)
+        every = [
+            np.hstack([columns(one), balance.delayed(MIDDLE, one)[:, None]]) for one in memories
+        ]
+
+        def left(limit: float) -> float:
+            above = [np.asarray(1.0 * (np.abs(x) > limit)) for x in forces]
+            cut = np.abs(rows.seen(above)) > CUT
+            if not LEAST_CUT < np.mean(cut) < MOST_CUT:
+                return math.inf
+            acting = [np.asarray(np.clip(x, -limit, limit)) for x in forces]
+            y = rest + rows.seen(acting, late=late)
+            return min(squares_left(x, y, FARTHEST, cut)[0] for x in every)
+
+        largest = float(np.max(np.abs(np.concatenate(forces))))
+        limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
+        for _ in range(7):  # three times as closely each time
+            values = [left(x) for x in limits.tolist()]
+            k = int(np.argmin(values))
+            best, least = float(limits[k]), values[k]
+            ratio = float(limits[1] / limits[0]) ** np.array([-2 / 3, -1 / 3, 0.0, 1 / 3, 2 / 3])
+            limits = best * ratio
+        if min(squares_left(x, rows.response, FARTHEST)[0] for x in every) < SATURATED * least:
+            return False
+        balance.saturate(best)
         return True
 
     # ---- rounds
@@ -1008,16 +1056,24 @@ def _top(x: Array, y: Array) -> tuple[float, float]:
     return bend, -tilt / (2.0 * bend) if bend < 0.0 else float(x[np.argmax(y)])
 
 
-def squares_left(x: Array, y: Array, far: float = 4.0) -> tuple[float, float]:
+def squares_left(
+    x: Array, y: Array, far: float = 4.0, cut: Mask | None = None
+) -> tuple[float, float]:
     """Return what columns (n, p) leave of values (n,), and the coefficient of the last.
 
-    What they leave is a mean square, in which what is `far` off counts as that many medians.
+    What they leave is a mean square, in which what is `far` off counts as that many medians, and
+    rows that are `cut` off (n,) no less than others.
     """
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     x = x / size
     c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
-    e = np.abs(y - x @ c)
-    return float(np.mean(np.minimum(e, far * np.median(e)) ** 2)), float(c[-1] / size[-1])
+    e, last = np.abs(y - x @ c), float(c[-1] / size[-1])
+    usual = e if cut is None else e[~cut]
+    squares = np.minimum(e, far * np.median(usual)) ** 2
+    if cut is None:
+        return float(np.mean(squares)), last
+    least = float(np.mean(squares[~cut]))
+    return least + float(np.mean(cut)) * max(float(np.mean(squares[cut])) - least, 0.0), last
 
 
 def waves_of(

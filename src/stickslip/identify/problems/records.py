@@ -712,7 +712,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
-        found += self._given(draws)
+        found += self._given(draws) + self._saturation()
         inputs = [*self.model.frame.inputs]
         found += [self._input(name, draws) for name in inputs]
         if len(self.model.frame.sides) > 1:
@@ -929,6 +929,21 @@ class RecordProblem(Problem):
                 )
             )  # fmt: skip
         return found
+
+    def _saturation(self) -> list[Finding]:
+        """Return from which force on no more of what was recorded acts, if there is one."""
+        limit = self.model.balance.limit
+        if not math.isfinite(limit):
+            return []
+        at = quantity(limit, "N m" if self.turning else "N", 3)
+        return [
+            Finding(
+                term="clip", title="saturation of the drive", probability=1.0,
+                size=limit / self.size, low=limit / self.size, high=limit / self.size,
+                sentence=f"Of forces that are recorded above {at}, only {at} act: the drive"
+                " saturates.",
+            )
+        ]  # fmt: skip
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
