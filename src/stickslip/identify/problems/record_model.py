@@ -221,11 +221,11 @@ HALVED = 2.0
 linear leave 2.7 to 500 times less, and the moments of turns up to 1.6 times."""
 LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
 """Limits of the force that are looked at, over the largest, and their number."""
-CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.5
+CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.4
 """Share of a row's force above a limit from which it is cut off, and shares of rows that are."""
 SATURATED = 15.0
-"""What is left over that with a limit, from which it is taken: drives that saturate leave 30 to
-16,000 times less, hoses, which bend what is left as a limit does, up to 5.4 times."""
+"""What is left over that with a limit, from which it is taken: drives that saturate leave 19 to
+19,000 times less, hoses, which bend what is left as a limit does, up to 6 times."""
 LINEAR = 0.08
 """Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
@@ -568,7 +568,8 @@ class RecordModel(Model):
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
-        base = [plain["slope"], *(plain[name] for name in names)]
+        drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
+        base = [plain["slope"], rows.seen(drag)[:, None], *(plain[name] for name in names)]
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []
@@ -592,7 +593,8 @@ class RecordModel(Model):
             c = np.linalg.solve(gram, x.T @ rows.response)
             e = rows.response - x @ c
             law = np.arange(x.shape[1]) >= fixed.shape[1]
-            law[len(frame.sides) - 1], law[-1] = True, False  # the slope, and the delay
+            law[len(frame.sides) - 1 : len(frame.sides) + 1] = True  # viscous friction and drag
+            law[-1] = False  # the delay
             inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
             cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
@@ -681,7 +683,7 @@ class RecordModel(Model):
                 return math.inf
             acting = [np.asarray(np.clip(x, -limit, limit)) for x in forces]
             y = rest + rows.seen(acting, late=late)
-            return min(squares_left(x, y, FARTHEST, cut)[0] for x in every)
+            return min(squares_left(x, y, cut=cut)[0] for x in every)
 
         largest = float(np.max(np.abs(np.concatenate(forces))))
         limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
@@ -691,7 +693,7 @@ class RecordModel(Model):
             best, least = float(limits[k]), values[k]
             ratio = float(limits[1] / limits[0]) ** np.array([-2 / 3, -1 / 3, 0.0, 1 / 3, 2 / 3])
             limits = best * ratio
-        if min(squares_left(x, rows.response, FARTHEST)[0] for x in every) < SATURATED * least:
+        if min(squares_left(x, rows.response)[0] for x in every) < SATURATED * least:
             return False
         balance.saturate(best)
         return True
