@@ -20,7 +20,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 import copy
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -223,8 +223,8 @@ LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
 """Limits of the force that are looked at, over the largest, and their number."""
 CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.4
 """Share of a row's force above a limit from which it is cut off, and shares of rows that are."""
-SATURATED = 15.0
-"""What is left over that with a limit, from which it is taken: drives that saturate leave 19 to
+LIKELY, SATURATED = 2.0, 15.0
+"""What is left over that with a limit, from which it is looked at, and taken: drives that saturate leave 19 to
 19,000 times less, hoses, which bend what is left as a limit does, up to 6 times."""
 LINEAR = 0.08
 """Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
@@ -608,7 +608,8 @@ class RecordModel(Model):
             look(memory)
         looked.sort(key=lambda one: one[0])
         likely = [none, *(one[1] for one in looked[:KEPT])]
-        if self._saturated(columns, likely) or self._delayed(columns, likely):
+        every = [np.hstack([columns(x), balance.delayed(MIDDLE, x)[:, None]]) for x in likely]
+        if self._saturated(every) or self._delayed(every):
             return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
         about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
@@ -632,7 +633,7 @@ class RecordModel(Model):
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
 
-    def _delayed(self, columns: Callable[[Memory], Array], memories: Sequence[Memory]) -> bool:
+    def _delayed(self, columns: Sequence[Array]) -> bool:
         """Let forces act at another time if that leaves far less; return whether it does.
 
         A delay is looked for that is not linear any more: each stands with a column for the rest,
@@ -643,14 +644,11 @@ class RecordModel(Model):
             return False
         forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
         rest = rows.response - rows.seen(forces, late=late)
-        every = [
-            np.hstack([columns(one), balance.delayed(MIDDLE, one)[:, None]]) for one in memories
-        ]
         left, delays = list[float](), (DELAYS / balance.pieces[0].cutoff).tolist()
         for k, delay in enumerate(delays):
             at = [x + delay for x in late]
             y = rest + rows.seen(forces, late=at)
-            fits = [squares_left(x, y) for x in every]
+            fits = [squares_left(x, y) for x in columns]
             square, more = min(fits)
             left.append(square)
             delays[k] = delay + more
@@ -661,7 +659,7 @@ class RecordModel(Model):
         balance.delay(found)
         return True
 
-    def _saturated(self, columns: Callable[[Memory], Array], memories: Sequence[Memory]) -> bool:
+    def _saturated(self, columns: Sequence[Array]) -> bool:
         """Let forces above a limit not act if that leaves far less; return whether it does.
 
         Where a drive saturates, what is recorded tells only that the force is at its limit. Forces
@@ -672,9 +670,6 @@ class RecordModel(Model):
             return False
         forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
         rest = rows.response - rows.seen(forces, late=late)
-        every = [
-            np.hstack([columns(one), balance.delayed(MIDDLE, one)[:, None]]) for one in memories
-        ]
 
         def left(limit: float) -> float:
             above = [np.asarray(1.0 * (np.abs(x) > limit)) for x in forces]
@@ -683,17 +678,19 @@ class RecordModel(Model):
                 return math.inf
             acting = [np.asarray(np.clip(x, -limit, limit)) for x in forces]
             y = rest + rows.seen(acting, late=late)
-            return min(squares_left(x, y, cut=cut)[0] for x in every)
+            return min(squares_left(x, y, cut=cut)[0] for x in columns)
 
         largest = float(np.max(np.abs(np.concatenate(forces))))
         limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
+        none = min(squares_left(x, rows.response)[0] for x in columns)
         for _ in range(7):  # three times as closely each time
             values = [left(x) for x in limits.tolist()]
-            k = int(np.argmin(values))
-            best, least = float(limits[k]), values[k]
+            best, least = float(limits[np.argmin(values)]), min(values)
+            if none < LIKELY * least:
+                return False
             ratio = float(limits[1] / limits[0]) ** np.array([-2 / 3, -1 / 3, 0.0, 1 / 3, 2 / 3])
             limits = best * ratio
-        if min(squares_left(x, rows.response)[0] for x in every) < SATURATED * least:
+        if none < SATURATED * least:
             return False
         balance.saturate(best)
         return True
