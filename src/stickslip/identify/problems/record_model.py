@@ -224,8 +224,8 @@ LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
 CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.4
 """Share of a row's force above a limit from which it is cut off, and shares of rows that are."""
 LIKELY, SATURATED = 2.0, 15.0
-"""What is left over that with a limit, from which it is looked at, and taken: drives that saturate leave 19 to
-19,000 times less, hoses, which bend what is left as a limit does, up to 6 times."""
+"""What is left over that with a limit, from which it is looked at, and taken: drives that saturate
+leave 19 to 19,000 times less, hoses, which bend what is left as a limit does, up to 6 times."""
 LINEAR = 0.08
 """Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
