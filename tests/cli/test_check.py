@@ -68,12 +68,6 @@ finally:
     assert done.stdout.splitlines()[-1] == "False"  # they take longer than the check
 
 
-def test_warnings_are_marked_and_no_failure(run, write):
-    code, out, _ = run(write(**good(q=1000 * TIME)), *COLUMNS, *SCALES)
-    assert code == 0
-    assert "! No reversals: the motion goes forward only" in out
-
-
 def test_an_error_is_marked_and_exits_with_two(run, write):
     code, out, err = run(write(**good(q=0 * TIME)), *COLUMNS)
     assert code == 2
@@ -100,13 +94,6 @@ def test_repairs_are_said(run, write):
     assert "data.csv; sorted by time (1 sample out of order); dropped 1 exact duplicate" in out
 
 
-def test_several_files_are_checked_as_trials(run, write):
-    files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
-    _, out, _ = run(*files, *COLUMNS, *SCALES)
-    assert "run1: 2,000 samples" in out
-    assert "run2: 2,000 samples" in out
-
-
 def test_trials_have_one_line_each_and_the_last_line_says_what_to_correct(run, write):
     files = [write(f"run{i}.csv", **good(q=1000 * i * TIME, u=0.01 * i * TIME)) for i in (1, 2)]
     _, out, _ = run(*files, *COLUMNS, *SCALES)
@@ -124,15 +111,6 @@ def test_trials_have_one_line_each_and_the_last_line_says_what_to_correct(run, w
 
 
 @pytest.mark.slow
-def test_each_of_several_files_has_an_overview(run, write, tmp_path):
-    files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
-    assert run(*files, *COLUMNS, *SCALES, "-o", "seen")[0] == 0
-    assert {path.name for path in (tmp_path / "seen").glob("[!.]*")} == {
-        "checks.json", "overview-1.svg", "overview-1.png", "overview-2.svg", "overview-2.png",
-    }  # fmt: skip
-
-
-@pytest.mark.slow
 def test_the_overview_is_written_and_not_overwritten(run, write, tmp_path):
     file = write(**good())
     code, out, _ = run(file, *COLUMNS, *SCALES, "-o", "seen")
@@ -144,13 +122,6 @@ def test_the_overview_is_written_and_not_overwritten(run, write, tmp_path):
     code, _, err = run(file, *COLUMNS, "-o", "seen")
     assert (code, "--force" in err) == (2, True)
     assert run(file, *COLUMNS, "-o", "seen", "--force")[0] == 0
-
-
-def test_readings_are_checked_without_a_picture(run, write, tmp_path):
-    code, out, _ = run(write(travel=[0.1, 0.2]), "-o", "seen")
-    assert code == 0
-    assert "! 2 readings at 1 setting" in out
-    assert [path.name for path in (tmp_path / "seen").glob("[!.]*")] == ["checks.json"]
 
 
 @pytest.mark.parametrize(
@@ -218,25 +189,6 @@ def test_a_rig_file_has_the_mechanism_and_says_what_is_read(run, rig):
     assert "✗ Force is 0.00" in out
 
 
-def test_files_beside_a_rig_are_read_as_it_says(run, rig, tmp_path):
-    file = rig()
-    (tmp_path / "data.csv").rename(tmp_path / "second.csv")
-    (tmp_path / "rig.toml").write_text(RIG.format(gain=10.0, file="").replace('file = ""', ""))
-    code, out, err = run(file)
-    assert (code, out) == (2, "")
-    assert "rig.toml has no measurement" in err
-    assert run(file, "second.csv")[:2] == run("second.csv", file)[:2]
-    assert "Force is" not in run(file, "second.csv")[1]
-    assert "Force is −1 times" in run(file, "second.csv", "--gain", "force=-10")[1]
-
-
-def test_a_file_is_named_as_data_too_as_for_select(run, rig, tmp_path):
-    file = rig()
-    (tmp_path / "data.csv").rename(tmp_path / "second.csv")
-    (tmp_path / "rig.toml").write_text(RIG.format(gain=10.0, file="").replace('file = ""', ""))
-    assert run(file, "--data", "second.csv")[:2] == run(file, "second.csv")[:2]
-
-
 def test_options_of_columns_need_a_file_of_data(run, rig):
     code, _, err = run(rig(), "--gain", "force=2")
     assert (code, "name one beside rig.toml" in err) == (2, True)
@@ -270,20 +222,6 @@ def test_each_kind_of_finding_has_words_in_the_last_line():
                 kinds.add(ast.literal_eval(kind))  # a kind is written where it is found
     assert len(kinds) > 30
     assert kinds == set(LABELS)
-
-
-def test_hundreds_of_trials_take_a_screen(run, write):
-    rows = {"trial": np.repeat(np.arange(300), 41), "t": np.tile(6.0 * np.arange(41), 300)}
-    random = np.random.default_rng(1)
-    rows["v"] = np.abs(np.tile(np.linspace(-5.0, 5.0, 41), 300) + 0.2 * random.normal(size=12300))
-    rows["F"] = 70.0 + rows["v"] + random.normal(size=12300)
-    columns = ("time=t", "velocity=v", "friction=F")
-    code, out, _ = run(write(**rows), *(f"--columns={one}" for one in columns))
-    assert code == 0
-    lines = out.splitlines()
-    assert len(lines) < 40
-    assert max(map(len, lines)) < 400
-    assert "All findings of each trial: --json." in lines
 
 
 def test_memory_that_ends_is_a_sentence(run, write, monkeypatch):

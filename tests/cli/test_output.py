@@ -2,7 +2,6 @@
 
 import io
 import os
-import shlex
 import subprocess
 import sys
 
@@ -10,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from stickslip.cli import console as output
-from stickslip.cli.console import command_line, show_table
+from stickslip.cli.console import show_table
 
 ROW = ["friction.kinetic_coefficient", "mu_k", "3.859 × 10⁻⁶", "N s/m", "−0.00029 to 0.00026"]
 HEADS = ["parameter", "", "value", "unit", "range (95 %)"]
@@ -38,18 +37,6 @@ def test_a_pipe_gets_whole_rows_however_wide_a_terminal_would_be(monkeypatch):
     lines = shown(monkeypatch, terminal=False, width=80).rstrip().splitlines()
     assert len(lines) == 2
     assert lines[1].split("  ")[0] == ROW[0]
-
-
-def test_on_a_narrow_terminal_paths_are_folded(monkeypatch):
-    text = shown(monkeypatch, terminal=True, width=70)
-    assert ROW[0] not in text
-    assert max(map(len, text.splitlines())) <= 70
-
-
-def test_the_command_can_be_pasted_into_a_shell(monkeypatch):
-    arguments = ["select", "my rig.toml", "-o", "emps a", "--set", "title=it's"]
-    monkeypatch.setattr(sys, "argv", ["/somewhere/stickslip", *arguments])
-    assert shlex.split(command_line()) == ["stickslip", *arguments]
 
 
 @pytest.mark.parametrize("setting", ["PYTHONIOENCODING=ascii", "PYTHONIOENCODING=latin-1"])

@@ -45,14 +45,6 @@ def called(tmp_path, monkeypatch, capsys):
     return commands(capsys, one_line=True)
 
 
-def test_a_change_of_sign_has_a_unit(called):
-    frequencies = ("--vary", "frequency=4:5:3", "--settle", "40", "--cycles", "6")
-    code, out, _ = called("sweep", "capsule.toml", *frequencies)
-    assert code == 0
-    (line,) = [text for text in out.splitlines() if "changes sign at about" in text]
-    assert line.endswith(" Hz.")
-
-
 def test_a_parameter_with_a_default_is_set_by_its_last_name(called):
     """It was refused, with its own name as what may be meant."""
     outs = [
@@ -89,12 +81,3 @@ def test_every_branch_says_how_it_ends_also_at_the_range(called):
     assert code == 0
     (branch,) = json.loads(out)["branches"]
     assert branch["ends"] == ["It reaches 1.9 Hz.", "It reaches 2.4 Hz."]
-
-
-def test_what_never_moves_did_not_come_to_rest(called):
-    code, out, _ = called("simulate", "still.toml")
-    assert code == 0
-    assert "It stayed at rest" in out
-    code, out, _ = called("simulate", "still.toml", "--set", "friction.kinetic_coefficient=0.001")
-    assert code == 0
-    assert "stayed" not in out

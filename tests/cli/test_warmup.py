@@ -12,8 +12,6 @@ from tests.commands import commands
 import stickslip.cli.warmup as command
 from stickslip.engine.solver import WarmUp
 from stickslip.errors import CompilationError
-from stickslip.friction import listed
-from stickslip.mechanisms import mechanisms
 
 RIG = """
 [mechanism]
@@ -77,26 +75,6 @@ def test_the_result_is_one_line(run, asked):
     assert out == (
         "Kernels: compiled. Equations: 3 compiled, 4 in the cache. Time: 31.2 s. Cache: /cache\n"
     )
-
-
-def test_by_default_it_takes_every_mechanism_and_every_law_that_is_tried_unasked(run, asked):
-    run("warmup")
-    seen = {(rig.name, law.name) for rig, law in asked["pairs"]}
-    parts = {"robot", "serial-arm", "two-mass-capsule"}
-    plain = set(mechanisms()) - parts
-    usual = [name for name, one in listed().items() if not one.on_request]
-    assert seen == {(rig, law) for rig in plain for law in usual}
-    driven = {rig.name for rig, _ in asked["pairs"] if rig.drives()}
-    assert driven == plain - {"towed-block", "block-chain"}
-    moved = {type(rig.drive).__name__ for rig, _ in asked["pairs"] if rig.name == "capsule"}
-    assert moved == {"Torque", "Prescribed"}
-
-
-def test_a_rig_without_values_brings_the_laws_that_select_would_try(run, asked, tmp_path):
-    (tmp_path / "rig.toml").write_text(RIG.partition("[friction]")[0])
-    run("warmup", "--rig", "rig.toml")
-    six = {"coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"}
-    assert {law.name for _, law in asked["pairs"]} == six
 
 
 @pytest.mark.parametrize(
