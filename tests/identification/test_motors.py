@@ -179,24 +179,6 @@ def test_a_recorded_current_tells_the_torque_constant_whatever_the_resistance(ge
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_current_and_voltage_together_tell_motor_and_mass(plain, seed):
-    noise = 0.01 * np.random.default_rng(seed).standard_normal(plain.time.size)
-    record = replace(plain, current=plain.current + noise)
-    guess = replace(GUESS, mass=0.6, drive=replace(GUESS.drive, resistance=4.0))
-    mass = "mechanism.mass"
-    found = fit(guess, BamM1, record, vary=["friction.*", R, K, mass], settings=SETTINGS)
-    assert found.route == "balance"
-    true = {R: 3.2, K: 0.35, mass: 0.49, "friction.viscous_coefficient": 0.02}
-    known = by(found)
-    for path, value in true.items():
-        estimate = known[path]
-        assert estimate.bounded
-        assert estimate.low <= value <= estimate.high
-        assert estimate.high - estimate.low < 0.1 * value
-
-
-@pytest.mark.slow
 def test_rows_of_a_winding_stand_beside_those_of_friction_in_time(plain):
     found = fit(GUESS, BamM1, plain, vary=["friction.*", R, K], settings=SETTINGS)
     # without noise of the current, its own rows leave rounding and the noise of positions alone
@@ -218,22 +200,6 @@ def test_without_the_voltage_a_current_does_not_tell_the_resistance(plain):
     )
     assert not found[R].bounded or found[R].high - found[R].low > 1e6  # ohm
     assert found[K].bounded
-
-
-@pytest.mark.slow
-def test_a_record_of_the_goal_alone_is_fitted_through_the_loop(gear):
-    record = replace(gear, current=None, voltage=None)
-    found = fit(
-        replace(GUESS, drive=replace(GUESS.drive, resistance=3.2)),
-        BamM3,
-        record,
-        vary=["friction.*", K],
-        route="shooting",
-        settings=SETTINGS,
-    )
-    assert found.rms < 2.5e-4
-    assert by(found)[K].value == pytest.approx(0.35, rel=0.01)
-    assert found.law.transmitted_coefficient == pytest.approx(0.2, rel=0.02)
 
 
 def test_what_drives_a_record_must_fit_the_mechanism(gear):

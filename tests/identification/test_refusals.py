@@ -19,7 +19,7 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.mechanisms import TwoMassAxis
 from stickslip.mechanisms.drives import Sampled
@@ -47,13 +47,6 @@ def found(parts):
 @pytest.fixture(scope="module")
 def simulated(parts):
     return fit(AXIS, "coulomb-viscous", Measurement(**parts), route="shooting", settings=QUICK)
-
-
-def test_a_law_may_be_given_by_its_name(found):
-    # the filter of the balance takes part of each reversal: half a percent, as its interval says
-    assert found.law.kinetic_coefficient == pytest.approx(10.0, rel=5e-3)
-    with pytest.raises(UnknownNameError, match="coulomb-viscous"):
-        fit(AXIS, "coulomb-viscos", found.measurement)
 
 
 # --- what select refuses, fit refuses
@@ -225,18 +218,6 @@ def test_a_second_record_must_have_what_the_first_has(parts, found, simulated):
     speed = np.gradient(parts["position"], TIME)
     with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
         simulated.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
-
-
-def test_a_fit_to_velocities_is_scored_in_velocities(parts):
-    speed = np.gradient(parts["position"], TIME)
-    own = fit(
-        AXIS,
-        CoulombViscous,
-        Measurement(time=TIME, velocity=speed, force=parts["force"]),
-        route="shooting",
-        settings=QUICK,
-    )
-    assert own.score(Measurement(**parts, velocity=speed)).unit == "m/s"
 
 
 # --- loads
