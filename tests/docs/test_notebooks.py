@@ -42,14 +42,6 @@ def test_a_notebook_has_the_cells_of_its_page_and_plain_markdown(
     assert not re.search(r"\{[a-z:-]+\}", re.sub(r"```.*?```|\$.*?\$", "", prose, flags=re.DOTALL))
 
 
-def test_a_role_becomes_what_a_reader_would_see(notebooks: ModuleType) -> None:
-    text = (
-        "See {doc}`/howto/plan`, {doc}`this <emps-axis>`, {py:obj}`~stickslip.Axis`, {math}`x`.\n"
-    )
-    made = notebooks.notebook(text, "tutorials/one", DOCS, title)
-    assert made.cells[0]["source"] == ("See *Plan travels for your own block*, this, `Axis`, $x$.")
-
-
 def test_a_role_without_a_counterpart_is_refused(notebooks: ModuleType) -> None:
     with pytest.raises(ValueError, match="role 'term' has no counterpart"):
         notebooks.notebook("{term}`rest`\n", "tutorials/one", DOCS, title)
