@@ -60,14 +60,6 @@ def test_a_widened_loop_takes_work_and_stays_below_break_away():
     assert np.abs(loop.friction).max() < MU * LOAD
 
 
-def test_the_path_swings_ever_wider_to_both_sides():
-    loop = presliding_loop(DAHL, 0.003, LOAD, swings=3)
-    corners = loop.displacement[LOOP_POINTS::LOOP_POINTS]
-    np.testing.assert_allclose(
-        corners, [0.001, -0.001, 0.002, -0.002, 0.003, -0.003, 0.003], atol=1e-15
-    )
-
-
 @pytest.mark.parametrize(("amplitude", "swings"), [(0.0, 3), (-1.0, 3), (0.001, 0)])
 def test_a_loop_without_amplitude_or_swings_is_refused(amplitude, swings):
     with pytest.raises(InputError, match="presliding loop"):
