@@ -287,10 +287,7 @@ class Watch:
 
 BLOCK = {"mass": 1.0, "stiffness": 100.0, "drive": Pulse(level=10.0, duration=0.1)}
 RUNS = {
-    "linear": (
-        SpringBlock(**BLOCK),
-        Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
-    ),
+    "linear": (SpringBlock(**BLOCK), Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)),
     "stops": (
         SpringBlock(**BLOCK, upper_stop=0.03, restitution=0.5),
         Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
@@ -326,8 +323,7 @@ RUNS = {
 
 
 @pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, marks=[pytest.mark.slow] * ("contacts" in kind)) for kind in RUNS],
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * ("contacts" in kind)) for kind in RUNS]
 )
 def test_kernels_touch_no_slot_but_those_that_they_list(
     kind: str, monkeypatch: pytest.MonkeyPatch

@@ -330,10 +330,7 @@ def reported(
     if (ROOT / ".mypy_cache").is_dir():
         shutil.copytree(ROOT / ".mypy_cache", cache, dirs_exist_ok=True)
     done = subprocess.run(
-        [
-            *(sys.executable, "-m", "mypy", f"--cache-dir={cache}", "--no-error-summary"),
-            ".",
-        ],
+        [*(sys.executable, "-m", "mypy", f"--cache-dir={cache}", "--no-error-summary"), "."],
         cwd=folder,
         env={**os.environ, "MYPYPATH": str(ROOT / "src")},
         capture_output=True,

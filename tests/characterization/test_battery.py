@@ -3,24 +3,12 @@
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    Dahl,
-    DirectionDependent,
-    LuGre,
-    characterize,
-)
+from stickslip import Axis, Coulomb, Dahl, DirectionDependent, LuGre, characterize
 from stickslip.cli.studies import _show
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
 from stickslip.study.characterization import TESTS, Bench, battery, cycle_energy
-from stickslip.study.characterization.battery import (
-    break_away,
-    drift,
-    presliding,
-    steady_curve,
-)
+from stickslip.study.characterization.battery import break_away, drift, presliding, steady_curve
 
 LEVELS = {"kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-3}
 BRISTLE = {"bristle_stiffness": 1e5, "bristle_damping": 1e5**0.5}

@@ -11,15 +11,7 @@ import pytest
 from tests.commands import commands
 from tests.support import exported
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    Dahl,
-    LuGre,
-    SpringBlock,
-    load_rig,
-    simulate,
-)
+from stickslip import Axis, Coulomb, Dahl, LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli import main
 from stickslip.data import LawEstimates
 from stickslip.data.rigs.rig_writer import rig_toml

@@ -5,15 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import (
-    Capsule,
-    Coulomb,
-    DirectionDependent,
-    LuGre,
-    PendulumCart,
-    Stribeck,
-    simulate,
-)
+from stickslip import Capsule, Coulomb, DirectionDependent, LuGre, PendulumCart, Stribeck, simulate
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import bound
 from stickslip.friction import law as law_of

@@ -14,11 +14,7 @@ def test_names_are_left_to_the_page_that_lists_them() -> None:
         "sphinx.addnodes", reason="documentation is built with the extra dev"
     )
     tree = addnodes.toctree()
-    pages = (
-        "howto/plan",
-        "explanation/why/index",
-        "reference/generated/stickslip.fit",
-    )
+    pages = ("howto/plan", "explanation/why/index", "reference/generated/stickslip.fit")
     tree["entries"] = [(None, page) for page in pages]
     module_at(EXTENSION).shorten(None, SimpleNamespace(tocs={"index": tree}))
     assert [page for _, page in tree["entries"]] == ["howto/plan", "explanation/why/index"]

@@ -6,15 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    Measurement,
-    SpringBlock,
-    check,
-    fit,
-    load_measurement,
-)
+from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, check, fit, load_measurement
 from stickslip.data import Checks, Finding, guess_data, inertia_of, read_data, refuse_faults
 from stickslip.data.checking.coverage import independent
 from stickslip.errors import InputError

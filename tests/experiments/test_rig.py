@@ -823,10 +823,7 @@ CART = CART.replace("mechanism.drive", "mechanism.pendulum")
 
 @pytest.mark.parametrize(
     ("text", "motor", "amplitude", "limit", "size"),
-    [
-        (CAPSULE, "drive", "10 mm", "30 N", 0.01),
-        (CART, "pendulum", "45 deg", "2 N m", math.pi / 4),
-    ],
+    [(CAPSULE, "drive", "10 mm", "30 N", 0.01), (CART, "pendulum", "45 deg", "2 N m", math.pi / 4)],
     ids=["capsule", "cart"],
 )
 def test_what_a_motor_moves_is_straight_or_turns(tmp_path, text, motor, amplitude, limit, size):

@@ -8,16 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    QuadraticDrag,
-    Rig,
-    Stribeck,
-    export,
-    load_rig,
-    simulate,
-)
+from stickslip import Axis, CoulombViscous, QuadraticDrag, Rig, Stribeck, export, load_rig, simulate
 from stickslip.data import KnownLaws
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import apply

@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 from tests.exports.laws import LAWS_EXPORTED
 
-from stickslip import (
-    Axis,
-    Measurement,
-    Stribeck,
-    export,
-    fit,
-    load_measurement,
-)
+from stickslip import Axis, Measurement, Stribeck, export, fit, load_measurement
 
 LAW = Stribeck(
     kinetic_coefficient=20.0, static_coefficient=28.0, stribeck_velocity=0.03,

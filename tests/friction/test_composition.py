@@ -391,10 +391,7 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
             r"behind the memory dahl: .*dahl.level \* linear.gravity..",
         ),
         ("level * linear[gravity] * linear[gravity]", "level_gravity_slope twice"),
-        (
-            "level * linear[gravity, kinetic]",
-            "parameter in linear.*Known: kinetic_coefficient",
-        ),
+        ("level * linear[gravity, kinetic]", "parameter in linear.*Known: kinetic_coefficient"),
         ("level + stribeck * linear[gravity, fading_exponent]", "on an exponent"),
         (
             "tanh(level) + weight[gravity]",

@@ -11,15 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from tests.pair_cases import PUSH, Pair, axis
 
-from stickslip import (
-    Axis,
-    Dahl,
-    FixedStep,
-    Measurement,
-    RecordSettings,
-    fit,
-    simulate,
-)
+from stickslip import Axis, Dahl, FixedStep, Measurement, RecordSettings, fit, simulate
 from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.identify.fits.estimation.bristle_integration import Path, follow

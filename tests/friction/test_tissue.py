@@ -11,16 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    Dahl,
-    EventDriven,
-    FixedStep,
-    ensemble,
-    simulate,
-)
+from stickslip import Axis, Capsule, Coulomb, Dahl, EventDriven, FixedStep, ensemble, simulate
 from stickslip.friction import SOURCES, TISSUES, bound, law
 from stickslip.mechanisms import SoftStop, Torque, given_inputs
 from stickslip.mechanisms.drives import Sine

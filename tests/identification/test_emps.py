@@ -5,14 +5,7 @@ import functools
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    DirectionDependent,
-    Stribeck,
-    fit,
-    load_measurement,
-)
+from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, fit, load_measurement
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.identify.fits.settings import RecordSettings

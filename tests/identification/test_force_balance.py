@@ -50,14 +50,7 @@ def record_of(*, load=1.0, mass=J, noise=0.0):
 
 
 def derived(mechanism, law, record, *, unknown=("inertia",), settings=JOINED, free=("friction.*",)):
-    return fit(
-        mechanism,
-        law,
-        record,
-        vary=[*free, *unknown],
-        route="balance",
-        settings=settings,
-    )
+    return fit(mechanism, law, record, vary=[*free, *unknown], route="balance", settings=settings)
 
 
 def pushed(seed, *, rate=1000):

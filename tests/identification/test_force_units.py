@@ -5,15 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Dahl,
-    DirectionDependent,
-    Measurement,
-    Pendulum,
-    TwoMassAxis,
-    fit,
-)
+from stickslip import Axis, Dahl, DirectionDependent, Measurement, Pendulum, TwoMassAxis, fit
 from stickslip.identify.fits import FreeParameters
 from stickslip.identify.fits.estimation.parameters import FreeParameter, told
 from stickslip.quantities import fields_of

@@ -8,11 +8,7 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, Stribeck, fit
-from stickslip.identify.fits.estimation.jackknife import (
-    block_sums,
-    effective_size,
-    infer,
-)
+from stickslip.identify.fits.estimation.jackknife import block_sums, effective_size, infer
 from stickslip.identify.fits.estimation.problem import ResidualJacobian
 
 
@@ -148,10 +144,7 @@ def table_of(residual, velocity):
     slopes = np.exp(-velocity / 0.1)[:, None]
     residual = residual - slopes[:, 0] * float(slopes[:, 0] @ residual / np.sum(slopes**2))
     return ResidualJacobian(
-        values=np.zeros(1),
-        residual=residual,
-        slopes=slopes,
-        segment=np.arange(len(velocity)) % 8,
+        values=np.zeros(1), residual=residual, slopes=slopes, segment=np.arange(len(velocity)) % 8
     )
 
 

@@ -7,15 +7,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Measurement,
-    SpringBlock,
-    TowedBlock,
-    fit,
-    select,
-    simulate,
-)
+from stickslip import Axis, Measurement, SpringBlock, TowedBlock, fit, select, simulate
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.friction import SetValuedLaw
 from stickslip.identify.fits import starting_law

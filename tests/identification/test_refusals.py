@@ -127,11 +127,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
     axis = Axis(inertia=1.0)
     assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
     found = fit(
-        axis,
-        CoulombViscous,
-        record,
-        vary=["friction.*", "mechanism.inertia"],
-        route="balance",
+        axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"], route="balance"
     )
     # without accelerations, a dead zone of the drive is not told from the level
     level = found.estimate("kinetic_coefficient")
@@ -159,13 +155,7 @@ def test_a_reversed_force_is_refused_beside_a_weight_and_late_positions(weight, 
     record = Measurement(time=time, position=position(time - late), force=-force)
     unknown = ["friction.*", "mechanism.inertia"]
     with pytest.raises(InputError, match=r"sign of the force|against the motion"):
-        fit(
-            Axis(inertia=inertia),
-            CoulombViscous,
-            record,
-            vary=unknown,
-            route="balance",
-        )
+        fit(Axis(inertia=inertia), CoulombViscous, record, vary=unknown, route="balance")
 
 
 # --- settings without effect

@@ -8,11 +8,7 @@ import pytest
 from stickslip import Axis, Measurement, RecordSettings, TowedBlock, fit
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identify.fits.shooting.segments import (
-    segments_of,
-    with_drive,
-    with_usual_segment,
-)
+from stickslip.identify.fits.shooting.segments import segments_of, with_drive, with_usual_segment
 from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=2.0)
@@ -53,10 +49,7 @@ def lines(drive, k):
     """Return the same of a straight piece."""
     length = drive.times[k + 1] - drive.times[k]
     value, slope = drive.values[k], drive.slopes[k]
-    return (
-        value * length + slope * length**2 / 2,
-        value * length**2 / 2 + slope * length**3 / 3,
-    )
+    return (value * length + slope * length**2 / 2, value * length**2 / 2 + slope * length**3 / 3)
 
 
 def test_a_jump_of_the_drive_has_its_impulse_and_its_moment():

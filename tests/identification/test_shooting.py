@@ -13,13 +13,7 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import improve
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.identify.fits.records.problems import RouteChoice, simulated
 from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.initial_states import (
-    AGREE,
-    Known,
-    LocalState,
-    Ways,
-    followed,
-)
+from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Ways, followed
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 

@@ -6,10 +6,7 @@ import math
 import numpy as np
 import pytest
 from benchmarks import rigs
-from benchmarks.synthetic_truth import (
-    coverage,
-    fitted,
-)
+from benchmarks.synthetic_truth import coverage, fitted
 
 FAST_TRUTHS = ("coulomb-viscous", "direction-dependent")
 """Two fits of which compile in seconds."""

@@ -261,10 +261,7 @@ LINEAR_LAWS = [
 ]
 each_linear_law = pytest.mark.parametrize("law", LINEAR_LAWS, ids=lambda law: law.name)
 STRIBECK = Stribeck(
-    kinetic_coefficient=0.2,
-    static_coefficient=0.3,
-    stribeck_velocity=0.01,
-    viscous_coefficient=0.5,
+    kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01, viscous_coefficient=0.5
 )
 
 

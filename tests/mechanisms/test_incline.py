@@ -9,13 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.support import examples
 
-from stickslip import (
-    Capsule,
-    Coulomb,
-    PendulumCart,
-    SpringBlock,
-    simulate,
-)
+from stickslip import Capsule, Coulomb, PendulumCart, SpringBlock, simulate
 from stickslip.engine import Status
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, static_normal_force
@@ -127,7 +121,6 @@ def test_a_cart_that_is_parked_on_an_incline_tips_downhill_over_its_wheels():
 @pytest.mark.parametrize("bad", [1.58, -1.58, math.pi / 2, math.nan, 30.0])
 def test_ground_steeper_than_a_wall_is_refused(bad):
     with pytest.raises(
-        ParameterError,
-        match=r"SpringBlock.incline \(beta\) must be (finite and )?at least -1.57",
+        ParameterError, match=r"SpringBlock.incline \(beta\) must be (finite and )?at least -1.57"
     ):
         SpringBlock(mass=1.0, incline=bad)

@@ -327,10 +327,7 @@ def test_travel_grows_as_the_square_of_the_compression_under_coulomb_friction_on
         block = SpringBlock(mass=1.0, stiffness=100.0, compression=compression)
         return float(simulate(block, law, t_end=30.0)["x"][-1])
 
-    laws = {
-        4.0: Coulomb(kinetic_coefficient=0.25),
-        2.0: Viscous(viscous_coefficient=4.0),
-    }
+    laws = {4.0: Coulomb(kinetic_coefficient=0.25), 2.0: Viscous(viscous_coefficient=4.0)}
     for ratio, law in laws.items():
         # both to the accuracy of a run that has decayed by e^-100
         assert travel(law, 0.1) / travel(law, 0.05) == pytest.approx(ratio, rel=1e-8)
@@ -545,11 +542,7 @@ def test_what_is_inferred_is_said_to_be(page):
     assert "too simple" not in text
 
 
-QUOTED = (
-    "Coulomb plus viscous plus static",
-    "for instance",
-    "the same displacement",
-)
+QUOTED = ("Coulomb plus viscous plus static", "for instance", "the same displacement")
 """What the page quotes, as the paper prints it."""
 
 

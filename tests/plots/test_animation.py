@@ -30,14 +30,7 @@ from stickslip.mechanisms import MECHANISMS, InnerMass, Prescribed, Torque
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.show.plots import animation_html, draw_scene, standalone_svg
 from stickslip.show.plots.animations import MODE_COLOURS, Stage, moments_of
-from stickslip.show.plots.scenes import (
-    PICTURES,
-    Arrow,
-    Scales,
-    bars,
-    extent_of,
-    scene_of,
-)
+from stickslip.show.plots.scenes import PICTURES, Arrow, Scales, bars, extent_of, scene_of
 from stickslip.show.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)

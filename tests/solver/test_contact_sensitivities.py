@@ -187,10 +187,7 @@ class Stepped(SetValuedLaw):
 
 
 def test_the_moment_at_which_the_switch_of_a_law_turns():
-    law = {
-        "shoulder": Stepped(level=0.15, border=0.4),
-        "elbow": Stepped(level=0.1, border=0.6),
-    }
+    law = {"shoulder": Stepped(level=0.15, border=0.4), "elbow": Stepped(level=0.1, border=0.6)}
     paths = ("friction.shoulder.border", "friction.elbow.level", "mechanism.gravity")
     assert_slopes(Arm(), law, 0.8, BENT, paths)
 

@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 from tests.support import UNAIDED, example_of
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    Dahl,
-    FixedStep,
-    PendulumCart,
-    SpringBlock,
-    Stribeck,
-    simulate,
-)
+from stickslip import Axis, Coulomb, Dahl, FixedStep, PendulumCart, SpringBlock, Stribeck, simulate
 from stickslip.engine import Status
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.friction import PRINTED_FORMS

@@ -98,10 +98,7 @@ def test_a_body_pressed_against_its_stop_leaves_when_friction_lets_it():
 
 @pytest.mark.parametrize(
     ("law", "settings"),
-    [
-        (LAW, {"soft": SoftConstraint(impedance=0.9, damping=50.0)}),
-        (LAW, {"viscous": 0.1}),
-    ],
+    [(LAW, {"soft": SoftConstraint(impedance=0.9, damping=50.0)}), (LAW, {"viscous": 0.1})],
 )
 def test_rules_of_one_sliding_body_are_refused(law, settings):
     with pytest.raises(InputError, match="no hard stops"):

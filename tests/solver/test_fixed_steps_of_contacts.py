@@ -5,13 +5,7 @@ import pytest
 from tests.contact_cases import coulomb
 from tests.pair_cases import LAW, LAWS, OTHER, PUSH, Pair, axis
 
-from stickslip import (
-    EventDriven,
-    FixedStep,
-    TwoFeet,
-    TwoLinkArm,
-    simulate,
-)
+from stickslip import EventDriven, FixedStep, TwoFeet, TwoLinkArm, simulate
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms.drives import Pulse

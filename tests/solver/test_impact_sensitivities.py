@@ -8,16 +8,7 @@ import numpy as np
 import pytest
 from tests.contact_cases import Plain
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    EventDriven,
-    LuGre,
-    SpringBlock,
-    Stribeck,
-    simulate,
-)
+from stickslip import Axis, Capsule, Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop, Torque
 from stickslip.mechanisms.drives import Ramp, Sine

@@ -65,11 +65,7 @@ def test_angles_of_shafts_are_those_of_relative_angles():
 
 def test_ensembles_give_and_keep_the_same_coordinates():
     absolute, _, laws, _ = shafts()
-    outputs = {
-        "end": Final("phi3"),
-        "top": Max("w2"),
-        "some": Samples("phi2", (0.3, 0.8)),
-    }
+    outputs = {"end": Final("phi3"), "top": Max("w2"), "some": Samples("phi2", (0.3, 0.8))}
     runs = ensemble(
         absolute, laws, {"initial.w1": np.array([10.0, 12.0])}, t_end=1.0, outputs=outputs,
         solver=PLAIN,

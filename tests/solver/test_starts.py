@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 from typing_extensions import Doc
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    EventDriven,
-    SpringBlock,
-    Stribeck,
-    TwoMassAxis,
-    simulate,
-)
+from stickslip import Axis, Coulomb, EventDriven, SpringBlock, Stribeck, TwoMassAxis, simulate
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import BristleLaw
 from stickslip.maths import sign, sin, where
