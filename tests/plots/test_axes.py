@@ -1,7 +1,6 @@
 """Plots on axes: those of the user, or new ones; settings of matplotlib stay as they are."""
 
 import inspect
-import sys
 import threading
 from dataclasses import dataclass, replace
 
@@ -383,13 +382,6 @@ def test_grids_and_ensembles_are_datasets_with_units(results):
     row = frame.iloc[-1]
     assert (row["x"], row["v"]) == (1.0, 1.0)
     assert row["attractor"] == found.index[-1, -1]
-
-
-@pytest.mark.parametrize("kind", ["run", "ensemble", "map", "basins"])
-def test_a_dataset_without_xarray_says_what_to_install(kind, results, monkeypatch):
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(InputError, match=r"pip install 'stickslip\[xarray\]', or use to_dataframe"):
-        results[kind].to_xarray()
 
 
 def test_threads_that_show_results_do_not_mix_their_settings(results):

@@ -18,7 +18,6 @@ from stickslip import (
     FixedStep,
     PendulumCart,
     SpringBlock,
-    Stribeck,
     TowedBlock,
     ensemble,
     simulate,
@@ -261,31 +260,6 @@ def test_two_coordinates_have_sensitivities_as_well():
 
 
 # Tiers, and what is refused.
-
-
-LAYER = Stribeck(kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_velocity=0.01)
-
-
-@pytest.mark.parametrize(
-    ("rig", "law"),
-    [
-        pytest.param(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), KINETIC, id="decay"),
-        pytest.param(
-            SpringBlock(mass=1.0, stiffness=100.0, compression=0.2, attached=True), LAYER,
-            id="layer",
-        ),
-        pytest.param(
-            Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=2.0), LAYER,
-            id="driven layer", marks=pytest.mark.slow,  # no other test compiles its equations
-        ),
-    ],
-)  # fmt: skip
-def test_both_tiers_give_the_same_bits(rig, law):
-    case = Case(rig, law, 2.0, (0.0, 0.0))
-    t = np.linspace(0.0, 2.0, 9)
-    plain, fast = (case.sensitivities(t, EventDriven(tier=tier)) for tier in ("python", "compiled"))
-    assert np.isfinite(plain).all()
-    np.testing.assert_array_equal(fast, plain)
 
 
 def test_unknown_states_and_parameters_are_refused_with_the_nearest_names():
