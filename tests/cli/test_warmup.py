@@ -118,14 +118,6 @@ def test_bad_input_gives_one_message(run, arguments, fragment):
     assert fragment in err
 
 
-def test_a_cache_that_cannot_be_written_to_is_refused(run, monkeypatch, tmp_path):
-    (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
-    code, out, err = run("warmup", "--laws", "coulomb")
-    assert (code, out) == (2, "")
-    assert "would be lost" in err
-
-
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [(CompilationError("too large"), 3, "too large"), (KeyboardInterrupt(), 130, "Canc")],

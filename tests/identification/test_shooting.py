@@ -45,13 +45,6 @@ def test_threads_change_no_digit(record, law, monkeypatch):
     assert np.array_equal(*found)
 
 
-@pytest.mark.parametrize("count", ["0", "two"])
-def test_a_number_of_threads_that_is_none_is_refused(record, count, monkeypatch):
-    monkeypatch.setenv("STICKSLIP_THREADS", count)
-    with pytest.raises(InputError, match=f"STICKSLIP_THREADS must be .* got '{count}'"):
-        fit(RIG, CoulombViscous, record, vary=["friction.*", "inertia"])
-
-
 def problem_of(record, law=CoulombViscous):
     settings = RecordSettings(hold="zero", resolution=200)
     wanted = Parameters.of(RIG, law, ["friction.*", "inertia"])
