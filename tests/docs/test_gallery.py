@@ -36,11 +36,6 @@ def test_the_page_of_a_law_says_what_it_does_and_links_to_its_figures(gallery):
     assert all(text.startswith("<svg") for name, text in files.items() if name.endswith("svg"))
 
 
-def test_a_page_says_that_a_formula_was_not_compared_with_its_source(gallery):
-    page = gallery.written("hess-soom")["hess-soom.md"]
-    assert "**Note:** formula not compared with its source." in page
-
-
 def test_the_guide_names_tests_and_laws_that_exist(gallery):
     assert {test for *_, test in gallery.SYMPTOMS} <= set(TESTS)
     for _, _, names, _ in gallery.SYMPTOMS:
