@@ -50,33 +50,6 @@ def modelica_clutches():
     return train, coulomb(0.5, 0.55), {"omega": 10.0, "psi1_dot": -10.0}
 
 
-def test_coupled_clutches_lock_and_slip_as_in_closed_form():
-    train, law, start = modelica_clutches()
-    run = run_of(train, law, 1.5, start, tolerance=1e-12)
-    expected = [
-        (0.4, "clutch-2", "closes"),
-        (0.70962147469374666, "clutch-2", "stop"),
-        (0.79166235915481601, "clutch-1", "stop"),
-        (0.83110850613765324, "clutch-1", "break-away"),
-        (0.9, "clutch-3", "closes"),
-        (0.90685019279787972, "clutch-1", "stop"),
-        (1.0002958598946387, "clutch-1", "break-away"),
-        (1.1439674924731660, "clutch-3", "stop"),
-        (1.25, "clutch-1", "opens"),
-    ]
-    assert [(e.contact, e.reason) for e in run.events] == [(c, why) for _, c, why in expected]
-    np.testing.assert_allclose([e.t for e in run.events], [t for t, _, _ in expected], atol=1e-11)
-    speeds = np.cumsum([run[name][-1] for name in train.rates])
-    angles = np.cumsum([run[name][-1] for name in train.coordinates])
-    locked = 2.463187166649595445
-    np.testing.assert_allclose(speeds, [3.2470582724187950, locked, locked, locked], rtol=1e-10)
-    np.testing.assert_allclose(
-        angles,
-        [7.4861190991143100, 4.1071374163294776, 2.7104644362313807, 1.1737438776005176],
-        rtol=1e-10,
-    )
-
-
 def test_a_clutch_train_moves_as_the_same_train_that_is_written_by_hand():
     train, law, start = modelica_clutches()
     by_hand, laws, other = clutches()

@@ -22,7 +22,7 @@ from stickslip import (
 )
 from stickslip.mechanisms.drives import Pulse, Sine
 from stickslip.show.plots import inline_svg
-from stickslip.show.plots.axes import Curve, dense, grouped, label_curves, looks
+from stickslip.show.plots.axes import dense
 from stickslip.show.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
@@ -46,7 +46,6 @@ from stickslip.show.plots.studies import (
     draw_fixed_steps,
     fixed_step_sizes,
 )
-from stickslip.show.plots.theme import C1
 from stickslip.study.control import PID, closed_loop
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -183,50 +182,6 @@ def test_friction_jumps_upright_at_an_event(runs):
     assert seen["friction"][at - 1] == pytest.approx(0.25 * 9.81)
     assert seen["friction"][at] == 0.0
     assert seen.t[at] - seen.t[at - 1] < 1e-15
-
-
-def test_the_chosen_series_is_blue_and_broad_and_no_two_of_25_look_alike():
-    names = [f"law {i}" for i in range(25)]
-    found = looks(names, "law 7")
-    assert found["law 7"].colour == C1
-    # the others are thin and lie upon it, so that both are seen where they coincide
-    assert found["law 7"].order < min(look.order for n, look in found.items() if n != "law 7")
-    rivals = {look[:2] for name, look in found.items() if name != "law 7"}
-    assert len(rivals) == 20  # five colours in four dashes; beyond, labels alone
-
-
-def test_series_are_grouped_only_if_they_never_part():
-    bent = np.array([0.0, 1.0, 0.0])
-    assert grouped({"a": np.zeros(3), "b": bent, "c": np.zeros(3)}, 0.1) == [
-        (0.0, ("a", "c")),
-        (0.0, ("b",)),
-    ]
-
-
-def test_a_curve_of_which_nothing_is_drawn_costs_nothing():
-    named = []
-
-    def draw(figure, narrow):
-        axes = figure.add_subplot()
-        x, nothing = np.linspace(0, 1, 50), np.zeros(0)
-        axes.plot(x, x)
-        curves = [Curve(nothing, nothing, "left", C1), Curve(x, x, "here", C1)]
-        label_curves(axes, [*curves, Curve(x, np.nan * x, "lost", C1)])
-        named.append([text.get_text() for text in axes.texts])
-
-    inline_svg(draw, alt="Curves", prefix="c")
-    assert named == [["here"], ["here"]]
-
-
-def test_a_fixed_step_run_that_ends_before_the_exact_stop_is_drawn_empty(runs):
-    fixed = simulate(RIG, COULOMB, t_end=0.1, solver=FixedStep(dt=0.001))
-    svg = inline_svg(
-        draw_fixed_steps(runs["Coulomb"], {"1 ms": fixed}),
-        alt="Steps",
-        prefix="e",
-        **fixed_step_sizes(1),
-    )
-    assert "exact" in texts_of(svg, "fw")
 
 
 def test_a_closed_loop_shows_its_reference_and_what_breaks_it_away() -> None:

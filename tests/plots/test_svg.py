@@ -6,8 +6,6 @@ from xml.etree import ElementTree
 import matplotlib as mpl
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from stickslip.show.plots import svg, theme
@@ -95,30 +93,6 @@ def test_an_unknown_file_type_is_refused_with_the_known_ones(tmp_path):
 def test_a_figure_without_description_or_with_an_odd_prefix_is_refused(alt, prefix):
     with pytest.raises(ValueError, match=r"alt|prefix"):
         svg.inline_svg(cloud, alt=alt, prefix=prefix)
-
-
-def test_names_of_curves_that_end_close_together_do_not_overlap():
-    figure = Figure(figsize=(5, 3), dpi=72, layout="constrained")
-    axes = figure.add_subplot()
-    axes.set(xlim=(0, 1), ylim=(0, 1))
-    ends = [(0.50, "Dahl", theme.C1), (0.51, "LuGre", theme.C2), (0.505, "Stribeck", theme.C3)]
-    theme.label_column(axes, 1, ends)
-    figure.draw_without_rendering()
-    boxes = sorted(text.get_window_extent().y0 for text in axes.texts)
-    # Text boxes differ by fractions of a pixel with their ascenders.
-    assert np.diff(boxes).min() > 11
-
-
-positions = st.lists(st.floats(-1e3, 1e3), max_size=12)
-
-
-@given(positions, st.floats(0, 100))
-def test_spreading_does_not_move_the_mean_and_leaves_good_positions_alone(wanted, gap):
-    placed = theme.spread(wanted, gap)
-    if wanted:
-        assert np.mean(placed) == pytest.approx(np.mean(wanted), abs=1e-9)
-    if len(wanted) < 2 or np.diff(sorted(wanted)).min() > gap + 1e-9:
-        assert placed == pytest.approx(wanted, abs=1e-9)
 
 
 def symbols(figure: Figure, narrow: bool) -> None:
