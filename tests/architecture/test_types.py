@@ -11,9 +11,10 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
+from typing import get_args
 
 import pytest
 from tests.support import for_all
@@ -23,7 +24,11 @@ from tools.lowest import lowest
 import stickslip
 import stickslip.show.plots
 from stickslip.friction import LAWS
+from stickslip.identify.fits.records.fitting import OwnRouteName
+from stickslip.identify.kinds.registry import OWN
+from stickslip.lazy import Door
 from stickslip.mechanisms import MECHANISMS
+from stickslip.study.optimisation import GOALS, GoalName
 
 ROOT = Path(__file__).parents[2]
 Reported = Mapping[str, Sequence[str]]
@@ -247,6 +252,9 @@ stickslip.simulte  # !
 stickslip.__version__ + 1  # !
 """
 
+FROM_A_FILE = {"examples.load_rig", "examples.write_report"}
+"""Examples that ask what a file held for what only one law or mechanism has."""
+
 
 NAMESPACES = ["stickslip"]
 NAMESPACES += [
@@ -383,10 +391,28 @@ def test_every_public_name_is_known_to_a_type_checker(
             assert any(f" -> {home}.{value.__qualname__}" in line for home in homes), line
 
 
+def test_the_examples_of_public_names_pass_the_type_checker(reported: Reported) -> None:
+    for name in sorted(FROM_A_FILE):
+        (line,) = errors(reported[name])
+        assert "[attr-defined]" in line
+    wrong = [line for name in EXAMPLES.keys() - FROM_A_FILE for line in errors(reported[name])]
+    assert wrong == []
+
+
 @for_all(stubs.PACKAGES)
 def test_the_stub_of_a_package_is_in_order_and_has_what_is_registered(package: str) -> None:
     path = stubs.folder(package) / "__init__.pyi"
     assert path.read_text(encoding="utf-8") == stubs.stub(package), "run `make stubs`"
+
+
+def test_a_law_that_is_registered_no_more_leaves_the_stub(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = Door("stickslip.friction")
+    known.homes["Gone"], known.public = "stickslip.friction.named", [*known.public, "Gone"]
+    monkeypatch.setattr("stickslip.lazy.Door", lambda _: known)
+    found = stubs.door("stickslip.friction")
+    assert "Gone" not in found.homes
+    assert "Gone" not in found.public
+    assert "Stribeck" in found.homes
 
 
 def test_every_package_that_loads_lazily_has_a_stub() -> None:
@@ -396,6 +422,19 @@ def test_every_package_that_loads_lazily_has_a_stub() -> None:
         if "__getattr__" in path.read_text(encoding="utf-8")
     }
     assert lazy == set(stubs.PACKAGES)
+
+
+@pytest.mark.parametrize(
+    ("type_", "names"),
+    [
+        (OwnRouteName, {name for kind in OWN for name in kind.routes if "route" in kind.uses}),
+        (GoalName, tuple(GOALS)),
+    ],
+)
+def test_a_type_of_names_lists_the_names_that_are_taken(
+    type_: object, names: Collection[str]
+) -> None:
+    assert sorted(get_args(type_)) == sorted(names)
 
 
 def test_the_wheel_has_the_stubs_and_the_mark_of_a_typed_package(tmp_path: Path) -> None:
