@@ -103,6 +103,13 @@ def test_the_file_itself_is_replaced_with_force(called, tmp_path):
     assert 'friction="0.3"' in (tmp_path / "arm.urdf").read_text()
 
 
+def test_a_verdict_stands_for_the_law_beside_it(called, tmp_path):
+    (tmp_path / "verdict.json").write_text("{}")
+    code, out, _ = called("verdict.json", "arm.urdf", "-o", "new.urdf", *SPEED)
+    assert code == 0
+    assert "shoulder: stribeck" in out
+
+
 def test_laws_without_a_mechanism_go_into_a_joint(called, tmp_path):
     (tmp_path / "alone.toml").write_text(
         "[friction.coulomb]\nkinetic_coefficient = 0.4\n"

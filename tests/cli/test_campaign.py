@@ -75,6 +75,25 @@ def test_a_campaign_is_made_once(called, here):
     assert (code, told["runs"], told["made"]) == (0, 200, 0)
 
 
+def test_a_dry_run_writes_nothing(called, here):
+    code, shown, _ = called("sweep", "campaign.toml", "--dry-run", "--workers", "4")
+    assert code == 0
+    assert "200 runs in 6 files" in shown
+    assert "on 4 cores" in shown
+    assert not (here / "stickslip-campaign").exists()
+
+
+def test_indices_stand_beside_the_runs(called, here):
+    text = CAMPAIGN.replace('"sobol"', '"saltelli"').replace('["coulomb", "stribeck"]', '"coulomb"')
+    (here / "campaign.toml").write_text(text)
+    code, shown, _ = called("sweep", "campaign.toml", "-o", "runs")
+    assert code == 0
+    assert "Sobol indices of travel from 16 base points." in shown
+    table = pd.read_csv(here / "runs/sensitivity.csv")
+    assert set(table["output"]) == {"travel", "fastest"}
+    assert (here / "runs/sensitivity.svg").read_text().startswith("<svg")
+
+
 def test_a_factor_may_be_a_parameter_without_a_value(called, here):
     (here / "block.toml").write_text(RIG.replace("static_coefficient = 0.35\n", "", 1))
     text = CAMPAIGN.replace('["coulomb", "stribeck"]', '"coulomb"')

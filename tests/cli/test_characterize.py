@@ -1,5 +1,7 @@
 """``stickslip characterize``: what users see of the battery."""
 
+import json
+
 import pytest
 
 from stickslip.cli import main
@@ -46,6 +48,15 @@ def test_laws_are_shown_by_test_and_written_as_a_page(run, tmp_path):
     again, _, err = run("coulomb", "--tests", "steady", "--report", "page.html")
     assert again == 2
     assert "--force" in err
+
+
+def test_a_law_of_a_file_is_tested_on_its_rig(run):
+    code, out, _ = run("law.toml", "--rig", "law.toml", "--tests", "break-away", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["load"] == 20.0
+    assert found["tests"]["break-away"]["force"] == pytest.approx([7.0] * 4, rel=1e-9)
+    assert "2 kg" in found["tests"]["break-away"]["conditions"]
 
 
 @pytest.mark.parametrize(

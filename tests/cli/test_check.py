@@ -124,6 +124,13 @@ def test_the_overview_is_written_and_not_overwritten(run, write, tmp_path):
     assert run(file, *COLUMNS, "-o", "seen", "--force")[0] == 0
 
 
+def test_readings_are_checked_without_a_picture(run, write, tmp_path):
+    code, out, _ = run(write(travel=[0.1, 0.2]), "-o", "seen")
+    assert code == 0
+    assert "! 2 readings at 1 setting" in out
+    assert [path.name for path in (tmp_path / "seen").glob("[!.]*")] == ["checks.json"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -189,6 +196,18 @@ def test_a_rig_file_has_the_mechanism_and_says_what_is_read(run, rig):
     assert "✗ Force is 0.00" in out
 
 
+def test_files_beside_a_rig_are_read_as_it_says(run, rig, tmp_path):
+    file = rig()
+    (tmp_path / "data.csv").rename(tmp_path / "second.csv")
+    (tmp_path / "rig.toml").write_text(RIG.format(gain=10.0, file="").replace('file = ""', ""))
+    code, out, err = run(file)
+    assert (code, out) == (2, "")
+    assert "rig.toml has no measurement" in err
+    assert run(file, "second.csv")[:2] == run("second.csv", file)[:2]
+    assert "Force is" not in run(file, "second.csv")[1]
+    assert "Force is −1 times" in run(file, "second.csv", "--gain", "force=-10")[1]
+
+
 def test_options_of_columns_need_a_file_of_data(run, rig):
     code, _, err = run(rig(), "--gain", "force=2")
     assert (code, "name one beside rig.toml" in err) == (2, True)
@@ -222,6 +241,20 @@ def test_each_kind_of_finding_has_words_in_the_last_line():
                 kinds.add(ast.literal_eval(kind))  # a kind is written where it is found
     assert len(kinds) > 30
     assert kinds == set(LABELS)
+
+
+def test_hundreds_of_trials_take_a_screen(run, write):
+    rows = {"trial": np.repeat(np.arange(300), 41), "t": np.tile(6.0 * np.arange(41), 300)}
+    random = np.random.default_rng(1)
+    rows["v"] = np.abs(np.tile(np.linspace(-5.0, 5.0, 41), 300) + 0.2 * random.normal(size=12300))
+    rows["F"] = 70.0 + rows["v"] + random.normal(size=12300)
+    columns = ("time=t", "velocity=v", "friction=F")
+    code, out, _ = run(write(**rows), *(f"--columns={one}" for one in columns))
+    assert code == 0
+    lines = out.splitlines()
+    assert len(lines) < 40
+    assert max(map(len, lines)) < 400
+    assert "All findings of each trial: --json." in lines
 
 
 def test_memory_that_ends_is_a_sentence(run, write, monkeypatch):

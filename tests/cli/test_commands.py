@@ -12,7 +12,6 @@ import pytest
 from scipy.io import loadmat
 from tests.commands import commands
 
-from stickslip import load_rig
 from stickslip.friction import LAWS, PRINTED_FORMS
 
 
@@ -65,6 +64,14 @@ def test_an_existing_folder_is_refused_before_work_begins(run, tmp_path, monkeyp
     assert (code, "old already exists; give --force" in err) == (2, True)
     with pytest.raises(pytest.fail.Exception, match="work began"):
         run("paper", "-o", "new")
+
+
+def test_models_names_the_parameter_that_another_must_not_fall_below(run):
+    _, out, _ = run("models", "stribeck", "--json")
+    ranges = {name: about["range"] for name, about in json.loads(out)["parameters"].items()}
+    assert ranges["static_coefficient"] == "at least 0 and at least kinetic_coefficient"
+    _, out, _ = run("models", "stribeck")
+    assert "kinetic_coefficient" in out.partition("static_coefficient")[2]
 
 
 def test_models_published_names_defect_and_cure(run):
@@ -182,6 +189,15 @@ def test_rules_for_rest_of_fixed_steps_are_options(run, tmp_path, options, trave
     code, out, err = run("simulate", "pushed.toml", *steps, *options)
     assert code == 0, err
     assert json.loads(out)["final"]["x"] == pytest.approx(travel, abs=5e-7)
+
+
+def test_a_printed_equation_is_named_once_and_said_to_move_at_the_end(run):
+    steps = ("--fixed-step", "0.001", "--t-end", "1")
+    _, out, _ = run("simulate", "demo", "--law", "printed-3", *steps)
+    assert "eq. (3) as printed: improved friction model of [7]\n" in out
+    assert "Reached the end time. The body still moves then, at " in out
+    _, out, _ = run("simulate", "demo", "--law", "printed-3", "--stick-rule", *steps)
+    assert "still moves" not in out
 
 
 def test_no_output_shows_a_negative_zero(run, tmp_path):
@@ -426,13 +442,6 @@ def unread(*command, folder=".", both=False, **environment):
 def test_a_reader_that_leaves_early_is_no_error(buffered):
     assert unread("schema", PYTHONUNBUFFERED=buffered) == (0, "")
     assert unread("schema", "--nonsense", both=True, PYTHONUNBUFFERED=buffered) == (2, None)
-
-
-def test_a_command_whose_output_nobody_reads_writes_its_file(tmp_path):
-    rows = "".join(f"{0.01 * k},{0.001 * k * k},{1 + k % 3}\n" for k in range(200))
-    (tmp_path / "log.csv").write_text("time (s),position (m),force (N)\n" + rows)
-    assert unread("init", "log.csv", folder=tmp_path) == (0, "")
-    assert load_rig(tmp_path / "log.toml").measurement is not None
 
 
 UNWRITABLE = ["taken/report", *(["/proc/report"] if Path("/proc/self").exists() else [])]

@@ -65,12 +65,27 @@ def test_show_has_licence_columns_checksums_and_results(run):
     assert "Butterworth" in out
 
 
+def test_show_as_json_has_gains_and_what_is_known_of_a_file(run):
+    _, out, _ = run("show", "spring_pulled_slider", "--json")
+    found = json.loads(out)
+    # weight of the slider: 0.0307 kg times 9.81 m/s2
+    assert found["columns"][1]["gain"] == pytest.approx(0.0307 * 9.81, rel=1e-15)
+    assert found["files"]["k168_v42"]["known"]["stiffness_N_per_m"] == 168.0
+
+
 def test_path_prints_nothing_but_the_path_and_says_on_stderr_what_is_downloaded(run, slide):
     code, out, err = run("path", "slide")
     assert code == 0
     assert len(pd.read_parquet(out.rstrip("\n"))) == 4
     assert "Downloading a slide.txt" in err
     assert run("path", "slide") == (0, out, "")
+
+
+def test_path_takes_a_file_and_gives_json(run, slide):
+    _, out, _ = run("path", "slide", "--file", "all", "--json")
+    found = json.loads(out)
+    assert (found["name"], found["file"]) == ("slide", "all")
+    assert len(pd.read_parquet(found["path"])) == 6
 
 
 def test_what_is_odd_about_a_table_is_said_on_stderr(run, slide, monkeypatch, tmp_path):

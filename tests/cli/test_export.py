@@ -91,6 +91,14 @@ def test_an_existing_folder_is_refused_before_work_begins(called, tmp_path, monk
     assert "old already exists; give --force to replace files in it, or another -o" in err
 
 
+def test_a_selection_that_named_no_law_says_so(called, tmp_path):
+    (tmp_path / "report").mkdir()
+    (tmp_path / "report" / "verdict.json").write_text("{}", encoding="utf-8")
+    code, _, err = called("report/law.toml", "--to", "c")
+    assert code == 2
+    assert "select recommended no law" in err
+
+
 WARM = """
 [mechanism]
 type = "axis"

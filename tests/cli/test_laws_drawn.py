@@ -10,6 +10,7 @@ import pytest
 from tests.commands import commands
 
 from stickslip import Axis, Coulomb, Measurement, load_rig, select
+from stickslip.data import settled_speed
 from stickslip.identify.kinds import drawn_laws, write_verdict
 from stickslip.study.optimisation import measure
 from stickslip.study.sweep import velocity_band
@@ -32,6 +33,11 @@ capsule_mass = 0.8
 inner_mass = 0.2
 drive = {type = "prescribed", profile = {type = "three-phase", amplitude = 0.01, fast = 50.0, slow = 9.81, first = "slow"}}
 """  # noqa: E501  # one line of a rig file
+FILM = """
+[[trial]]
+file = "{file}"
+set = {{ mechanism.drive.drive.frequency = {frequency} }}
+"""
 SWEEP = ("sweep", "capsule.toml", "--law", "report/law.toml", "--settle", "10", "--cycles", "4")
 VARY = ("--vary", "drive.frequency=6:12:3")
 
@@ -92,6 +98,28 @@ def vary_level(law, factor):
     """Return a law with a factor on its level."""
     name = "kinetic_coefficient" if isinstance(law, Coulomb) else "curve_factor"
     return replace(law, **{name: factor * getattr(law, name)})
+
+
+def test_speeds_of_films_stand_beside_the_band(run):
+    time = np.arange(0.0, 2.0, 1 / 60)
+    text = CAPSULE + '\n[data]\ncolumns = { time = "t [s]", position = "x [m]" }\n'
+    for frequency, speed in ((6.0, 0.01), (9.0, 5.0)):
+        place = speed * time + 0.001 * np.sin(2.0 * np.pi * frequency * time)
+        rows = [f"{t!r},{x!r}" for t, x in zip(time.tolist(), place.tolist(), strict=True)]
+        Path(f"{frequency:g}.csv").write_text("\n".join(["t [s],x [m]", *rows]))
+        text += FILM.format(file=f"{frequency:g}.csv", frequency=frequency)
+    Path("capsule.toml").write_text(text)
+    code, out, err = run(*SWEEP, *VARY, "--ensemble", "3", "--json")
+    assert code == 0, err
+    rig = load_rig("capsule.toml")
+    films = rig.measurement.records()
+    speeds = [settled_speed(rig.mechanism, film)[0] for film in films]
+    assert json.loads(out)["measured"] == [[6.0, speeds[0]], [9.0, speeds[1]]]
+    code, out, _ = run(*SWEEP, *VARY, "--ensemble", "3", "--force")
+    assert code == 0
+    assert "95 % band over 3 laws" in out
+    assert "not at" in out
+    assert "9 Hz" in out
 
 
 def test_a_law_file_that_was_changed_is_drawn_by_its_estimates(run):

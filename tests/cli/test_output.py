@@ -39,14 +39,11 @@ def test_a_pipe_gets_whole_rows_however_wide_a_terminal_would_be(monkeypatch):
     assert lines[1].split("  ")[0] == ROW[0]
 
 
-@pytest.mark.parametrize("setting", ["PYTHONIOENCODING=ascii", "PYTHONIOENCODING=latin-1"])
-def test_output_is_written_in_any_encoding(tmp_path, setting):
+def test_output_is_written_in_the_poorest_encoding(tmp_path):
     rows = [f"{k / 100},{k % 7 * 1e-6}" for k in range(100)]
     (tmp_path / "a.csv").write_text("\n".join(["time,position", *rows]) + "\n")
-    name, _, value = setting.partition("=")
     command = [sys.executable, "-m", "stickslip", "check", str(tmp_path / "a.csv")]
-    done = subprocess.run(
-        command, capture_output=True, env=os.environ | {name: value}, check=False, timeout=120
-    )
+    poorest = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(command, capture_output=True, env=poorest, check=False, timeout=120)
     assert b"Traceback" not in done.stderr
     assert b"100 samples" in done.stdout

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tests.commands import commands
 
+from stickslip.engine.solver.compile.modules import notice
+
 RIG = """
 title = "Axis"
 [mechanism]
@@ -107,3 +109,11 @@ def test_what_nobody_gives_is_still_asked_for(run):
     code, _, err = run("fit", "axis.toml", "--vary", "kinetic_coefficient")
     assert code == 2
     assert "viscous_coefficient (sigma_2) is neither varied nor fixed" in err
+
+
+def test_notices_of_the_library_reach_a_pipe(run, monkeypatch):
+    monkeypatch.setattr(
+        "stickslip.cli.console.print_json", lambda _: notice("Compiling the solver ...")
+    )
+    _, _, err = run("schema")
+    assert "Compiling the solver ..." in err

@@ -45,6 +45,14 @@ def called(tmp_path, monkeypatch, capsys):
     return commands(capsys, one_line=True)
 
 
+def test_a_change_of_sign_has_a_unit(called):
+    frequencies = ("--vary", "frequency=4:5:3", "--settle", "40", "--cycles", "6")
+    code, out, _ = called("sweep", "capsule.toml", *frequencies)
+    assert code == 0
+    (line,) = [text for text in out.splitlines() if "changes sign at about" in text]
+    assert line.endswith(" Hz.")
+
+
 def test_a_parameter_with_a_default_is_set_by_its_last_name(called):
     """It was refused, with its own name as what may be meant."""
     outs = [

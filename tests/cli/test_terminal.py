@@ -13,7 +13,7 @@ from stickslip import load_rig
 from stickslip.cli import main
 from stickslip.cli.app import app
 from stickslip.cli.help import PANELS
-from stickslip.cli.progress import Searching
+from stickslip.cli.progress import Drawing, Searching
 
 
 @pytest.fixture
@@ -307,6 +307,18 @@ def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(cap
         "Fitting lugre (law 3 of 3, 6 min 40 s) ...",
         "Validating on held-out block 1 of 8 (6 min 40 s) ...",
     ]
+
+
+def test_the_time_left_leaves_out_what_compiling_took(capsys, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    with Drawing("Running") as report:
+        for done in range(1, 400):
+            clock.now = 60.0 + 0.1 * done  # a minute before the first
+            report(done, 1000)
+    (early, late) = capsys.readouterr().err.splitlines()[:2]
+    assert early == "Running (1 of 1000 done, 1 min 0 s) ..."
+    assert "about 1 min 20 s left" in late
 
 
 def test_init_of_a_place_without_a_name_is_one_sentence(run):
