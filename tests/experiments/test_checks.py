@@ -831,3 +831,8 @@ def test_measured_records_without_drift_are_not_flagged(data_dir):
     steady = check(spring(data_dir, "k1002_v4300"))
     assert [f for f in steady.of("drift") if f.severity != "info"] == []
     assert check(axis(data_dir)).of("drift") == ()
+
+
+def test_two_quantities_of_one_run_are_no_repeats():
+    checks = check(Measurement(travel=0.2, velocity=0.1, uncertainty={"travel": 1e-3}))
+    assert checks.sentences[0].startswith("2 readings at 1 setting, no repeats.")

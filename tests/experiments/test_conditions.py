@@ -1,8 +1,9 @@
 """Conditions of trials from columns, one table, rig files; columns that nothing was read from."""
 
+import numpy as np
 import pytest
 
-from stickslip import SpringBlock, check, load_measurement, load_rig
+from stickslip import Axis, SpringBlock, check, load_measurement, load_rig
 from stickslip.errors import InputError, UnknownNameError
 
 ROWS = "{t},{v},{f},{temperature},{way}\n"
@@ -35,6 +36,11 @@ def test_a_column_with_one_value_in_each_file_is_a_condition(files):
         {"temperature [degC]": 60.0, "way": "down"},
     ]
     assert not check(found).of("unused column")
+
+
+def test_one_name_may_be_given_as_a_text(files):
+    found = load_measurement(files, conditions="way")
+    assert [record.conditions["way"] for record in found.records()] == ["up", "down"]
 
 
 def test_a_column_that_differs_between_trials_and_is_not_used_is_named_as_a_warning(files):
@@ -138,3 +144,9 @@ def test_a_rig_file_names_columns_or_gives_values(files, tmp_path):
         {"load": 3.0, "side": "left"},
         {"load": 5.5},
     )
+
+
+def test_a_second_trial_changes_nothing_of_a_single_record(tmp_path):
+    record = load_measurement(write(tmp_path / "cold.csv"), mechanism=Axis(inertia=1.0))
+    np.testing.assert_allclose(record.time, 0.1 * np.arange(12))
+    assert record.trials == ()

@@ -6,6 +6,7 @@ import pytest
 
 from stickslip import Measurement, check, load_measurement
 from stickslip.data import unit_of_input
+from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.units import converted, number_in
 
@@ -25,6 +26,12 @@ def test_columns_of_contact_inputs_are_read_in_their_units(tmp_path):
     np.testing.assert_allclose(record.inputs["temperature"], 20.0 + T, atol=1e-12)
     np.testing.assert_allclose(record.inputs["pressure"], 1e5)
     assert record.input_names() == ("temperature", "pressure")
+
+
+def test_a_column_of_another_name_can_be_an_input(tmp_path):
+    path = file_of(tmp_path, **{"T oil [°C]": 40.0 + T})
+    record = load_measurement(path, columns={"temperature": "T oil"})
+    np.testing.assert_allclose(record.inputs["temperature"], 40.0 + T)
 
 
 def test_a_column_that_nobody_named_may_be_something_else(tmp_path):
@@ -54,6 +61,15 @@ def test_complex_numbers_and_truth_values_are_no_quantities():
             load_measurement({"time": T, "position": cells})
 
 
+def test_repairs_keep_inputs_beside_their_samples(tmp_path):
+    order = np.r_[0:200, 250:300, 200:250, 300:500]
+    table = pd.DataFrame({"time [s]": T, "position [m]": T, "temperature [degC]": 3.0 * T})
+    path = tmp_path / "run.csv"
+    table.iloc[order].to_csv(path, index=False)
+    record = load_measurement(path, repair="sort")
+    np.testing.assert_allclose(record.inputs["temperature"], 3.0 * record.time, atol=1e-12)
+
+
 def test_a_table_is_read_again_as_it_was_written(tmp_path):
     first = load_measurement(file_of(tmp_path, **{"temperature [degC]": 20.0 + T}))
     again = load_measurement(first.to_dataframe())
@@ -74,6 +90,13 @@ def test_conditions_of_their_names_are_inputs_in_their_units():
     )  # fmt: skip
     assert record.contact_inputs() == {"temperature": 27.0, "gravity": 2.0}
     assert unit_of_input("gravity", turning=True) == "N m"
+
+
+def test_rows_of_a_record_have_the_inputs_of_these_rows():
+    record = Measurement(time=T, position=T, inputs={"temperature": 2.0 * T, "pressure": 5.0})
+    part = rows_of(record, 10, 20)
+    assert part.inputs["temperature"].tolist() == (2.0 * T[10:20]).tolist()
+    assert part.inputs["pressure"] == 5.0
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,11 @@ def test_a_force_that_is_missing_is_said_to_be(driven):
     assert check(Measurement(**driven)).of("drive") == ()
 
 
+def test_friction_that_was_measured_needs_no_force(driven):
+    measured = Measurement(time=TIME, position=driven["position"], friction=driven["force"])
+    assert check(measured).of("drive") == ()
+
+
 @pytest.mark.parametrize("force", [None, 0.0, 12.0])
 def test_energy_from_nowhere_is_an_error_where_nothing_drives_the_mechanism(driven, force):
     parts = {**driven, "force": None if force is None else np.full(TIME.size, force)}
@@ -161,6 +166,12 @@ def test_mechanisms_by_their_matrices_are_checked_alike(driven):
 
 
 # --- factors of units
+
+
+def test_a_force_that_fits_its_motion_is_not_doubted(driven):
+    assert doubts(Measurement(**driven), AXIS) == []
+    # nobody knows a mass so badly; fits look for it from there
+    assert doubts(Measurement(**driven), Axis(inertia=1.0)) == []
 
 
 @pytest.mark.parametrize(
@@ -286,6 +297,12 @@ def test_the_sign_of_a_force_is_told_from_a_single_sine_too(noise):
     seen = x + noise * np.random.default_rng(0).normal(size=len(TIME))
     assert len(signs(Measurement(time=TIME, position=seen, force=-force))) == 1
     assert signs(Measurement(time=TIME, position=seen, force=force)) == ()
+
+
+def test_the_sign_of_a_force_is_doubted_once(driven):
+    wrong = Measurement(**{**driven, "force": -driven["force"]})
+    assert signs(wrong, AXIS) == ()  # the mechanism has said so
+    assert len(doubts(wrong, AXIS)) == 1
 
 
 @pytest.mark.parametrize("rate", [0.3, 3.0])

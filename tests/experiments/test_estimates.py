@@ -1,5 +1,6 @@
 """How well a law is known, in a rig file and out of it."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -60,6 +61,10 @@ def test_what_is_written_is_read_back(read):
     assert rig.laws["coulomb-viscous"] == LAW
 
 
+def test_a_file_without_the_table_says_nothing_of_estimates(read):
+    assert read(rig_toml(BLOCK, LAW)).estimates is None
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
@@ -91,6 +96,11 @@ def test_a_table_that_cannot_be_used_is_refused_with_the_file_and_the_cure(read,
     with pytest.raises(InputError, match=r"rig\.toml") as error:
         read(HEAD + line)
     assert said in str(error.value)
+
+
+def test_a_largest_speed_of_zero_is_written(read):
+    known = dataclasses.replace(KNOWN, largest_speed=0.0)
+    assert read(rig_toml(BLOCK, LAW, estimates=known)).estimates == known
 
 
 def test_a_law_that_the_file_does_not_have_is_refused(read):

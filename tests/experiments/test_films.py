@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Capsule, Coulomb, Measurement, check, select, simulate
 from stickslip.data import travels_of_films
-from stickslip.data.travels import other_drives
+from stickslip.data.travels import frequency_of, other_drives
 from stickslip.errors import InputError
 from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import Square
@@ -89,6 +89,14 @@ def test_films_in_a_plane_count_one_way_whichever_way_each_travels(tmp_path) -> 
     assert signs[0] == pytest.approx(-signs[1], rel=1e-6)
 
 
+def test_the_frequency_of_a_jerky_motion_is_its_fundamental() -> None:
+    time = np.arange(0.0, 3.0, 1 / 60)
+    stairs = np.floor(4.3 * time) + np.clip(5.0 * (4.3 * time % 1.0), 0.0, 1.0)
+    frequency, share = frequency_of(time, 1e-3 * stairs)
+    assert frequency == pytest.approx(4.3, abs=0.03)
+    assert share > 0.8
+
+
 def test_select_reads_films_where_their_route_is_asked_for() -> None:
     films = Measurement(trials=tuple(film(p, 60.0, 1e-4, k) for k, p in enumerate((0.3, 0.4, 0.5))))
     verdict = select(capsule(0.4), ["coulomb"], films, route="travel")
@@ -98,6 +106,14 @@ def test_select_reads_films_where_their_route_is_asked_for() -> None:
     assert all(trial.cycles for trial in verdict.trials)
     with pytest.raises(InputError, match="route"):
         select(capsule(0.4), ["coulomb"], Measurement(travel=0.1), route="shooting")
+
+
+def test_check_says_that_a_film_has_another_frequency_than_its_drive() -> None:
+    wrong, right = film(0.4, 60.0, 2e-4, 2, stated=0.3), film(0.4, 60.0, 2e-4, 2)
+    assert [
+        finding.severity for finding in check(wrong, mechanism=capsule(0.4)).of("drive frequency")
+    ] == ["error"]
+    assert not check(right, mechanism=capsule(0.4)).of("drive frequency")
 
 
 def test_a_capsule_may_travel_beyond_the_stop_of_what_moves_inside() -> None:

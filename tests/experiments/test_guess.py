@@ -553,6 +553,24 @@ def test_what_loggers_write_is_read_as_it_was_meant(tmp_path, text):
     np.testing.assert_array_equal(load_rig(tmp_path / "log.toml").measurement.time, record.time)
 
 
+def test_times_since_1970_are_not_said_to_have_a_unit(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text(LOGGERS["epoch in ms"].replace("timestamp", "epoch"), encoding="utf-8")
+    words = guess_data(file).reasons["time"]
+    assert words.startswith("column 'epoch' in ms, as its numbers count from 1970;")
+
+
+def test_unsigned_seconds_of_a_stamp_may_go_back(tmp_path):
+    seconds = np.array([EPOCH + 1, EPOCH, EPOCH + 2], dtype=np.uint32)
+    nanoseconds = np.array([0, 500_000_000, 0], dtype=np.uint32)
+    record = load_measurement(
+        {"stamp.secs": seconds, "stamp.nsecs": nanoseconds, "position": X[:3], "force": F[:3]},
+        columns={"time": "stamp"},
+        repair="sort",
+    )
+    np.testing.assert_array_equal(record.time - record.time[0], [0.0, 0.5, 1.5])
+
+
 def test_channels_with_other_times_are_merged(tmp_path):
     file = tmp_path / "scope.csv"
     lines = scope(";", 10.0 * np.arange(N), points).splitlines()
@@ -717,12 +735,41 @@ def test_a_motor_with_quantities_is_no_input_of_joints_of_their_names(tmp_path):
     assert found.columns == {"time": "time", "position": "position.elbow", "force": "effort"}
 
 
+def test_columns_that_the_reader_knows_by_their_quantity_are_called_as_in_the_file(tmp_path):
+    names = {"t__ms": "t", "position__rad": "x", "torque__N m": "n"}
+    file = table(tmp_path / "log.csv", **names)
+    found = guess_data(file)
+    assert found.columns == {"time": "t", "position": "position", "force": "torque"}
+    read = load_measurement(file, columns=found.columns, units=found.units, layout=found.layout)
+    assert read.turning
+    np.testing.assert_allclose(read.time, 1e-3 * T)
+
+
 def test_a_unit_before_its_name_is_known(tmp_path):
     file = tmp_path / "log.csv"
     file.write_text("[ms] time;(mm) pos;[N] force\n" + rows((T, X, F), ";", points))
     found = guess_data(file)
     assert found.units == {"time": "ms", "position": "mm", "force": "N"}
     np.testing.assert_allclose(read_data([file], found.reading).position, 1e-3 * X, atol=1e-7)
+
+
+def test_a_column_without_any_cell_is_none_of_the_quantities(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f};;{x:.4f};{f:.4f}\n" for t, x, f in zip(T, X, F, strict=True))
+    file.write_text(f"time;velocity;position;force\n{body}")
+    found = guess_data(file)
+    assert "velocity" not in found.columns
+    assert not found.repair
+    read = read_data([file], found.reading)
+    assert read.quantities() == ("position", "force")
+    assert "velocity" in read.unused
+
+
+def test_an_axis_that_is_said_to_turn_is_read_so(tmp_path):
+    names = {"time": "t", "theta": "x", "tau": "c"}
+    found = guess_data(table(tmp_path / "log.csv", **names))
+    assert found.turning
+    assert read_data([tmp_path / "log.csv"], found.reading).turning
 
 
 def test_the_time_of_a_joint_is_not_in_years_and_goes_with_its_position(tmp_path):
@@ -732,6 +779,27 @@ def test_the_time_of_a_joint_is_not_in_years_and_goes_with_its_position(tmp_path
     file = table(tmp_path / "two.csv", **names)
     found = guess_data(file, columns={"position": "position.b"})
     assert found.columns["time"] == "time.b"
+
+
+def test_a_unit_before_a_remark_is_known(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text("time (s);pos (mm, raw);force [N] filtered\n" + rows((T, X, F), ";", points))
+    assert guess_data(file).units == {"time": "s", "position": "mm", "force": "N"}
+
+
+def test_a_mark_that_may_be_either_is_doubted(tmp_path):
+    file = tmp_path / "log.csv"
+    body = "".join(f"{t:.2f};{german(5.0 + x, 3)};1.5\n" for t, x in zip(T, X, strict=True))
+    file.write_text(f"time;position;force\n{body}")
+    assert guess_data(file).doubts[0].startswith("5,000 is read as 5000")
+    body = "".join(f"{t:.2f};{5e3 + x:,.3f};1.5\n" for t, x in zip(T, X, strict=True))
+    file.write_text(f"time;position;force\n{body}")
+    assert "is read as" not in guess_data(file).doubts[0]
+
+
+def test_two_positions_of_one_axis_are_no_joints(tmp_path):
+    file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
+    assert not any("joints" in doubt for doubt in guess_data(file).doubts)
 
 
 def test_trials_and_temperatures_are_offered_and_a_temperature_is_the_mean_of_its_trial(tmp_path):
@@ -786,6 +854,15 @@ def test_a_temperature_that_is_constant_or_has_holes_is_a_condition(tmp_path):
         guess = guess_data(file)
         assert guess.conditions == ("Temperatur",), name
         assert "temperature" not in guess.columns, name
+
+
+def test_a_humidity_that_changes_is_left_out_as_no_condition_of_a_trial(tmp_path):
+    file = tmp_path / "damp.csv"
+    body = rows([T, X, F, np.linspace(30.0, 60.0, N)], ";", points)
+    file.write_text(f"Zeit [s];Weg [m];Kraft [N];Luftfeuchte [%]\n{body}", encoding="utf-8")
+    guess = guess_data(file)
+    assert guess.conditions == ()
+    assert load_measurement(file, columns=guess.columns, layout=guess.layout).time.size == N
 
 
 def test_a_long_file_without_a_record_is_refused_by_its_top(tmp_path, monkeypatch):
@@ -902,6 +979,18 @@ def test_steady_readings_with_times_are_a_table_over_the_speed(tmp_path, head, n
     assert read_data([file], given.reading).kind == "series"
 
 
+def test_a_temperature_that_rises_is_no_time(tmp_path):
+    file = tmp_path / "a.csv"
+    speeds, warm = np.tile(np.linspace(0.05, 0.5, 6), 4), np.linspace(20.0, 60.0, 24)
+    file.write_text(
+        "speed_m_s,temperature_C,friction_N\n" + rows((speeds, warm, 4.0 + speeds), ",", points)
+    )
+    guess = guess_data(file)
+    assert guess.columns["temperature"] == "temperature_C"
+    assert "time" not in guess.columns
+    assert not any("times" in text for text in guess.reasons.values())
+
+
 def test_the_inertia_of_a_body_that_slows_down_is_left_open(tmp_path):
     file, t = tmp_path / "a.csv", np.linspace(0.0, 5.0, 200)
     speed = np.maximum(20.0 - 4.0 * t, 0.0)
@@ -932,6 +1021,33 @@ def test_two_positions_of_one_axis_are_both_named_with_their_lost_motion(
     assert f"{header!r}" in said
     assert ("times as far" in said) == geared
     assert "They differ by up to 0.12" in said  # a ratio is found with some of it in it
+
+
+def test_positions_of_other_motions_are_no_second_ones(tmp_path):
+    file = tmp_path / "a.csv"
+    table = rows((T, X, np.cos(3.0 * T), X + 0.01, F), ",", points)
+    file.write_text(f"time (s),x (mm),y position (mm),target position (mm),force (N)\n{table}")
+    assert not any("positions of this axis" in doubt for doubt in guess_data(file).doubts)
+
+
+def test_no_mass_is_fitted_where_friction_was_measured(tmp_path):
+    file = tmp_path / "a.csv"
+    table = rows((T, X, F, np.sign(np.cos(2.0 * T))), ",", points)
+    file.write_text(f"time (s),position (m),force (N),friction (N)\n{table}")
+    text = guessed_rig(guess_data(file), file)
+    assert "vary" not in text
+    (tmp_path / "rig.toml").write_text(text)
+    assert load_rig(tmp_path / "rig.toml").vary == ()
+
+
+def test_steady_readings_keep_their_trials(tmp_path):
+    file = tmp_path / "a.csv"
+    speeds = np.tile(np.random.default_rng(0).permutation(np.linspace(0.2, 5.0, 25)), 2)
+    step = np.repeat([3.0, 8.0], 25)
+    table = rows((step, np.tile(6.0 * np.arange(25), 2), speeds, step + speeds), ",", points)
+    file.write_text(f"stage,time (s),velocity (mm/s),friction (N)\n{table}")
+    measured = read_data([file], guess_data(file).reading)
+    assert [trial.kind for trial in measured.trials] == ["friction-map"] * 2
 
 
 WORDS = {
@@ -982,6 +1098,14 @@ def test_a_pair_of_coordinates_has_the_unit_of_its_headers_and_is_named(tmp_path
     assert "in mm" in said
 
 
+def test_a_unit_that_is_given_says_whether_the_axis_turns(tmp_path):
+    path = table(tmp_path / "a.csv", t="t", x="x", current="F")
+    guess = guess_data(path, units={"position": "deg"})
+    assert guess.turning
+    assert guess.motor_constant == "1 N m/A"
+    assert read_data([path], guess.reading).position[1] == pytest.approx(np.radians(X[1]), abs=1e-5)
+
+
 @pytest.mark.parametrize(
     ("head", "options", "scale"),
     [
@@ -1011,6 +1135,24 @@ def test_a_rolling_speed_is_not_taken_for_a_sliding_speed_in_silence(tmp_path):
         tmp_path / "a.csv", **{"t (s)": "t", "Rolling Speed (mm/s)": "x", "Friction (N)": "F"}
     )
     assert any("is read as the sliding velocity" in doubt for doubt in guess_data(path).doubts)
+
+
+def test_a_few_samples_of_a_slow_motion_are_no_steady_readings(tmp_path):
+    path = tmp_path / "a.csv"
+    t = np.arange(25) / 100
+    path.write_text(
+        "time (s),velocity (mm/s),friction (N)\n" + rows((t, 5 + t / 10, 2 + t), ",", points)
+    )
+    assert "time" in guess_data(path).columns
+
+
+def test_equal_positions_are_said_to_be_equal(tmp_path):
+    path = table(
+        tmp_path / "a.csv", **{"t (s)": "t", "position (mm)": "x", "motor angle x (mm)": "x"}
+    )
+    said = " ".join(guess_data(path).doubts)
+    assert "they are equal." in said
+    assert "differ by" not in said
 
 
 @pytest.mark.parametrize(

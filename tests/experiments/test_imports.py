@@ -210,6 +210,21 @@ def test_with_permission_the_rig_runs_with_the_users_mechanism_and_law(folder):
     assert run["x"][-1] == pytest.approx(9.0 / (2 * 0.1 * 9.81), rel=1e-12)
 
 
+def test_with_the_option_the_command_simulates_the_users_law(folder, capsys):
+    task = ["simulate", str(folder / "rig.toml"), "--law", "twofold", "--allow-import", "--json"]
+    with pytest.raises(SystemExit) as left:
+        main(task)
+    assert not left.value.code
+    assert '"twofold"' in capsys.readouterr().out
+
+
+def test_what_was_imported_is_not_in_the_registries_afterwards(folder):
+    load_rig(folder / "rig.toml", allow_import=True)
+    rig = rewritten(folder, f'type = "{name_of(folder)}:Twofold"', "")
+    with pytest.raises(InputError, match=r"friction.twofold"):
+        load_rig(rig, allow_import=True)
+
+
 def test_a_rig_file_that_was_written_names_the_import_path(folder):
     rig = load_rig(folder / "rig.toml", allow_import=True)
     again = folder / "again.toml"

@@ -228,6 +228,11 @@ def test_channels_of_a_tdms_file_are_read_with_their_times_and_units(tmp_path, g
     assert any("'setup'" in doubt for doubt in guess.doubts) == ("setup" in groups)
 
 
+def test_groups_of_a_tdms_file_with_the_same_channels_are_trials(tmp_path):
+    _, record = read(tdms(tmp_path / "a.tdms", {"one": WAVES, "two": WAVES}))
+    assert [trial.name for trial in record.trials] == ["trial one", "trial two"]
+
+
 def test_a_channel_of_another_length_is_said_not_to_be_read(tmp_path):
     channels = [("Time", T, "s"), MM, NEWTON, ("Temp", np.ones(5), "degC")]
     guess = guess_data(tdms(tmp_path / "a.tdms", {"a": channels}))
@@ -388,6 +393,13 @@ def test_a_sliding_distance_of_hundreds_of_metres_is_normal_where_friction_is_me
     )
 
 
+def test_a_single_step_of_a_tribometer_is_one_record(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(steps(1))
+    _, record = read(path)
+    assert record.friction.size == N
+
+
 def test_a_coefficient_of_friction_without_a_unit_is_over_the_load(tmp_path):
     path = tmp_path / "a.csv"
     rows = "".join(f"{t:.2f},{abs(v)},{mu:.5f},20\n" for t, v, mu in zip(T, V, MU, strict=True))
@@ -426,6 +438,14 @@ def test_a_speed_of_rotation_beside_forces_asks_for_the_radius_of_the_contact(tm
     guess = guess_data(path, columns={"velocity": "n (rpm)"}, gain=gain)
     record = read_data([path], guess.reading)
     assert record.velocity == pytest.approx(V * 2 * np.pi / 60 * 9e-3, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["Wear (um)", "Amplitude (um)", "Table height (mm)", "Depth (um)"])
+def test_wear_and_heights_are_no_position(tmp_path, name):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{x:.5f},{v},{f:.4f}\n" for t, x, v, f in zip(T, X, V, F, strict=True))
+    path.write_text(f"t (s),{name},v (mm/s),friction (N)\n{rows}")
+    assert set(guess_data(path).columns) == {"time", "velocity", "friction"}
 
 
 HEAD = "Step No. {}\nDuration = 1 sec\nFx,Fz,V1,T\n{},mm/sec,sec\n\n"
@@ -499,6 +519,21 @@ def test_registers_of_a_servo_are_counts_of_an_axis_that_turns(tmp_path, family)
     assert record.force[0] == pytest.approx(0.187 * (1.0 if family == "Dynamixel" else 6.5))
     assert record.load is None
     assert not any("count" in doubt and "has no unit" in doubt for doubt in guess.doubts)
+
+
+def test_registers_whose_unit_is_given_are_no_counts(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(registers())
+    guess = guess_data(path, units={"position": "mdeg", "reference": "mdeg"})
+    assert "position" not in guess.gain
+    assert guess.units["position"] == "mdeg"
+
+
+def test_registers_that_were_converted_are_no_counts(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{x:.5f},0.5,120\n" for t, x in zip(T, X, strict=True))
+    path.write_text("t (s),Present_Position [rad],Present_Velocity,Present_PWM\n" + rows)
+    assert guess_data(path).gain == {}
 
 
 def degrees(step):

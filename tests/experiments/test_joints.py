@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Measurement, check, load_measurement, load_rig
+from stickslip import Measurement, TwoLinkArm, check, load_measurement, load_rig
 from stickslip.data import refuse_same
 from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -93,6 +93,19 @@ def test_forces_of_a_joint_are_not_compared_with_its_motion_alone():
     assert check(Measurement(time=t, position=q["elbow"], force=coupled["elbow"])).of("force sign")
     found = check(Measurement(time=t, position=q, force=coupled))
     assert not found.of("force sign")
+
+
+def test_angles_of_a_joint_are_told_in_radians():
+    t = np.arange(0.0, 8.0, 0.004)
+    coarse = {name: np.round(np.sin(3.0 * t + k), 2) for k, name in enumerate(ANGLES)}
+    arm = TwoLinkArm(
+        upper_mass=0.5, upper_length=0.2, upper_centre=0.1, upper_inertia=0.02,
+        lower_mass=0.6, lower_centre=0.2, lower_inertia=0.03,
+    )  # fmt: skip
+    found = check(Measurement(time=t, position=coarse, force=coarse), mechanism=arm)
+    steps = [str(finding) for finding in found.findings if "Position is quantised" in str(finding)]
+    assert steps
+    assert all("rad" in line for line in steps)
 
 
 def test_a_current_of_a_joint_is_read_as_its_force_with_a_gain(tmp_path):

@@ -80,6 +80,11 @@ def test_a_bag_is_read_as_it_was_written(tmp_path, storage, compression):
     assert load_measurement(bag).name == "bag"
 
 
+def test_a_bare_file_of_a_bag_is_read_too(tmp_path):
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
+    assert same(load_measurement(bag / "bag.db3"))
+
+
 def test_a_bag_of_ros_1_is_read_as_it_was_written(tmp_path):
     assert same(load_measurement(write_ros1(tmp_path / "a.bag", {TOPIC: states(TIME, ARM)})))
 
@@ -107,6 +112,13 @@ def test_mcap_in_json_is_read_as_it_was_written(tmp_path):
     ]  # fmt: skip
     file = write_json(tmp_path / "b.mcap", {TOPIC: listed}, kind="foxglove.JointStates")
     assert same(load_measurement(file))
+
+
+def test_the_order_of_joints_in_a_message_does_not_matter(tmp_path):
+    turned = {name: ARM[name] for name in ("shoulder", "elbow")}
+    messages = [states(TIME, one) for one in (ARM, turned)]
+    mixed = [messages[row % 2][row] for row in range(len(TIME))]
+    assert same(load_measurement(write_bag(tmp_path / "bag", {TOPIC: mixed})))
 
 
 def test_log_times_stand_in_for_headers_without_a_stamp(tmp_path):
@@ -326,6 +338,47 @@ def test_a_lag_is_found_in_noise_and_under_held_commands(seed):
     measured = path(time - lag) + random.normal(0.0, 1e-3, time.size)
     # a line between commands 20 ms apart is late by nothing, and a tenth of a step is noise
     assert lag_of(time, held, measured) == pytest.approx(lag, abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_lag_of_a_periodic_motion_is_the_smallest(seed):
+    time = np.arange(0.0, 10.0, 0.005)
+    noise = np.random.default_rng(seed).normal(0.0, 1e-3, time.size)
+    measured = np.sin(15.0 * (time - 0.06)) + noise
+    assert lag_of(time, np.sin(15.0 * time), measured) == pytest.approx(0.06, abs=1e-3)
+
+
+def test_motions_that_differ_have_no_lag():
+    time = np.arange(0.0, 10.0, 0.004)
+    random = np.random.default_rng(1)
+    walks = np.cumsum(random.normal(0.0, 1.0, (2, time.size)), axis=1)
+    assert lag_of(time, *walks) is None
+    assert lag_of(time, np.zeros(time.size), walks[0]) is None
+    assert lag_of(time[:20], walks[0][:20], walks[0][:20]) is None
+
+
+def test_the_digest_of_a_rig_covers_the_messages_of_a_bag(tmp_path, urdf):
+    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
+    (tmp_path / "rig.toml").write_text(
+        '[mechanism]\ntype = "urdf"\nfile = "arm.urdf"\nmoving = ["shoulder", "elbow"]\n'
+        '[data]\nfile = "bag"\n'
+    )
+    first = load_rig(tmp_path / "rig.toml")
+    assert [file.name for file in first.files] == ["arm.urdf", "metadata.yaml", "bag.db3"]
+    changed = ARM | {"elbow": (-ELBOW[0], *ELBOW[1:])}
+    other = write_bag(tmp_path / "other", {TOPIC: states(TIME, changed)})
+    (bag / "bag.db3").write_bytes((other / "other.db3").read_bytes())
+    assert load_rig(tmp_path / "rig.toml").digest != first.digest
+
+
+def test_of_two_topics_that_with_efforts_is_taken(tmp_path):
+    fast, slow = np.arange(0.0, 4.0, 0.01), np.arange(0.0, 4.0, 0.02)
+    topics = {
+        "/fast": states(fast, {"a": (np.sin(fast), np.cos(fast), None)}),
+        "/slow": states(slow, {"a": (np.sin(slow), np.cos(slow), 2.0 + slow)}),
+    }
+    record = load_measurement(write_mcap(tmp_path / "log.mcap", topics))
+    assert record.joints["a"].values("force")[-1] == pytest.approx(2.0 + slow[-1])
 
 
 # Logs that would take all memory, and what they do not hold.

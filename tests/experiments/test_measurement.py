@@ -13,6 +13,13 @@ T = [0.0, 0.1, 0.2]
 X = [0.0, 0.01, 0.03]
 
 
+def test_one_number_is_a_measurement():
+    measurement = Measurement(travel=0.2)
+    assert measurement.kind == "scalars"
+    assert measurement.records() == (measurement,)
+    assert measurement.quantities() == ("travel",)
+
+
 @pytest.mark.parametrize(
     ("parts", "kind"),
     [

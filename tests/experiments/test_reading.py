@@ -14,7 +14,7 @@ from stickslip import check, load_measurement
 from stickslip.data import guess_data
 from stickslip.data.readers.binary import check_structure
 from stickslip.data.readers.csv_reader import read_text
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 
 TIME = np.arange(100) / 100
 POSITION = np.sin(TIME)
@@ -88,6 +88,18 @@ def test_vectors_of_a_matlab_file_are_columns(folder, compressed):
     assert (record.name, record.provenance) == ("data", "data.mat")
 
 
+def test_vectors_of_a_new_matlab_file_are_columns(folder):
+    newer(folder / "data.mat", {"t": TIME[:, None], "q": POSITION[:, None], "K": np.eye(3)})
+    record = load_measurement("data.mat", columns={"time": "t", "position": "q"})
+    np.testing.assert_array_equal(record.time, TIME)
+    np.testing.assert_array_equal(record.position, POSITION)
+
+
+def test_whole_numbers_are_numbers(folder):
+    savemat("data.mat", {"time": np.arange(5, dtype=np.uint16), "position": np.arange(5, 10)})
+    np.testing.assert_array_equal(load_measurement("data.mat").position, [5, 6, 7, 8, 9])
+
+
 @pytest.mark.parametrize("version", ["older", "newer"])
 def test_a_field_of_a_struct_is_named_with_it(folder, version):
     if version == "older":
@@ -97,6 +109,14 @@ def test_a_field_of_a_struct_is_named_with_it(folder, version):
     columns = {"time": "rig.t", "position": "rig.inner.q"}
     record = load_measurement("data.mat", columns=columns)
     np.testing.assert_array_equal(record.position, POSITION)
+
+
+def test_vectors_of_another_length_are_left_alone(folder):
+    savemat("data.mat", {"t": TIME, "q": POSITION, "a": TIME[:9], "b": TIME[:9], "c": TIME[:9]})
+    record = load_measurement("data.mat", columns={"time": "t", "position": "q"})
+    assert record.time.size == 100
+    with pytest.raises(UnknownNameError, match=r"column of data.mat: 't'"):
+        load_measurement("data.mat", columns={"time": "t", "position": "a", "velocity": "b"})
 
 
 @pytest.mark.parametrize("version", ["older", "newer"])
@@ -127,6 +147,13 @@ def flat(content, above=""):
             yield from flat(value, f"{above}{name}/")
         else:
             yield f"{above}{name}", value
+
+
+@pytest.mark.parametrize("name", ["pid.jointEr.position", "posErr", "pos_err", "PositionError"])
+def test_an_error_of_a_controller_is_no_position(folder, name):
+    rows = "".join(f"{t},{x},{t}\n" for t, x in zip(TIME, POSITION, strict=True))
+    (folder / "a.csv").write_text(f"time,{name},velocity\n{rows}")
+    assert set(guess_data("a.csv").columns) == {"time", "velocity"}
 
 
 def test_a_matlab_file_without_vectors_lists_what_it_has(folder):
@@ -217,6 +244,19 @@ def test_several_files_are_trials_called_like_them(write):
     assert len(load_measurement(files[:1]).trials) == 1
 
 
+def test_files_of_one_name_are_told_apart_by_their_folders(folder):
+    for name in "ab":
+        (folder / name).mkdir()
+        (folder / name / "run.csv").write_text("time,position\n0,0\n1,1\n")
+    whole = load_measurement(["a/run.csv", "b/run.csv"])
+    assert [record.name for record in whole.records()] == ["a/run.csv", "b/run.csv"]
+
+
+def test_rows_of_several_tables_are_trials_of_one_measurement(write):
+    files = [write(f"travel\n0.{i}\n0.{i}5\n", f"{i}.csv") for i in (1, 2)]
+    assert [r.travel for r in load_measurement(files).records()] == [0.1, 0.15, 0.2, 0.25]
+
+
 def test_no_files_and_mixed_files_are_refused(write):
     with pytest.raises(InputError, match=r"at least one file"):
         load_measurement([])
@@ -284,6 +324,21 @@ def test_samples_that_are_not_finite_are_dropped_and_counted(write):
     assert record.provenance == "data.csv; dropped 3 non-finite samples"
 
 
+def test_repairs_go_together_in_any_order(write):
+    file = write(DISORDERED + "nan,5\n")
+    for steps in (["sort", "gaps"], ["gaps", "sort"]):
+        assert load_measurement(file, repair=steps).time.size == 4
+
+
+def test_a_sound_record_is_not_changed_by_repair(write):
+    rng = np.random.default_rng(0)
+    rows = "\n".join(f"{t!r},{x!r}" for t, x in enumerate(map(float, rng.normal(size=500))))
+    file = write(f"time,position\n{rows}\n")
+    plain, repaired = load_measurement(file), load_measurement(file, repair=["sort", "gaps"])
+    np.testing.assert_array_equal(plain.position, repaired.position)
+    assert repaired.provenance == "data.csv"
+
+
 def test_a_word_is_no_gap(write):
     with pytest.raises(ParameterError, match=r"line 3: must be a finite number, got 'far'"):
         load_measurement(write("time,position\n0,0\n1,far\n2,4\n"), repair="gaps")
@@ -303,6 +358,15 @@ def test_a_word_is_no_gap(write):
 def test_what_no_repair_cures_stays_an_error(write, text, repair, message):
     with pytest.raises(InputError, match=message):
         load_measurement(write(text), repair=repair)
+
+
+def test_a_repaired_record_still_tells_of_its_gap(write):
+    rows = [
+        f"{t / 100},{np.sin(t / 10)}" if not 50 <= t < 80 else f"{t / 100}," for t in range(200)
+    ]
+    record = load_measurement(write("time,position\n" + "\n".join(rows) + "\n"), repair="gaps")
+    (gap,) = check(record).of("gap")
+    assert gap.numbers["samples"] == 30
 
 
 # --- no tables
@@ -331,6 +395,15 @@ def test_what_is_no_table_gives_one_short_message(write, text, message):
     assert str(caught.value).startswith("data.csv: ")
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 400
+
+
+def test_a_single_column_of_numbers_is_a_table(write):
+    assert load_measurement(write("travel [mm]\n72\n200\n")).records()[1].travel == 0.2
+
+
+def test_a_table_with_words_beside_its_numbers_is_read(write):
+    file = write("note,time,position\nfirst run,0,0\nstill on,1,1\n")
+    assert load_measurement(file).time.size == 2
 
 
 def struct_array(rows):

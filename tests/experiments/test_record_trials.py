@@ -54,6 +54,18 @@ def test_what_data_say_of_columns_holds_for_the_files_of_trials(rig):
         assert record.values("position").tolist() == pytest.approx([0.0, 0.001, 0.003], abs=1e-12)
 
 
+def test_a_trial_s_settings_can_be_set_from_outside(rig):
+    changed = rig(**{"trial.1.set.inertia": "7 kg"})
+    assert changed.measurement.records()[1].overrides == {"mechanism.inertia": 7.0}
+
+
+def test_the_digest_is_that_of_the_files_of_trials_too(rig, tmp_path):
+    before = rig().digest
+    with (tmp_path / "loaded.csv").open("a") as file:
+        file.write("3,6,10.4\n")
+    assert rig().digest != before
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -42,6 +42,12 @@ def test_columns_are_mapped_and_converted(write):
     np.testing.assert_array_equal(record.position, [0.0, 0.035])
 
 
+def test_a_unit_in_the_header_is_converted(write):
+    record = load_measurement(write("time [ms],position [mm]\n0,0\n240,35\n"))
+    np.testing.assert_array_equal(record.time, [0.0, 0.24])
+    np.testing.assert_array_equal(record.position, [0.0, 0.035])
+
+
 def test_a_header_with_a_unit_is_mapped_with_or_without_it(write):
     file = write("time,q [mm]\n0,0\n1,35\n")
     for column in ("q", "q [mm]"):
@@ -72,6 +78,11 @@ def test_parquet_is_read_like_csv(write, tmp_path):
 def test_common_dialects_of_csv_are_understood(write, text):
     record = load_measurement(write(text))
     np.testing.assert_array_equal(record.position, [0.5, 1.5])
+
+
+def test_a_file_without_time_may_be_a_friction_map(write):
+    record = load_measurement(write("velocity,friction\n0.1,2\n0.2,3\n"), uncertainty=None)
+    assert record.kind == "friction-map"
 
 
 def test_what_stands_in_no_file_is_given_with_it(write):
@@ -124,6 +135,10 @@ def test_what_all_trials_have_in_common_is_given_once(write):
     ).records()
     assert {trial.uncertainty["travel"] for trial in trials} == {0.005}
     assert {trial.overrides["mechanism.mass"] for trial in trials} == {2.0}
+
+
+def test_one_row_is_one_record(write):
+    assert load_measurement(write("travel\n0.1\n")).trials == ()
 
 
 def test_a_mechanism_lets_plain_names_stand_for_paths(write):
@@ -226,6 +241,12 @@ def test_a_broken_parquet_file_is_refused(write):
         load_measurement(write("time,position\n", "data.parquet"))
 
 
+def test_dates_are_seconds_since_the_first(write, tmp_path):
+    frame = pd.DataFrame({"time": pd.to_datetime(["2020-01-01", "2020-01-02"]), "position": [0, 1]})
+    frame.to_parquet(tmp_path / "data.parquet")
+    np.testing.assert_array_equal(load_measurement(tmp_path / "data.parquet").time, [0, 86_400])
+
+
 def test_another_kind_of_file_is_refused_with_a_cure(write):
     with pytest.raises(
         InputError, match=r"must be a .csv.* got .xls. Save other spreadsheets as CSV"
@@ -284,6 +305,13 @@ def test_a_typo_in_the_columns_of_a_rig_file_is_refused(tmp_path):
 def test_what_names_no_file_is_refused_with_what_to_make_of_it(given, kind, cure):
     with pytest.raises(InputError, match=f"takes a file name.*got {kind}: .*{cure}"):
         load_measurement(given)
+
+
+def test_files_may_come_from_anything_that_lists_them(write, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        write("time,position\n0,0\n1,1\n", name)
+    for files in (tmp_path.glob("*.csv"), {"a.csv": 1}.keys(), np.array(["a.csv", "b.csv"])):
+        assert {record.name for record in load_measurement(files).records()} <= {"a", "b"}
 
 
 # --- numbers and headers that cannot be read

@@ -45,6 +45,7 @@ from stickslip.mechanisms.drives import (
     SineSwing,
     SplineSwing,
     Square,
+    Sum,
     ThreePhase,
     TimedThreePhase,
 )
@@ -159,6 +160,13 @@ def test_forces_are_refused_where_the_record_tells_the_load(read):
     assert found.measurement is not None
 
 
+def test_the_bundled_rig_gives_the_closed_form_travel():
+    rig = load_rig()
+    run = simulate(rig.mechanism, rig.laws["coulomb"], t_end=rig.t_end)
+    # k x0^2 / (2 mu m g); the solver's error is below 1e-9 m.
+    assert run["x"][-1] == pytest.approx(0.5 / (0.25 * 9.81), abs=1e-9)
+
+
 def test_the_digest_is_that_of_the_file_and_changes_with_overrides():
     assert load_rig().digest == hashlib.sha256(BUNDLED).hexdigest()
     assert load_rig(overrides={"run.t_end": 5}).digest != load_rig().digest
@@ -168,6 +176,12 @@ def test_the_digest_is_that_of_the_file_and_changes_with_overrides():
 
 
 # --- what a file may say
+
+
+def test_a_mechanism_alone_is_a_rig(read):
+    rig = read(MECHANISM)
+    assert rig.title == "rig"
+    assert (rig.measurement, dict(rig.laws), rig.published) == (None, {}, ())
 
 
 def test_a_byte_order_mark_is_no_harm(read):
@@ -212,6 +226,19 @@ def test_the_ground_is_inclined_by_an_angle_in_degrees_or_radians(read, kind):
     assert read(text).mechanism.incline == 0.0
     with pytest.raises(InputError, match=r"incline \(beta\) must be at least -1.57 .* got 12"):
         read(text + "incline = 12\n")
+
+
+def test_a_list_of_drives_is_their_sum(read):
+    pulse = '[[mechanism.drive]]\ntype = "pulse"\nlevel = 1\nduration = 1\n'
+    assert isinstance(read(MECHANISM + pulse).mechanism.drive, Pulse)
+    both = read(MECHANISM + pulse + pulse).mechanism.drive
+    assert isinstance(both, Sum)
+    assert both.value(0.5) == 2.0
+
+
+def test_another_mechanism_is_chosen_by_its_type(read):
+    rig = read('[mechanism]\ntype="towed-block"\nmass="1 kg"\nstiffness="2 N/m"\nspeed="100 mm/s"')
+    assert rig.mechanism == TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)
 
 
 SWING = """[mechanism]
@@ -353,10 +380,21 @@ def test_a_bad_profile_gives_one_message_with_its_place(read, text, message):
         read(SWING + text)
 
 
+def test_a_law_is_known_when_all_its_parameters_are(read):
+    rig = read(f"{MECHANISM}[friction]\nkinetic_coefficient=0.2\nviscous_coefficient=0.1")
+    assert sorted(rig.laws) == ["coulomb", "coulomb-viscous", "viscous"]
+
+
 def test_a_law_s_own_value_goes_before_the_shared_one(read):
     text = "[friction]\nkinetic_coefficient=0.2\n[friction.coulomb]\nkinetic_coefficient=0.3\n"
     rig = read(MECHANISM + text)
     assert rig.laws["coulomb"].kinetic_coefficient == 0.3
+
+
+def test_levels_may_be_given_as_forces(read):
+    text = '[friction.dahl.forces]\nload="10 N"\nkinetic_force="2.5 N"\nbristle_stiffness=1e4\n'
+    law = read(MECHANISM + text).laws["dahl"]
+    assert (law.kinetic_coefficient, law.bristle_stiffness) == (0.25, 1000.0)
 
 
 def test_a_shared_assumption_is_one_of_every_law_that_uses_it(read):
@@ -407,6 +445,18 @@ def test_overrides_are_read_as_on_a_command_line():
 )
 def test_an_override_may_end_with_the_symbol_that_tables_print(path, full):
     assert load_rig(overrides={path: 0.3}).overridden == (full,)
+
+
+def test_an_override_may_be_a_whole_table():
+    drive = '{type = "pulse", level = "10 N", duration = "100 ms"}'
+    rig = load_rig(overrides={"mechanism.compression": "0", "mechanism.drive": drive})
+    assert rig.mechanism.drive == Pulse(level=10.0, duration=0.1)
+
+
+def test_an_override_of_a_parameter_replaces_its_value_given_as_a_force():
+    rig = load_rig(overrides={"friction.lugre.bristle_stiffness": "1e3 1/m"})
+    assert rig.laws["lugre"].bristle_stiffness == 1e3
+    assert "bristle_stiffness" not in rig.assumed["lugre"]
 
 
 @pytest.mark.parametrize(
@@ -661,6 +711,22 @@ def test_the_schema_takes_a_composed_law_in_a_table_and_alone():
     assert {"$ref": "#/$defs/Friction"} in friction["additionalProperties"]["anyOf"]
 
 
+def test_the_schema_says_units_and_ranges():
+    properties = rig_schema()["$defs"]["SpringBlock"]["properties"]
+    assert "beta" in str(properties["incline"])
+    mass = properties["mass"]
+    assert mass["x-unit"] == "kg"
+    assert mass["anyOf"][0] == {"type": "number", "exclusiveMinimum": 0}
+
+
+def test_every_default_in_the_schema_can_be_written_in_a_file():
+    def nulls(node):
+        items = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+        return (node is None) + sum(map(nulls, items))
+
+    assert nulls(rig_schema()) == 0
+
+
 def test_the_schema_allows_no_other_keys():
     schema = rig_schema()
     assert schema["additionalProperties"] is False
@@ -719,9 +785,31 @@ def test_a_rig_with_data_needs_no_friction(axis):
     assert axis().laws == {}
 
 
+def test_several_files_are_trials(axis):
+    text = AXIS + IN_FILE.replace('file = "record.csv"', 'files = ["record.csv", "again.csv"]')
+    assert len(axis(text).measurement.records()) == 2
+
+
+def test_a_second_record_is_read_alike(axis):
+    rig = axis(AXIS + IN_FILE + 'validate = "late.csv"\nrepair = ["sort"]\n')
+    assert rig.validate.time.tolist() == [8.0, 9.0]
+    assert rig.validate.values("position").tolist() == [0.001, 0.001]
+
+
 def test_a_force_is_held_unless_the_rig_says_that_its_samples_are_joined(axis):
     assert axis(AXIS + IN_FILE).hold is None
     assert axis(AXIS + IN_FILE + 'hold = "first"\n').hold == "first"
+
+
+def test_the_schema_knows_data_and_marks():
+    schema = rig_schema()
+    table = schema["$defs"]["DataTable"]["properties"]
+    reading = {"columns", "units", "gain", "offset", "repair", "hold", "conditions", "tolerance"}
+    reading |= {"motor_constant", "layout"}
+    assert {"file", "files", "validate"} | reading == {*table}
+    inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]
+    assert any("vary" in kind.get("properties", ()) for kind in inertia)
+    assert "friction" not in schema["required"]
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,10 @@ from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.contact_cases import coulomb
 
 from stickslip import BlockChain, EventDriven, LuGre, TwoFeet, load_rig
-from stickslip.data import LawEstimates, Rig, rig_toml
+from stickslip.data import LawEstimates, Rig, rig_schema, rig_toml
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import Laws
 from stickslip.mechanisms.drives import Pulse, Sine
 from stickslip.study.sweep import band_of
 
@@ -90,6 +91,12 @@ def test_a_rig_moves_as_its_mechanism_and_laws_in_python(read):
     assert run["x"][-1] == simulate(body, laws, t_end=1.0, y0={"x": 0.9}, solver=solver)["x"][-1]
 
 
+def test_without_tables_of_contacts_all_of_them_share_a_law(read):
+    rig = read(CLUTCHES)
+    assert rig.laws["coulomb"].kinetic_coefficient == 0.5
+    assert not rig.contacts
+
+
 def test_parts_and_their_drives_are_tables(read):
     press = Pulse(level=20.0, duration=10.0, start=0.4) + Sine(amplitude=1.0, frequency=1.0)
     assert read(CLUTCHES).mechanism == ClutchTrain(
@@ -111,6 +118,12 @@ def test_overrides_reach_a_law_of_one_contact_and_a_number_of_one_part(read):
 def test_a_contact_at_which_nothing_rubs_says_so(read):
     rig = read(FEET.replace(FRONT, 'front = "none"\n'))
     assert rig.law_by_contact() == {"front": None, "rear": coulomb(0.2, 0.3)}
+
+
+def test_a_contact_without_a_table_has_the_shared_values(read):
+    shared = "[friction]\nkinetic_coefficient = 0.5\n"
+    rig = read(FEET.replace("[friction]\n", shared).replace(FRONT, ""))
+    assert rig.law_by_contact()["front"] == coulomb(0.5, 0.7)
 
 
 def test_laws_are_chosen_by_name_for_all_contacts_or_for_each(read):
@@ -269,6 +282,20 @@ def test_what_is_written_is_read_back(read, mechanism, laws):
         assert law == (next(iter(laws.values())) if isinstance(laws, dict) else laws)
 
 
+def test_the_schema_leaves_room_for_contacts_of_which_it_knows_no_names():
+    friction = rig_schema()["$defs"]["Friction"]
+    assert {"$ref": "#/$defs/Friction"} in friction["additionalProperties"]["anyOf"]
+
+
+def test_the_schema_takes_names_and_intervals_by_contact():
+    """Without quotes, TOML makes a table of the contact in ``rear.kinetic_coefficient``."""
+    known = rig_schema()["$defs"]["EstimatesTable"]["properties"]
+    interval, table = known["intervals"]["additionalProperties"]["anyOf"]
+    assert interval["type"] == "array"
+    assert table == {"type": "object", "additionalProperties": interval}
+    assert [entry["type"] for entry in known["law"]["anyOf"]] == ["string", "object"]
+
+
 def test_rig_checks_names_of_contacts_and_states():
     body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
     with pytest.raises(UnknownNameError, match="'front'"):
@@ -307,6 +334,14 @@ def test_a_contact_that_slips_along_an_angle_takes_speeds_of_turning(read, share
     assert law.stribeck_velocity == pytest.approx(math.radians(3.0))
 
 
+def test_a_contact_that_slips_along_a_line_does_not(read):
+    axis = '[mechanism]\ntype = "axis"\ninertia = 1.0\n[friction]\n'
+    pendulum = axis.replace("axis", "pendulum").replace("inertia", "length = 0.5\nmass")
+    assert read(pendulum + SPEED) is not None
+    with pytest.raises(InputError, match=r"stribeck_velocity \(v_s\) must be in m/s.*deg/s"):
+        read(axis + SPEED)
+
+
 def test_more_contacts_than_can_be_simulated_are_refused(read):
     with pytest.raises(
         InputError, match=r"rig\.toml: mechanism\.blocks .* at most 1000, got 10000"
@@ -331,6 +366,17 @@ def test_estimates_by_contact_are_read_back_as_they_were_written(read):
     rig = read(rig_toml(BODY, LAWS, estimates=KNOWN))
     assert rig.estimates == KNOWN
     assert rig.law_by_contact() == LAWS
+
+
+def test_estimates_of_some_contacts_need_no_word_on_the_others(read):
+    own = """[estimates]
+law.rear = "coulomb"
+intervals.rear.kinetic_coefficient = [0.1, 0.3]
+[run]"""
+    rig = read(FEET.replace("[run]", own))
+    assert rig.estimates.intervals == {"rear.kinetic_coefficient": (0.1, 0.3)}
+    draws = rig.estimates.draw(Laws(members=tuple(rig.law_by_contact().items())), 3)
+    assert list(draws) == ["friction.rear.kinetic_coefficient"]
 
 
 @pytest.mark.parametrize(
@@ -372,6 +418,23 @@ def test_what_joints_have_in_common_makes_no_band():
     low, _, high = band_of(brake, laws, opposite, **asked).travel
     assert np.ptp(expected) > 1.0
     assert high - low < 1e-9 * low
+
+
+def test_all_coordinates_of_several_contacts_have_a_band():
+    chain = BlockChain(blocks=2, mass=1.0, coupling=4.0)
+    laws = {"block-1": coulomb(0.3, 0.5), "block-2": coulomb(0.2, 0.5)}
+    known = LawEstimates(
+        law={"block-2": "coulomb"}, intervals={"block-2.kinetic_coefficient": (0.15, 0.25)}
+    )
+    asked = {"t_end": 2.0, "count": 3, "y0": {"v1": 3.0}, "solver": PLAIN}
+    band = band_of(chain, laws, known, **asked)
+    assert set(band.states) == {"x1", "x2", "v1", "v2"}
+    for i in (0, 1, 2):
+        np.testing.assert_array_equal(band.states["x2"][i, -1], band.travels["x2"][i])
+    assert band.to_dict()["travel"].keys() == {"x1", "x2"}
+    assert "travel of x2" in band._repr_html_()
+    with pytest.raises(InputError, match=r"several coordinates, x1, x2"):
+        assert band.travel
 
 
 HOT = """

@@ -71,6 +71,12 @@ def test_overrides_reach_joints(read):
     assert rig.mechanism.joints[0].armature == 0.02
 
 
+def test_the_digest_of_a_rig_covers_its_description(read, tmp_path):
+    first = read(ARM).digest
+    (tmp_path / "arm.urdf").write_text(DESK.replace('value="0.8"', 'value="0.9"'))
+    assert load_rig(tmp_path / "rig.toml").digest != first
+
+
 def test_a_robot_is_written_and_read_again(read):
     rig = read(ARM)
     laws = rig.law_by_contact()

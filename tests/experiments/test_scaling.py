@@ -131,6 +131,18 @@ def test_a_coefficient_becomes_a_force_by_the_load_of_each_sample(read, unit):
     assert record.friction.tolist() == [-25.0, 10.0, 10.0]
 
 
+def test_a_coefficient_in_percent_is_a_hundredth(read):
+    load = [("load", [50, 50, 50])]
+    assert read("spring_force [%]", [-50, 25, 50], load).spring_force.tolist() == [-25, 12.5, 25]
+    by_gain = read("spring_force [%]", [-50, 25, 50], gain={"spring_force": 50})
+    assert by_gain.spring_force.tolist() == [-25, 12.5, 25]
+
+
+def test_the_offset_of_the_load_s_sensor_is_no_load(read):
+    record = read("friction [1]", [0.5, 0.5, 0.5], [("load", [50, 40, 30])], offset={"load": 10.0})
+    assert record.friction.tolist() == [20.0, 15.0, 10.0]
+
+
 def test_a_coefficient_takes_the_load_that_the_mechanism_states(read):
     record = read("friction [1]", [-0.5, 0.25, 0.5], mechanism=Axis(inertia=1.0, load=50.0))
     assert record.friction.tolist() == [-25.0, 12.5, 25.0]
@@ -153,6 +165,15 @@ def test_a_coefficient_about_an_axis_needs_a_radius(read):
         read("friction [1]", [0.1, 0.1, 0.1], turning)
     record = read("friction [1]", [0.1, 0.1, 0.1], turning, gain={"friction": 2.5})
     assert record.friction.tolist() == [0.25, 0.25, 0.25]
+
+
+def test_a_gain_of_minus_one_turns_the_sign_of_a_coefficient_that_has_a_load(read):
+    load = [("load", [50, 50, 50])]
+    record = read("friction [1]", [-0.5, 0.25, 0.5], load, gain={"friction": -1})
+    assert record.friction.tolist() == [25.0, -12.5, -25.0]
+    # any other gain is the load itself
+    stated = read("friction [1]", [-0.5, 0.25, 0.5], load, gain={"friction": 50})
+    assert stated.friction.tolist() == [-25.0, 12.5, 25.0]
 
 
 def test_the_load_of_a_block_is_its_weight_unless_it_is_given():
@@ -186,3 +207,10 @@ def test_friction_that_is_a_small_share_of_its_load_is_questioned(read, size, lo
     found = [finding for finding in check(record).of("units") if "coefficients" in finding.sentence]
     assert bool(found) == asked
     assert [finding.severity for finding in found] == ["warning"] * asked
+
+
+def test_a_load_of_the_mechanism_is_asked_too(read):
+    record = read("friction", [-0.15, 0.15, 0.15], [("velocity", [-1, 1, 2])])
+    loaded = check(record, mechanism=Axis(inertia=1.0, load=50.0))
+    assert "0.3 % of it" in loaded.of("units")[0].sentence
+    assert not check(record, mechanism=Axis(inertia=1.0)).of("units")

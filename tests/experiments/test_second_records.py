@@ -41,3 +41,12 @@ def test_what_differs_in_any_number_is_another_record(second):
 def test_a_record_with_one_quantity_more_is_the_same_record():
     with pytest.raises(InputError, match=SAME):
         refuse_same(TABLE, Measurement(velocity=V, friction=2.0 * np.sign(V), load=1.0))
+
+
+def test_times_alone_may_be_alike():
+    t = np.arange(20.0)
+    refuse_same(Measurement(time=t, position=0.1 * t), Measurement(time=t, position=0.2 * t))
+
+
+def test_single_numbers_may_be_alike():
+    refuse_same(Measurement(travel=0.2), Measurement(travel=0.2))

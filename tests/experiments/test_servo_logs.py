@@ -348,6 +348,13 @@ def test_joints_with_times_of_their_own_are_not_mixed(tmp_path):
         guess_robot(log, urdf)
 
 
+def test_a_channel_without_any_cell_drives_no_joint(tmp_path):
+    guess = guess_robot(*two_joints(tmp_path, **{"force.b": np.nan}))
+    assert guess.moving == ("a",)
+    assert "b" in guess.locked
+    assert not guess.repair
+
+
 def test_a_position_in_a_unit_of_another_kind_is_named(tmp_path):
     log, urdf = two_joints(tmp_path)
     log.write_text(log.read_text().replace("position.a", "position.a [mm]", 1))

@@ -66,6 +66,16 @@ def test_scattered_times_are_allowed():
     assert np.abs(error).max() < 0.02 * 0.1 * W
 
 
+def test_nothing_is_filtered_across_a_gap():
+    time = np.concatenate([TIME[:2000], TIME[2000:] + 1.0])
+    position = np.concatenate([np.zeros(2000), np.ones(2000)])
+    np.testing.assert_allclose(smooth(time, position), position, atol=1e-12)
+
+
+def test_a_line_stays_a_line_to_its_ends():
+    np.testing.assert_allclose(smooth(TIME, 2 + 3 * TIME), 2 + 3 * TIME, atol=1e-9)
+
+
 def test_noise_is_found_under_a_motion():
     rng = np.random.default_rng(1)
     seen = 0.1 * np.sin(W * TIME) + rng.normal(0, 1e-5, TIME.size)
@@ -78,6 +88,12 @@ def test_noise_is_found_under_a_motion():
 def test_the_step_of_rounded_numbers_is_found(step):
     values = np.rint(np.sin(11.0 * TIME) / step / 3) * step
     assert step_of(values) == pytest.approx(step, rel=1e-4)
+
+
+def test_numbers_that_are_not_rounded_have_no_step():
+    rng = np.random.default_rng(1)
+    for values in (rng.normal(size=5000), np.sin(W * TIME), TIME**2, np.zeros(10)):
+        assert step_of(values) == 0.0
 
 
 def test_levels_that_all_lie_within_half_a_step_have_none_and_warn_of_nothing():

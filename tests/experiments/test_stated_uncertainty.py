@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Measurement, check, load_measurement, load_rig
+from stickslip import Axis, Measurement, check, load_measurement, load_rig
 from stickslip.data import guess_data, guessed_rig, read_data, refuse_unused
 from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -117,6 +117,34 @@ def test_rows_of_tables_may_be_weighted_while_records_in_time_refuse_what_they_d
 
 # In files: units, gains and coefficients.
 
+READ = {
+    "the unit of the readings": ({"units": {"friction": "mN"}}, 1e-3 * U),
+    "its own unit": ({"units": {"friction_uncertainty": "mN"}}, 1e-3 * U),
+    "a gain is a sign": ({"gain": {"friction": -1}}, U),
+    "a gain of both": ({"units": {"friction": "V"}, "gain": {"friction": "-10 N/V"}}, 10 * U),
+    "a gain of the readings alone": (
+        {"units": {"friction": "V", "friction_uncertainty": "N"}, "gain": {"friction": 10}},
+        U,
+    ),
+    "a coefficient": ({"units": {"friction": "1"}, "mechanism": Axis(inertia=1, load=20)}, 20 * U),
+    "shares": ({"units": {"friction_uncertainty": "%"}}, U / 100 * np.abs(F)),
+    "shares of a coefficient": (
+        {
+            "units": {"friction": "1", "friction_uncertainty": "%"},
+            "mechanism": Axis(inertia=1, load=20),
+        },
+        U / 100 * 20 * np.abs(F),
+    ),
+    "a torque": ({"units": {"friction": "N cm"}}, 1e-2 * U),
+}
+
+
+@pytest.mark.parametrize(("how", "expected"), READ.values(), ids=READ)
+def test_uncertainties_become_si_as_the_readings_do(how, expected):
+    columns = {"velocity": "v", "friction": "F", "friction_uncertainty": "sd"}
+    record = load_measurement({"v": V, "F": F, "sd": U}, columns=columns, **how)
+    np.testing.assert_allclose(record.uncertainty["friction"], expected, rtol=1e-14)
+
 
 @pytest.mark.parametrize(
     ("given", "units", "expected"),
@@ -187,6 +215,10 @@ HALF_WIDTHS = [
     *("ci95 (N)", "F_ci95", "95 % CI", "95 %", "95 % (N)", "error (95 %)", "error [95 %]"),
     *("U95 (N)", "95% confidence [N]"),
 ]
+NONE = [
+    *("CI (N)", "ci90 (N)", "ci95 low (N)", "v error", "velocity_sd", "position error"),
+    *("tracking error", "M err", "x err", "load sd", "sd (mm/s)", "u (V)", "n", "error code"),
+]
 
 
 @pytest.mark.parametrize("header", [*HEADERS, *HALF_WIDTHS])
@@ -198,6 +230,13 @@ def test_the_column_of_uncertainties_beside_a_friction_is_known_by_its_name(writ
     assert (guess.columns["velocity"], guess.columns["friction"]) == ("v (m/s)", "F (N)")
     assert ("divided by 1.96" in guessed_rig(guess, file=path.name)) is half
     assert "friction_uncertainty  column" in guessed_rig(guess, file=path.name)
+
+
+@pytest.mark.parametrize("header", NONE)
+def test_a_column_that_is_no_uncertainty_of_friction_is_taken_for_none(write, header):
+    guess, found = found_in(write(text(f"v (m/s),F (N),{header}", V, F, U)))
+    assert found is None
+    assert set(guess.columns) == {"velocity", "friction"}
 
 
 TABLES = {
@@ -288,3 +327,7 @@ def test_check_says_what_is_stated_and_what_is_doubtful_of_it(doubt, severity, s
     (finding,) = check(record).of("uncertainty")
     assert said in str(finding)
     assert finding.severity == severity
+
+
+def test_check_is_silent_of_uncertainties_that_are_not_stated():
+    assert not check(replace(TABLE, uncertainty={})).of("uncertainty")

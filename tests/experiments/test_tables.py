@@ -73,6 +73,12 @@ def test_a_table_of_a_robot_log_is_read_by_the_names_of_its_topics():
     assert record.turning
 
 
+def test_several_tables_are_trials():
+    tables = [pd.DataFrame({"time": T, "position": k * X}) for k in (1, 2)]
+    trials = load_measurement(tables).trials
+    assert [trial.name for trial in trials] == ["table 1", "table 2"]
+
+
 def test_rows_of_a_table_in_memory_are_counted_from_one():
     table = pd.DataFrame({"time": T, "position": X}, index=range(50, 250))
     table.iloc[3, 1] = np.nan
@@ -181,6 +187,18 @@ def test_a_current_is_a_torque_by_the_constant_of_its_motor(tmp_path, constant):
     record = load_rig(tmp_path / "rig.toml").measurement
     assert (record.quantities(), record.turning) == (("position", "force"), True)
     np.testing.assert_allclose(record.force, F, rtol=1e-12)
+
+
+def test_a_motor_constant_with_its_unit_says_whether_the_axis_turns():
+    table = {"time": T, "position": X, "current": F}
+    assert load_measurement(table, motor_constant="2 N m/A").turning
+    assert not load_measurement(table, motor_constant="2 N/A").turning
+
+
+def test_a_gain_turns_the_sign_of_a_current():
+    table = {"time": T, "position": X, "current [A]": F}
+    record = load_measurement(table, motor_constant=2.0, gain={"current": -1})
+    np.testing.assert_allclose(record.force, -2.0 * F)
 
 
 def test_each_joint_has_a_motor_constant_of_its_own():

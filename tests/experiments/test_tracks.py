@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import check, load_measurement, load_rig
+from stickslip.data import rig_schema
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 
 PLANE = {"position": ["x", "y"]}
@@ -75,6 +76,11 @@ def test_exports_of_tracker_are_read_without_preparation(write, layout, encoding
     np.testing.assert_allclose(record.position, WAY, atol=2e-10)  # ten digits were written
 
 
+def test_units_in_the_header_of_tracker_are_heeded(write):
+    file = write(tracker(100 * tilted(WAY, jitter=0), names="t (s),x (cm),y (cm)"))
+    np.testing.assert_allclose(load_measurement(file, columns=PLANE).position, WAY, atol=2e-10)
+
+
 def test_frames_that_were_not_marked_are_gaps(write):
     file = write(tracker(tilted(WAY), blank=(0, 7, 59)))
     with pytest.raises(ParameterError, match=r"column 'x', line 3: .*repair=\"gaps\""):
@@ -82,6 +88,13 @@ def test_frames_that_were_not_marked_are_gaps(write):
     record = load_measurement(file, columns=PLANE, repair="gaps")
     assert record.time.size == 57
     assert "dropped 3 non-finite samples" in record.provenance
+
+
+def test_one_coordinate_is_read_as_it_stands(write):
+    points = tilted(WAY)
+    record = load_measurement(write(tracker(points)), columns={"position": "x"})
+    np.testing.assert_allclose(record.position, points[0], rtol=1e-9)
+    assert record.line is None
 
 
 TWO = "#multi:\n\tmass A\t\tmass B\t\t\nt\tx\ty\tx\ty\t\n" + "".join(
@@ -177,6 +190,11 @@ def test_what_cannot_be_read_gives_one_message_with_its_place(write, text, messa
         load_measurement(write(text, encoding="cp1252"), columns=PLANE)
 
 
+def test_stamps_are_times_in_any_table(write):
+    file = write("time,position\n0:00:59.50,0\n0:01:00.25,1\n1:00:00.00,2\n", "data.csv")
+    np.testing.assert_array_equal(load_measurement(file).time, [59.5, 60.25, 3600.0])
+
+
 # --- scale, units and settings
 
 
@@ -239,6 +257,13 @@ def test_a_rig_file_names_two_columns(write):
         load_rig(write(rig + columns.format('["x", "y"]'), "rig.toml"))
 
 
+def test_the_schema_of_rig_files_allows_two_columns_and_columns_by_joint():
+    columns = rig_schema()["$defs"]["DataTable"]["properties"]["columns"]
+    kinds = columns["additionalProperties"]["anyOf"]
+    assert [kind["type"] for kind in kinds] == ["string", "array", "object", "number"]
+    assert kinds[1]["minItems"] == kinds[1]["maxItems"] == 2
+
+
 # --- the line of motion
 
 
@@ -252,6 +277,15 @@ def test_the_way_is_positive_where_the_body_went_first(write, degrees):
         np.testing.assert_allclose(record.position, way, atol=4 * np.sqrt(2) * 3e-4)
         wrong = np.degrees(record.line.tilt) - degrees
         assert abs((wrong + 90) % 180 - 90) < 0.2  # jitter over spread and root of 60 is 0.03
+
+
+def test_a_body_that_recoils_first_goes_forward_all_the_same(write):
+    way = 0.2 * TIME / TIME[-1] - 0.03 * np.sin(np.pi * np.minimum(TIME / TIME[9], 1.0))
+    record = load_measurement(write(tracker(tilted(way, 10.0))), columns=PLANE)
+    assert way[3] < -0.01
+    np.testing.assert_allclose(record.position, way, atol=4 * np.sqrt(2) * 3e-4)
+    (one,) = check(record).of("line")
+    assert str(one).endswith("Positive is the direction of the net travel.")
 
 
 def test_a_jerk_within_the_jitter_gives_no_direction(write):

@@ -20,6 +20,7 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.data import read_data
 from stickslip.errors import InputError, ParameterError
+from stickslip.identify.kinds.records import error_text
 
 
 @pytest.fixture
@@ -63,6 +64,17 @@ def test_rates_may_be_in_turns_a_minute(read):
     assert record.turning
 
 
+def test_an_offset_of_a_straight_record_leaves_it_straight(read):
+    record = read("time [s],position [mm],force [N]", ROWS)
+    assert not record.turning
+    assert record.unit("position") == "m"
+
+
+def test_what_has_no_unit_goes_with_either_kind(read):
+    assert read("time,position [deg],force", ROWS).turning
+    assert not read("time,position,force [N]", ROWS).turning
+
+
 @pytest.mark.parametrize(
     "header", ["time,position [deg],force [N]", "time,position [mm],force [N m]"]
 )
@@ -74,6 +86,22 @@ def test_angles_do_not_go_with_forces_nor_lengths_with_torques(read, header):
 def test_frequencies_are_no_rates(read):
     with pytest.raises(InputError, match="not in Hz"):
         read("time,velocity [Hz],force [N m]", ROWS)
+
+
+def test_trials_turn_if_one_of_them_does():
+    time = np.arange(3.0)
+    trials = tuple(Measurement(time=time, position=time, turning=t) for t in (False, True))
+    assert Measurement(trials=trials).turning
+
+
+def test_checks_and_scores_speak_of_angles():
+    time = np.arange(2000) / 1000
+    position = 0.05 * np.sin(2 * np.pi * time)
+    found = check(Measurement(time=time, position=position, turning=True))
+    said = " ".join(found.sentences)
+    assert "rad/s" in said
+    assert "m/s" not in said.replace("rad/s", "")
+    assert error_text(0.00024, "position", turning=True) == "0.24 mrad"
 
 
 def test_a_joint_that_turned_a_hundred_times_is_no_doubtful_position():

@@ -120,6 +120,11 @@ def test_a_text_with_a_unit_is_the_float_one_would_write_in_si(text, unit, numbe
     assert read_number(text, Quantity("q", unit)) == number
 
 
+def test_degrees_become_radians():
+    # Decimal digits of pi in the unit library, one rounding.
+    assert read_number("180 deg", Quantity("phi", "rad")) == pytest.approx(math.pi, rel=1e-15)
+
+
 @pytest.mark.parametrize(
     ("value", "unit", "message"),
     [
@@ -155,6 +160,11 @@ def test_what_is_no_number_is_refused_with_the_symbol_and_a_cure(value, unit, me
 def test_ranges_are_checked_after_conversion_and_the_text_is_shown():
     with pytest.raises(ParameterError, match=r"\(m\) must be above 0 g, got '-1 g'"):
         read_number("-1 g", Quantity("m", "kg", above=0))
+
+
+def test_units_without_a_target_are_converted_to_si():
+    assert factor("mm", None) == 0.001
+    assert factor("N/mm", None) == 1000.0
 
 
 @given(st.text(max_size=30))

@@ -3,6 +3,8 @@
 import math
 import stat
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from stickslip import (
     Axis,
     Capsule,
     Coulomb,
+    FixedStep,
     Pendulum,
     PendulumCart,
     SpringBlock,
@@ -29,8 +32,21 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import MECHANISMS, InnerMass, Prescribed, Torque
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.show.plots import animation_html, draw_scene, standalone_svg
-from stickslip.show.plots.animations import MODE_COLOURS, Stage, moments_of
-from stickslip.show.plots.scenes import PICTURES, Arrow, Scales, bars, extent_of, scene_of
+from stickslip.show.plots.animations import _PAINTERS as PAINTERS
+from stickslip.show.plots.animations import MODE_COLOURS, Stage, frame_times, moments_of
+from stickslip.show.plots.scenes import (
+    PICTURES,
+    Arrow,
+    Ball,
+    Box,
+    Coil,
+    Rod,
+    Scales,
+    Turn,
+    bars,
+    extent_of,
+    scene_of,
+)
 from stickslip.show.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)
@@ -112,6 +128,73 @@ def test_every_scene_is_drawn_at_any_moment(name, runs):
     assert f"{run.span[1]:.3f} s" in svg
 
 
+def test_what_colours_mean_is_said_once_below_panels_side_by_side(runs):
+    svg = standalone_svg(draw_scene(runs["capsule"], CASES["capsule"][0], 1.0), size=(640, 400))
+    assert svg.count("yellow: stick, blue: slip back") == 1
+
+
+@pytest.mark.parametrize("name", ["spring-block", "pendulum-cart", "capsule"])
+@pytest.mark.parametrize("beta", [0.2, -0.1])
+def test_a_plumb_line_hangs_over_inclined_ground_as_gravity_points(name, beta):
+    mechanism = replace(CASES[name][0], incline=beta)
+    run = simulate(mechanism, LAW, t_end=0.3)
+    picture = PICTURES[mechanism.name](mechanism, run.sampled(50))
+    (moment,) = moments_of(run, mechanism, np.array([0.1]))
+    level = PICTURES[mechanism.name](CASES[name][0], run.sampled(50)).shapes(moment)
+    added = [shape for shape in picture.shapes(moment) if shape not in level]
+    _, line = only(added, Rod)
+    (top, bottom) = np.array(line.points)
+    down = (bottom - top) / np.hypot(*(bottom - top))
+    # in the frame of the ground gravity has -sin beta along x and -cos beta along the normal
+    np.testing.assert_allclose(down, [-math.sin(beta), -math.cos(beta)], rtol=1e-12)
+
+
+def test_the_cart_is_drawn_to_scale(runs):
+    for t in (0.0, 0.31, 0.8):
+        now, shapes = shapes_at("pendulum-cart", runs, t)
+        (rod,) = only(shapes, Rod)
+        pivot, ball = rod.points
+        assert pivot == pytest.approx((now["x"], 0.05))
+        assert math.dist(pivot, ball) == pytest.approx(0.3, rel=1e-12)
+        assert ball[0] - now["x"] == pytest.approx(-0.3 * math.sin(now["theta"]), abs=1e-12)
+        wheels = sorted(b.centre[0] for b in only(shapes, Ball) if b.centre[1] < 0.05)
+        assert wheels == pytest.approx([now["x"] - 0.4, now["x"] + 0.4])
+
+
+def test_the_pendulum_hangs_below_its_pivot(runs):
+    now, shapes = shapes_at("pendulum", runs, 0.4)
+    rod = only(shapes, Rod)[-1]
+    assert rod.points[0] == (0.0, 0.0)
+    assert rod.points[1] == pytest.approx(
+        (0.5 * math.sin(now["theta"]), -0.5 * math.cos(now["theta"]))
+    )
+
+
+def test_the_spring_ends_at_the_block_until_the_block_leaves_it(runs):
+    run = runs["spring-block"]
+    (leaving,) = (e.t for e in run.events if e.reason == "block leaves the spring")
+    now, shapes = shapes_at("spring-block", runs, 0.5 * leaving)
+    assert only(shapes, Coil)[0].end[0] == only(shapes, Box)[0].left == now["x"]
+    now, shapes = shapes_at("spring-block", runs, run.span[1])
+    assert only(shapes, Coil)[0].end[0] == pytest.approx(0.1)  # its natural length
+    assert only(shapes, Box)[0].left == now["x"] > 0.1
+
+
+def test_the_far_end_of_a_towed_block_moves_at_its_speed(runs):
+    ends = [only(shapes_at("towed-block", runs, t)[1], Coil)[0].end[0] for t in (0.0, 1.0)]
+    assert ends[1] - ends[0] == pytest.approx(0.1)
+
+
+def test_the_inner_mass_touches_the_stop_where_it_strikes_it(runs):
+    run = runs["capsule"]
+    t = next(event.t for event in run.events if event.reason == "xi hits stop")
+    _, shapes = shapes_at("capsule", runs, t)
+    post = next(box for box in only(shapes, Box) if box.fill == "solid")
+    mass = next(box for box in only(shapes, Box) if box.fill == "body")
+    # the event is located to rounding in time, at some tenths of a metre a second
+    assert post.left == pytest.approx(mass.left + mass.width, abs=1e-9)
+
+
 def test_a_motor_that_saturates_is_drawn_with_its_limit(runs):
     now, shapes = shapes_at("capsule", runs, 1.0 / 16.0)
     assert now["motor"] == pytest.approx(1.0)
@@ -150,6 +233,15 @@ def test_a_metre_is_as_long_upwards_as_along_and_the_key_is_as_long_as_it_says(n
     assert line.get_width() == pytest.approx(force * stage.painted.scales.metres)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_arc_of_a_torque_stays_above_its_centre(sign):
+    brush = SimpleNamespace(scales=Scales(metres=0.0, torque=2.0))
+    turn = Turn(centre=(0.0, 1.0), radius=0.5, value=2.0 * sign, role="drive")
+    arc, _ = PAINTERS[Turn](turn, brush)
+    # the largest torque of a run: from the top to the side, and no further
+    assert (arc.theta1, arc.theta2) == ((90.0, 180.0) if sign > 0 else (0.0, 90.0))
+
+
 def test_what_rubs_has_the_colour_of_its_mode(runs):
     mechanism, _ = CASES["pendulum-cart"]
     run = runs["pendulum-cart"]
@@ -166,6 +258,21 @@ def test_what_rubs_has_the_colour_of_its_mode(runs):
             seen.add(mode)
     assert seen == {-1, 0, 1}
     assert (MODE_COLOURS[0], MODE_COLOURS[1], MODE_COLOURS[-1]) == (STICK, SURFACE, SLIP_BACK)
+
+
+def test_the_view_follows_what_goes_far():
+    mechanism = TowedBlock(mass=1.0, stiffness=20.0, speed=0.1)
+    law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    run = simulate(mechanism, law, t_end=60.0)
+    with house_style():
+        figure = Figure(figsize=(12, 5), dpi=72)
+        FigureCanvasAgg(figure)
+        stage = Stage(figure, run, mechanism, until=60.0)
+        for moment in moments_of(run, mechanism, np.array([0.0, 30.0, 60.0])):
+            stage.show(moment)
+            left, right = stage.axes.get_xlim()
+            assert left < moment["x"] < right
+            assert right - left < 2.0  # of the 6 m that it goes
 
 
 @pytest.mark.parametrize(("fps", "stands", "frames"), [(10, 100, 16), (8, 120, 13), (33, 30, 51)])
@@ -214,6 +321,24 @@ def test_frames_over_a_still_picture_are_those_that_are_drawn_anew(name, runs):
     # edges that lie on each other are blended in another order
     assert np.mean(difference > 40) < 1e-3
     assert stage.painted.follows == (name == "towed-block")
+
+
+def test_pixels_of_the_body_are_those_of_its_mode(runs, tmp_path):
+    mechanism, _ = CASES["spring-block"]
+    run = runs["spring-block"]
+    path = animate(run, mechanism, tmp_path / "block.gif", fps=10, until=0.6, size=(880, 400))
+    expected = {0: STICK, 1: SURFACE}
+    with house_style():
+        _, stage = staged("spring-block", runs)
+    with Image.open(path) as gif:
+        for frame in (2, 6):
+            (moment,) = moments_of(run, mechanism, np.array([frame / 10]))
+            body = next(s for s in stage.painted.picture.shapes(moment) if isinstance(s, Box))
+            inside = (body.left + 0.15 * body.width, body.bottom + 0.85 * body.height)
+            x, y = stage.axes.transData.transform(inside)
+            gif.seek(frame)
+            colour = to_hex(np.array(gif.convert("RGB").getpixel((int(x), 400 - int(y)))) / 255)
+            assert colour == expected[round(moment["mode"])]
 
 
 def test_a_cancelled_animation_leaves_nothing(runs, tmp_path):
@@ -315,6 +440,15 @@ def test_a_run_of_another_mechanism_is_refused(runs, tmp_path):
         draw_scene(run, CASES["pendulum-cart"][0], "late")
 
 
+def test_runs_in_fixed_steps_are_drawn_too():
+    clock = CASES["pendulum"][0]
+    start = {"theta": 0.5}
+    run = simulate(
+        clock, Coulomb(kinetic_coefficient=0.02), t_end=1.0, y0=start, solver=FixedStep(dt=0.01)
+    )
+    assert "<svg" in standalone_svg(draw_scene(run, clock, 0.5), size=(880, 400))
+
+
 def test_without_ffmpeg_an_mp4_is_refused_with_the_cure(runs, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install ffmpeg"):
@@ -328,6 +462,16 @@ def ffmpeg(folder, body):
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
 
 
+def test_ffmpeg_is_given_every_frame(runs, tmp_path, monkeypatch):
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    ffmpeg(tools, "open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())")
+    monkeypatch.setenv("PATH", str(tools))
+    run, mechanism = runs["pendulum"], CASES["pendulum"][0]
+    path = animate(run, mechanism, tmp_path / "clock.mp4", fps=5, until=1.0, size=SMALL)
+    assert path.stat().st_size == 6 * 440 * 320 * 4
+
+
 def test_what_ffmpeg_complains_of_is_passed_on(runs, tmp_path, monkeypatch):
     tools = tmp_path / "tools"
     tools.mkdir()
@@ -336,6 +480,14 @@ def test_what_ffmpeg_complains_of_is_passed_on(runs, tmp_path, monkeypatch):
     with pytest.raises(InputError, match="Unknown encoder libx264"):
         animate(runs["pendulum"], CASES["pendulum"][0], tmp_path / "clock.mp4", fps=5, size=SMALL)
     assert list(tmp_path.iterdir()) == [tools]
+
+
+def test_the_animation_ends_some_time_after_the_body_has_arrived():
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=10.0)
+    last = frame_times(run, rig, fps=25, speed=1.0)[-1]
+    (stop,) = (event.t for event in run.events if event.reason == "stop")
+    assert stop < last < 2 * stop
 
 
 def test_a_page_has_the_animation_bounded_and_a_still_for_print(runs):

@@ -1,7 +1,10 @@
 """Plots on axes: those of the user, or new ones; settings of matplotlib stay as they are."""
 
 import inspect
+import itertools
+import sys
 import threading
+import warnings
 from dataclasses import dataclass, replace
 
 import matplotlib as mpl
@@ -19,6 +22,7 @@ from stickslip import (
     Measurement,
     Pendulum,
     SpringBlock,
+    Stribeck,
     TowedBlock,
     ensemble,
     fit,
@@ -32,9 +36,9 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.identify import kinds
 from stickslip.identify.candidates import Candidate, Verdict, Wording
 from stickslip.identify.fits import Fit
-from stickslip.mechanisms.drives import Sine
+from stickslip.mechanisms.drives import Sampled, Sine
 from stickslip.show import plots
-from stickslip.show.display import InPanels, html_of
+from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.study.characterization import presliding_loop
 from stickslip.study.sweep import band_of, basins, validate
 from stickslip.study.sweep.mean_velocity import VelocityMap
@@ -182,6 +186,23 @@ def test_a_notebook_shows_the_text_of_a_result_whose_summary_fails(results):
     assert bad._repr_html_().startswith("<pre>&lt;Trajectory: &lt;stickslip")
 
 
+def test_a_figure_in_a_notebook_warns_of_nothing(results):
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always")
+        results["ensemble"]._repr_html_()
+    assert seen == []
+
+
+def test_long_tables_of_a_notebook_are_cut_and_texts_are_escaped():
+    rows = [(f"<b>{i}", float("nan")) for i in range(MOST_ROWS + 3)]
+    page = html_of(lambda: Summary(sentence="a < b", head=("x", "y"), rows=rows), "nothing")
+    assert page.startswith("<p>a &lt; b</p><table><tr><th>x</th>")
+    assert "<td>&lt;b&gt;" in page or "<td>&lt;b" in page
+    assert page.count("<tr>") == MOST_ROWS + 1
+    assert "<p>3 more rows.</p>" in page
+    assert "nan" not in page
+
+
 def test_a_plot_of_something_else_names_what_can_be_plotted():
     with pytest.raises(
         InputError, match="no plot for a str; there is one for Trajectory, Ensemble"
@@ -270,6 +291,15 @@ def test_a_drawing_that_fails_leaves_no_figure_and_no_settings_behind(results):
     assert settings() == before
 
 
+def test_a_plot_fills_a_subfigure_and_leaves_its_neighbour_alone(results):
+    figure = plt.figure(layout="constrained")
+    left, right = figure.subfigures(1, 2)
+    panels = results["run"].plot(left)
+    assert [axes.get_figure() for axes in panels] == [left] * 3
+    assert right.axes == []
+    figure.canvas.draw()
+
+
 def test_what_the_reader_set_of_letters_size_colours_and_lines_holds(results):
     cycle = mpl.cycler(color=["#d62728", "#2ca02c"])
     own = {"figure.dpi": 137.0, "font.size": 23.0, "figure.figsize": (7.0, 5.0)}
@@ -287,6 +317,46 @@ def test_what_the_reader_set_of_letters_size_colours_and_lines_holds(results):
     assert plain.xaxis.label.get_size() == 11.5
     assert plain.lines[0].get_color() == plots.C1
     assert first.get_linewidth() == 2.0 * plain.lines[0].get_linewidth()
+
+
+@pytest.mark.parametrize("kind", ["run", "map", "basins"])
+def test_a_style_sheet_for_dark_paper_leaves_no_dark_letters_on_it(kind, results):
+    with plt.style.context("dark_background"):
+        panels = np.atleast_1d(results[kind].plot())
+        assert panels[0].figure.get_facecolor() == (0.0, 0.0, 0.0, 1.0)
+        texts = [text for axes in panels for text in axes.findobj(mpl.text.Text)]
+        shown = [text for text in texts if text.get_text()]
+        assert min(sum(mpl.colors.to_rgb(text.get_color())) for text in shown) > 1.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_in_a_column_of_a_journal_letters_are_small_and_labels_keep_apart(kind, results):
+    with mpl.rc_context({"figure.figsize": (3.5, 2.6)}):
+        panels = np.atleast_1d(results[kind].plot())
+    figure = panels[0].figure
+    figure.canvas.draw()
+    assert tuple(figure.get_size_inches()) == (3.5, 2.6)
+    sizes = {t.get_size() for t in figure.findobj(mpl.text.Text) if t.get_text()}
+    assert 6.0 <= min(sizes) <= max(sizes) < 9.0
+    boxes = [axes.yaxis.label.get_window_extent() for axes in panels]
+    column = [box for box in boxes if abs(box.x0 - boxes[0].x0) < 20.0]
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(column, 2))
+
+
+def test_two_laws_share_axes():
+    ax = plots.plot_law(LAW, Figure().add_subplot(), load=4.0)
+    again = plots.plot_law(DAHL, ax, load=8.0)
+    assert again is ax
+    tops = [float(np.nanmax(line.get_ydata())) for line in ax.lines if len(line.get_ydata()) > 2]
+    assert tops == pytest.approx([1.0, 2.0], rel=1e-12)  # mu N, no more than a rounding off
+
+
+def test_a_plot_shows_what_the_run_has():
+    run = simulate(BLOCK, LAW, t_end=1.0)
+    first, *_ = plots.plot_run(run, Figure())
+    end = float(first.lines[0].get_ydata()[-1])
+    assert end == pytest.approx(run["x"][-1], rel=1e-12)  # the same number
+    assert len(plots.plot_run(run, Figure(), normal_force=True)) == 4
 
 
 def test_a_run_without_x_and_v_is_plotted_by_its_own_names():
@@ -342,6 +412,29 @@ def test_a_verdict_of_a_record_is_plotted_as_its_band_with_the_law(results):
     assert widest[:, 1].min() < verdict.friction.median.min()
 
 
+def test_residuals_of_simulated_segments_have_a_panel_for_what_is_known():
+    time = np.arange(240) / 40.0
+    force = 6.0 * np.sin(5.0 * time)
+    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)
+    driven = Axis(inertia=1.0, drive=Sampled(times=time, values=force))
+    position = simulate(driven, law, t_end=float(time[-1])).at(time)["x"]
+    position = position + 1e-5 * np.random.default_rng(0).normal(size=time.size)
+    record = Measurement(time=time, position=position, force=force)
+    found = fit(Axis(inertia=1.0), CoulombViscous, record, route="shooting")
+    panels = plots.plot_residuals(found, Figure())
+    assert [axes.get_xlabel() for axes in panels] == ["time, s", "velocity, m/s", "position, m"]
+
+
+def test_estimates_are_a_table_with_a_row_each(results):
+    found = results["record fit"]
+    frame = found.to_dataframe()
+    assert list(frame["parameter"]) == [estimate.path for estimate in found.estimates]
+    assert list(frame["value"]) == [estimate.value for estimate in found.estimates]
+    assert (frame["low"] <= frame["value"]).all()
+    single = results["travel fit"].to_dataframe()
+    assert single["symbol"].tolist() == ["mu_k"]
+
+
 def test_grids_and_ensembles_are_datasets_with_units(results):
     data = results["map"].to_xarray()
     assert data["velocity"].dims == ("drive.frequency", "mass")
@@ -361,6 +454,13 @@ def test_grids_and_ensembles_are_datasets_with_units(results):
     assert row["attractor"] == found.index[-1, -1]
 
 
+@pytest.mark.parametrize("kind", ["run", "ensemble", "map", "basins"])
+def test_a_dataset_without_xarray_says_what_to_install(kind, results, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(InputError, match=r"pip install 'stickslip\[xarray\]', or use to_dataframe"):
+        results[kind].to_xarray()
+
+
 def test_threads_that_show_results_do_not_mix_their_settings(results):
     before = settings()
     pages: list[str] = []
@@ -373,6 +473,11 @@ def test_threads_that_show_results_do_not_mix_their_settings(results):
     assert len(set(pages)) == 1
     assert "<svg" in pages[0]
     assert settings() == before
+
+
+def test_a_law_named_in_the_table_of_plots_is_found_by_its_base():
+    law = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.05)
+    assert plots.plot(law, Figure()).get_title("left") == law.title
 
 
 def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
@@ -407,6 +512,20 @@ def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
     )
     with pytest.raises(InputError, match=r"no law has a held-out error to plot\. One only\."):
         plots.plot_verdict(verdict)
+
+
+def test_what_a_backend_sets_as_it_is_loaded_outlasts_the_first_plot(tmp_path, monkeypatch):
+    """The backend of notebooks makes matplotlib interactive, or no later figure would be shown."""
+    lines = ["from matplotlib.backends.backend_agg import *", "import matplotlib"]
+    (tmp_path / "showing.py").write_text("\n".join([*lines, "matplotlib.interactive(True)"]))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(plt, "_backend_mod", None)
+    with mpl.rc_context():
+        mpl.rcParams["backend"] = "module://showing"
+        assert not mpl.is_interactive()
+        plt.close(plots.plot_law(LAW).figure)
+        assert mpl.is_interactive()
+    mpl.use("agg")
 
 
 def test_a_law_without_memory_has_no_presliding_to_plot():

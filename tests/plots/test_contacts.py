@@ -1,7 +1,8 @@
 """Figures of runs with several contacts."""
 
+import numpy as np
 import pytest
-from benchmarks.several.brakes import ClutchTrain, Lining, Rotor
+from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from matplotlib.figure import Figure
 from tests.contact_cases import coulomb
 
@@ -37,6 +38,15 @@ def test_a_raster_says_what_its_colours_mean_those_of_open_contacts_too(train):
     assert contact_sizes(train)["wide"][1] < 900
 
 
+def test_a_raster_without_open_contacts_does_not_speak_of_them():
+    mechanism = ClutchTrain(
+        rotors=[Rotor(inertia=1.0)] * 8, clutches=[Lining(radius=1.0, load=20.0)] * 7
+    )
+    run = simulate(mechanism, coulomb(0.5), t_end=0.2, y0={"omega": 10.0}, solver=PLAIN)
+    (axes,) = drawn(draw_contacts(run))
+    assert "open" not in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
 def test_coordinates_of_one_unit_stand_in_one_panel():
     cart = PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0)
     run = simulate(cart, coulomb(0.05), t_end=0.5, y0={"theta": 3.0}, solver=PLAIN)
@@ -44,3 +54,18 @@ def test_coordinates_of_one_unit_stand_in_one_panel():
     wheels, pivot = (axes.get_ylabel() for axes in drawn(draw_contacts(run)))
     assert wheels == "friction, N"
     assert pivot.endswith("N m")
+
+
+def test_many_coordinates_are_curves_without_names(train):
+    (axes,) = drawn(draw_states(train))
+    assert axes.get_ylabel() == "phi to psi7, rad"
+    assert axes.get_legend() is None
+    assert len(axes.lines) == 8
+
+
+def test_one_contact_at_a_radius_has_a_panel_too():
+    brake = DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, load=10.0),))
+    run = simulate(brake, coulomb(0.3), t_end=1.0, y0={"omega": 1.0}, solver=PLAIN)
+    (axes,) = drawn(draw_contacts(run))
+    assert axes.get_title(loc="left") == "pad-1"
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), 3.0)  # 0.3 of 10 N, while it slips

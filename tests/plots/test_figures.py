@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from tests.support import quick, wide_only
+from tests.support import for_all, quick, wide_only
 
 from stickslip import (
     Axis,
@@ -17,18 +17,22 @@ from stickslip import (
     LuGre,
     SpringBlock,
     Stribeck,
+    TowedBlock,
     Viscous,
     simulate,
 )
+from stickslip.identify import kinds
 from stickslip.mechanisms.drives import Pulse, Sine
+from stickslip.show import plots
 from stickslip.show.plots import inline_svg
-from stickslip.show.plots.axes import dense
+from stickslip.show.plots.axes import Curve, dense, grouped, horizon, label_curves, looks, wrapped
 from stickslip.show.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
     draw_presliding,
     presliding_sizes,
 )
+from stickslip.show.plots.measurements import SKETCHES, sketch
 from stickslip.show.plots.runs import (
     FRICTION_SIZES,
     LOOP_SIZES,
@@ -44,8 +48,10 @@ from stickslip.show.plots.studies import (
     draw_cycles,
     draw_excitations,
     draw_fixed_steps,
+    excitation_colours,
     fixed_step_sizes,
 )
+from stickslip.show.plots.theme import C1
 from stickslip.study.control import PID, closed_loop
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -150,6 +156,39 @@ def test_a_figure_is_labelled(figures, name):
     assert not re.search(r"\b(?:nan|inf)\b|#[0-9a-f]{6}", svg)
 
 
+def test_stick_and_slip_are_said_once(figures):
+    draw, sizes, _ = figures["run"]
+    words = texts_of(inline_svg(draw, alt="Run", prefix="r", **sizes), "fw")
+    assert (words.count("stick"), words.count("slip")) == (1, 1)
+
+
+def test_names_of_events_stand_above_the_panel_and_not_on_its_curve():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    named = []
+
+    def draw(figure, narrow):
+        draw_run(simulate(block, law, t_end=30.0))(figure, narrow)
+        panel = figure.axes[1]
+        figure.draw_without_rendering()
+        top = panel.get_window_extent().y1
+        named.extend(text.get_text() for text in panel.texts)
+        assert all(text.get_window_extent().y0 >= top for text in panel.texts)
+
+    inline_svg(draw, alt="Run", prefix="r", **RUN_SIZES)
+    assert {"break-away", "stop"} <= set(named)
+
+
+@for_all(plots.__all__)
+def test_a_figure_can_be_imported_from_its_room(name):
+    assert getattr(plots, name) is not None
+
+
+def test_every_drawing_is_named_by_its_room():
+    drawn = {name for name in globals() if name.startswith("draw_")}
+    assert drawn <= {*plots.__all__, *kinds.__all__}
+
+
 def test_no_line_joins_the_velocities_before_and_after_a_body_hits_a_stop():
     drive = Sine(amplitude=60.0, frequency=2.0)
     axis = Axis(inertia=3.0, lower_stop=-0.02, upper_stop=0.02, restitution=0.4, drive=drive)
@@ -175,6 +214,17 @@ def test_the_axis_of_fixed_steps_names_a_stop_only_where_there_is_one(runs):
     }  # fmt: skip
 
 
+def test_stick_slip_that_goes_on_is_shown_to_its_end():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    assert horizon(simulate(block, law, t_end=30.0)) > 25.0
+
+
+def test_a_run_that_has_stopped_is_not_shown_for_long(runs):
+    stop = runs["Coulomb"].events[-1].t
+    assert stop < horizon(runs["Coulomb"]) < 1.5 * stop
+
+
 def test_friction_jumps_upright_at_an_event(runs):
     seen = dense(runs["Coulomb"])
     stop = runs["Coulomb"].events[-1].t
@@ -182,6 +232,87 @@ def test_friction_jumps_upright_at_an_event(runs):
     assert seen["friction"][at - 1] == pytest.approx(0.25 * 9.81)
     assert seen["friction"][at] == 0.0
     assert seen.t[at] - seen.t[at - 1] < 1e-15
+
+
+@pytest.mark.parametrize("kind", SKETCHES)
+def test_a_sketch_is_one_small_drawing_with_the_mass_on_the_block(kind):
+    svg = sketch(kind, alt="Rig", prefix=kind, mass="2 kg")
+    assert svg.count("<svg") == 1
+    assert "2 kg" in svg
+    assert ("10 N" in svg) is (kind == "push")
+
+
+def test_the_chosen_series_is_blue_and_broad_and_no_two_of_25_look_alike():
+    names = [f"law {i}" for i in range(25)]
+    found = looks(names, "law 7")
+    assert found["law 7"].colour == C1
+    # the others are thin and lie upon it, so that both are seen where they coincide
+    assert found["law 7"].order < min(look.order for n, look in found.items() if n != "law 7")
+    rivals = {look[:2] for name, look in found.items() if name != "law 7"}
+    assert len(rivals) == 20  # five colours in four dashes; beyond, labels alone
+
+
+def test_the_reading_that_is_taken_is_blue():
+    colours = excitation_colours(dict.fromkeys("ABCDEF"), "B")
+    assert colours["B"] == C1
+    assert len(set(colours.values())) == 6
+
+
+def test_series_are_grouped_only_if_they_never_part():
+    bent = np.array([0.0, 1.0, 0.0])
+    assert grouped({"a": np.zeros(3), "b": bent, "c": np.zeros(3)}, 0.1) == [
+        (0.0, ("a", "c")),
+        (0.0, ("b",)),
+    ]
+
+
+def test_names_are_wrapped_without_being_cut():
+    assert wrapped(["Coulomb + viscous", "Dahl"], 5) == ["Coulomb + viscous,", "Dahl"]
+
+
+def test_names_of_curves_keep_clear_of_curves_and_of_each_other():
+    boxes = []
+
+    def draw(figure, narrow):
+        axes = figure.add_subplot()
+        x = np.linspace(0, 1, 50)
+        curves = [Curve(x, level + 0 * x, f"level {level}", C1) for level in (0.0, 0.5, 1.0)]
+        for curve in curves:
+            axes.plot(curve.x, curve.y)
+        axes.margins(y=0.2)
+        label_curves(axes, curves)
+        boxes.append(sorted(text.get_position()[1] for text in axes.texts))
+        heights = sorted(text.xy[1] for text in axes.texts)
+        assert np.diff(heights).min() > 0.2
+
+    inline_svg(draw, alt="Levels", prefix="l")
+    assert len(boxes) == 2
+
+
+def test_a_curve_of_which_nothing_is_drawn_costs_nothing():
+    named = []
+
+    def draw(figure, narrow):
+        axes = figure.add_subplot()
+        x, nothing = np.linspace(0, 1, 50), np.zeros(0)
+        axes.plot(x, x)
+        curves = [Curve(nothing, nothing, "left", C1), Curve(x, x, "here", C1)]
+        label_curves(axes, [*curves, Curve(x, np.nan * x, "lost", C1)])
+        named.append([text.get_text() for text in axes.texts])
+
+    inline_svg(draw, alt="Curves", prefix="c")
+    assert named == [["here"], ["here"]]
+
+
+def test_a_fixed_step_run_that_ends_before_the_exact_stop_is_drawn_empty(runs):
+    fixed = simulate(RIG, COULOMB, t_end=0.1, solver=FixedStep(dt=0.001))
+    svg = inline_svg(
+        draw_fixed_steps(runs["Coulomb"], {"1 ms": fixed}),
+        alt="Steps",
+        prefix="e",
+        **fixed_step_sizes(1),
+    )
+    assert "exact" in texts_of(svg, "fw")
 
 
 def test_a_closed_loop_shows_its_reference_and_what_breaks_it_away() -> None:

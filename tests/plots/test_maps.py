@@ -1,5 +1,7 @@
 """Figures of campaigns show what was found, and where the direction turns."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -66,6 +68,14 @@ def test_a_map_without_any_velocity_is_drawn_with_the_reason():
     assert "Lift-off" in panel.get_legend().get_texts()[0].get_text()
 
 
+def test_a_map_has_its_colours_even_about_zero_and_units_of_small_velocities():
+    found = velocity_map({"a": [1, 2], "b": [1, 2, 3]}, [[0.02, 0.01, -0.01], [0.01, 0.0, -0.01]])
+    axes, bar = drawn(draw_velocity_map(found))
+    assert axes.collections[0].get_clim() == pytest.approx((-20.0, 20.0))
+    assert bar.get_ylabel() == "mean velocity, mm/s"
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("b, Hz", "a, Hz")
+
+
 def test_three_parameters_are_no_map():
     found = velocity_map({"a": [1], "b": [1], "c": [1]}, [[[1.0]]])
     with pytest.raises(InputError, match="fix all but two"):
@@ -114,6 +124,14 @@ def test_branches_are_solid_where_stable_and_dashed_where_not(branches):
         )
         wanted = sum((branch.stable == kind).sum() for branch in branches.branches)
         assert wanted <= shown <= wanted + 4 * len(branches.branches)
+
+
+def test_marks_of_events_do_not_cover_each_other(branches):
+    marks = []
+    for times in (1, 3):
+        (axes,) = drawn(draw_orbits(replace(branches, branches=branches.branches * times)))
+        marks.append([line for line in axes.lines if line.get_marker() in "oD^vs*"])
+    assert len(marks[0]) == len(marks[1]) > 0
 
 
 def test_a_state_at_the_start_of_a_cycle_is_drawn_on_request(branches):

@@ -78,6 +78,19 @@ def test_where_one_direction_was_measured_laws_are_drawn_in_that_alone(side):
     assert min(abs(low), abs(high)) < 0.06 * (high - low)
 
 
+def test_no_name_stands_across_the_line_at_rest():
+    v = np.linspace(0.002, 0.1, 100)
+    friction = 2.5 + 10.0 * v
+    axes = drawn(draw_friction_map(v, friction, RISING, 1.0, chosen="Coulomb + viscous"))[0]
+    names = [text for text in axes.texts if text.get_text() in RISING]
+    assert len(names) == 2
+    for text in names:
+        box = text.get_window_extent()
+        ends = axes.transData.inverted().transform([(box.x0, box.y0), (box.x1, box.y1)])[:, 0]
+        # how wide letters are is estimated when names are placed: one of them at most
+        assert ends.min() > -0.01 * np.ptp(axes.get_xlim())
+
+
 STRIBECK = Stribeck(
     kinetic_coefficient=0.3,
     static_coefficient=0.45,
@@ -90,6 +103,25 @@ READINGS = {
         CoulombViscous(kinetic_coefficient=0.32, viscous_coefficient=0.26), 0.0
     ),
 }
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("slowest", [0.01, 1e-4])
+def test_names_keep_off_the_readings_of_a_table_and_off_its_axis(seed, narrow, slowest):
+    rng = np.random.default_rng(seed)
+    v = np.geomspace(slowest, 0.5, 16) if slowest < 1e-3 else np.linspace(slowest, 0.5, 40)
+    friction = STRIBECK.steady(v, 1.0) + 0.02 * rng.standard_normal(len(v))
+    draw = draw_friction_map(v, friction, READINGS, 1.0, chosen="Stribeck", low_speeds=False)
+    (axes,) = drawn(draw, narrow=narrow)
+    names = [text for text in axes.texts if text.get_text() in READINGS]
+    assert len(names) == 2
+    dots, frame = axes.transData.transform(np.column_stack([v, friction])), axes.get_window_extent()
+    for text in names:
+        box = text.get_window_extent()
+        assert box.x0 > frame.x0
+        inside = (dots > [box.x0, box.y0]) & (dots < [box.x1, box.y1])
+        assert not inside.all(axis=1).any()
 
 
 def test_readings_in_one_direction_over_powers_of_ten_have_a_logarithmic_axis():
@@ -107,6 +139,12 @@ def test_readings_in_one_direction_over_powers_of_ten_have_a_logarithmic_axis():
         np.testing.assert_allclose(y[moving], expected[moving], rtol=1e-9)
 
 
+def test_a_direction_with_a_few_noisy_points_counts_as_not_measured():
+    v = np.concatenate([np.linspace(0.002, 0.1, 400), [-1e-4, -2e-4]])
+    draw = draw_friction_map(v, 2.0 + 10.0 * v, RISING, 1.0, chosen="Coulomb")
+    assert all((series(drawn(draw)[0])[c][0] >= 0.0).all() for c in (C1, C2))
+
+
 def test_the_chosen_law_is_the_one_that_is_called_chosen():
     v = np.linspace(-1.0, 1.0, 400)
     laws = {name: RISING[name] for name in ("Coulomb", "Coulomb + viscous")}
@@ -114,3 +152,11 @@ def test_the_chosen_law_is_the_one_that_is_called_chosen():
         axes = drawn(draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen=chosen))[0]
         said = [text.get_text().replace("\n", " ") for text in axes.texts]
         assert [text for text in said if text.startswith("chosen: ")] == [f"chosen: {chosen}"]
+
+
+@pytest.mark.parametrize("chosen", RISING)
+def test_the_chosen_law_of_a_map_is_solid_and_the_other_is_dashed(chosen):
+    v = np.linspace(-0.1, 0.1, 100)
+    (axes, *_) = drawn(draw_friction_map(v, 20.0 * v, RISING, 1.0, chosen=chosen))
+    styles = {line.get_color(): line.get_linestyle() for line in axes.get_lines()}
+    assert (styles[C1], styles[C2]) == ("-", "--")

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from benchmarks.several.brakes import DiscBrake, Lining
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
@@ -12,15 +13,18 @@ from tests.contact_cases import Arm, coulomb
 from tests.support import SEVERAL, SHOWN
 
 from stickslip import EventDriven, simulate
-from stickslip.mechanisms import MECHANISMS, Link, SerialArm
+from stickslip.mechanisms import MECHANISMS, Link, Robot, RobotJoint, SerialArm
 from stickslip.show.plots import draw_scene, standalone_svg
-from stickslip.show.plots.animations import MODE_COLOURS, Stage, artists_of, moments_of
+from stickslip.show.plots.animations import MODE_COLOURS, Stage, artists_of, frame_times, moments_of
 from stickslip.show.plots.scenes import PICTURES, Ball, Box, Ground, bars, scene_of
 from stickslip.show.plots.theme import SLIP_BACK, STICK, house_style
 
 PLAIN = EventDriven(tier="python")
 CASES = {name: rig for name, rig in SEVERAL.items() if rig.name in MECHANISMS}
 CASES["two-link-arm"] = SHOWN["two-link-arm"]
+BRAKE = DiscBrake(
+    inertia=0.5, pads=(Lining(radius=0.10, load=100.0), Lining(radius=0.12, load=80.0))
+)
 
 
 def run_of(mechanism, t_end=0.4, y0=None):
@@ -83,6 +87,28 @@ def test_joints_of_an_arm_are_drawn_where_they_are():
     tip, _, second = (shape.centre for shape in shapes if isinstance(shape, Ball))
     assert tip == pytest.approx(end)
     assert second == pytest.approx(elbow)
+
+
+def test_a_slide_is_drawn_along_its_axis():
+    robot = Robot(
+        joints=(
+            RobotJoint(joint="lift", kind="prismatic", mass=1.0, place=(0.0, 0.0, 0.1)),
+            RobotJoint(joint="arm", parent="lift", mass=1.0, centre_x=0.2, inertia_zz=0.1),
+        )
+    )
+    one, other = (
+        next(s for s in shapes_of(robot, run_of(robot, y0={"lift": z}), 0.0) if isinstance(s, Box))
+        for z in (0.0, 0.5)
+    )
+    assert other.bottom > one.bottom + 0.3
+    middles = [box.left + 0.5 * box.width for box in (one, other)]
+    assert middles[0] == pytest.approx(middles[1], abs=1e-12)
+
+
+def test_an_animation_ends_after_the_last_coordinate_has_arrived():
+    run = run_of(BRAKE, t_end=8.0, y0={"omega": 5.0})
+    times = frame_times(run, BRAKE, fps=5.0, speed=1.0)
+    assert 0.1 < times[-1] < 2.0
 
 
 def test_a_mechanism_that_nobody_has_drawn_is_shown_by_bars_in_the_colours_of_its_contacts():

@@ -6,6 +6,8 @@ from xml.etree import ElementTree
 import matplotlib as mpl
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from stickslip.show.plots import svg, theme
@@ -47,14 +49,38 @@ def test_black_left_by_matplotlib_follows_the_theme_as_ink():
     assert "stroke:var(--ink)" in svg.inline_svg(arrow, alt="Line", prefix="a")
 
 
+def test_a_small_sketch_is_drawn_once():
+    text = svg.inline_svg(cloud, alt="Sketch", prefix="s", wide=(250, 120), narrow=None)
+    assert text.count("<svg") == 1
+    assert 'class="one"' in text
+
+
+def test_a_figure_placed_by_hand_needs_no_layout():
+    def sketch(figure: Figure, narrow: bool) -> None:
+        figure.add_axes((0, 0, 1, 1)).plot([0, 1], [0, 1])
+
+    assert "<path" in svg.inline_svg(sketch, alt="Sketch", prefix="s")
+
+
 def test_the_text_of_a_label_is_never_rewritten():
     text = svg.inline_svg(cloud, alt="Cloud", prefix="map")
     assert 'Coulomb &amp; "viscous" id="x" 1.23456' in text
 
 
+def test_three_thousand_points_cost_less_than_fifty_kilobytes():
+    assert len(svg.inline_svg(cloud, alt="Cloud", prefix="map")) < 2 * 50_000
+
+
 def test_merged_points_keep_their_size_colour_and_opacity():
     text = svg.inline_svg(cloud, alt="Cloud", prefix="map")
     assert "stroke:var(--data);stroke-width:2.5;stroke-linecap:round;stroke-opacity:0.6" in text
+
+
+def test_markers_of_another_shape_are_left_as_they_are():
+    def squares(figure: Figure, narrow: bool) -> None:
+        figure.add_subplot().plot(np.arange(50), "s", color=theme.C3)
+
+    assert svg.inline_svg(squares, alt="Squares", prefix="s").count("<use") >= 100
 
 
 def test_two_figures_of_one_page_share_no_id_and_every_reference_is_defined():
@@ -67,6 +93,10 @@ def test_two_figures_of_one_page_share_no_id_and_every_reference_is_defined():
 def test_inline_figures_name_no_network_address_style_sheet_or_script():
     text = svg.inline_svg(cloud, alt="Cloud", prefix="map")
     assert not re.search(r"http|<style|<script|<metadata|font-family|xmlns", text)
+
+
+def test_the_same_drawing_gives_the_same_text():
+    assert svg.inline_svg(cloud, alt="C", prefix="a") == svg.inline_svg(cloud, alt="C", prefix="a")
 
 
 def test_the_readers_own_settings_change_nothing_and_are_kept():
@@ -82,6 +112,12 @@ def test_a_saved_file_is_the_same_each_time(tmp_path, suffix):
     assert first == second
 
 
+def test_a_file_has_the_light_colours_on_paper():
+    text = svg.standalone_svg(cloud, title="Cloud")
+    assert {theme.C1, theme.C2, theme.DATA, theme.SURFACE} <= set(re.findall("#[0-9a-f]{6}", text))
+    assert ElementTree.fromstring(text).get("aria-label") == "Cloud"
+
+
 def test_an_unknown_file_type_is_refused_with_the_known_ones(tmp_path):
     with pytest.raises(ValueError, match=r"png, svg, pdf, got 'a\.gif'"):
         svg.save(cloud, tmp_path / "a.gif")
@@ -93,6 +129,63 @@ def test_an_unknown_file_type_is_refused_with_the_known_ones(tmp_path):
 def test_a_figure_without_description_or_with_an_odd_prefix_is_refused(alt, prefix):
     with pytest.raises(ValueError, match=r"alt|prefix"):
         svg.inline_svg(cloud, alt=alt, prefix=prefix)
+
+
+def test_no_two_colours_of_the_palette_are_equal():
+    names = [
+        "INK",
+        "MUTED",
+        "LINE",
+        "DATA",
+        "C1",
+        "C2",
+        "C3",
+        "C4",
+        "STICK",
+        "SLIP_BACK",
+        "SURFACE",
+    ]
+    assert len({getattr(theme, name) for name in names}) == len(names) == len(theme.VARIABLES)
+
+
+def test_bands_that_touch_become_one():
+    axes = Figure().add_subplot()
+    theme.shade(axes, [(2, 3), (0, 1), (1, 1.5), (0.2, 0.4)])
+    assert sorted(patch.get_x() for patch in axes.patches) == [0, 2]
+
+
+def test_names_of_curves_that_end_close_together_do_not_overlap():
+    figure = Figure(figsize=(5, 3), dpi=72, layout="constrained")
+    axes = figure.add_subplot()
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    ends = [(0.50, "Dahl", theme.C1), (0.51, "LuGre", theme.C2), (0.505, "Stribeck", theme.C3)]
+    theme.label_column(axes, 1, ends)
+    figure.draw_without_rendering()
+    boxes = sorted(text.get_window_extent().y0 for text in axes.texts)
+    # Text boxes differ by fractions of a pixel with their ascenders.
+    assert np.diff(boxes).min() > 11
+
+
+positions = st.lists(st.floats(-1e3, 1e3), max_size=12)
+
+
+@given(positions, st.floats(0, 100))
+def test_spread_positions_keep_the_gap_and_the_order(wanted, gap):
+    placed = theme.spread(wanted, gap)
+    order = sorted(range(len(wanted)), key=lambda i: (wanted[i], i))
+    steps = np.diff([placed[i] for i in order])
+    # Sums of 12 terms of up to 2e3 carry rounding of about 1e-12.
+    assert (steps >= gap - 1e-9).all()
+    assert len(placed) == len(wanted)
+
+
+@given(positions, st.floats(0, 100))
+def test_spreading_does_not_move_the_mean_and_leaves_good_positions_alone(wanted, gap):
+    placed = theme.spread(wanted, gap)
+    if wanted:
+        assert np.mean(placed) == pytest.approx(np.mean(wanted), abs=1e-9)
+    if len(wanted) < 2 or np.diff(sorted(wanted)).min() > gap + 1e-9:
+        assert placed == pytest.approx(wanted, abs=1e-9)
 
 
 def symbols(figure: Figure, narrow: bool) -> None:

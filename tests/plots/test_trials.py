@@ -48,6 +48,15 @@ def test_trials_are_coloured_from_blue_to_orange_by_a_number():
     assert [line.get_color() for line in points] == colours
 
 
+def test_texts_have_a_place_and_a_colour_each():
+    found = comparison({"oil": "dry"}, {"oil": "wet"}, {"oil": "dry"}, {})
+    level, *_, curves = drawn(draw_trials(found), narrow=True)
+    assert [text.get_text() for text in level.get_xticklabels()] == ["dry", "wet"]
+    colours = [line.get_color() for line in curves.get_lines()]
+    assert colours[0] == colours[2] != colours[1]
+    assert len(set(colours)) == 3  # without the condition it is grey
+
+
 def test_trials_without_conditions_are_numbered():
     level, *_ = drawn(draw_trials(comparison({}, {})))
     assert level.get_xlabel() == "trial"
@@ -56,6 +65,16 @@ def test_trials_without_conditions_are_numbered():
 def test_a_condition_that_no_trial_has_is_refused():
     with pytest.raises(UnknownNameError, match="condition"):
         draw_trials(comparison({"run": 1}, {"run": 2}), condition="temperature")
+
+
+def test_a_trial_called_as_another_is_numbered_has_its_own_curve():
+    first, second = comparison({"run": 1}, {"run": 2}).fit.measurement.records()
+    slow = dataclasses.replace(second, velocity=0.1 * np.asarray(second.velocity))
+    records = [dataclasses.replace(first, name="trial 2"), slow]
+    again = compare_trials(Axis(inertia=1.0), CoulombViscous, Measurement(trials=tuple(records)))
+    assert [trial.number for trial in again.trials] == [0, 1]
+    *_, curves = drawn(draw_trials(again))
+    assert max(curves.get_lines()[0].get_xdata()) > 0.2  # m/s, of the faster trial
 
 
 def test_a_comparison_without_trials_is_not_drawn():

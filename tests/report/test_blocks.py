@@ -1,9 +1,12 @@
 """Blocks refuse what would make a report useless or wrong."""
 
+import dataclasses
 import math
 import re
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from stickslip.show import report
 
@@ -22,6 +25,11 @@ def test_a_list_of_the_opening_has_at_most_three_items(name):
     lists = {"cannot_tell": ("One thing.",), name: ("a", "b", "c", "d")}
     with pytest.raises(ValueError, match=f"{name}: at most 3 items, got 4"):
         report.Opening(**OPENING, **lists)
+
+
+def test_blocks_cannot_be_changed():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        TEXT.text = "Other."
 
 
 @pytest.mark.parametrize(
@@ -106,6 +114,20 @@ def test_a_bar_needs_an_end_and_a_dot_takes_none():
         report.Mark(kind="dot", at=1.0, to=2.0)
 
 
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.floats(0, 1))
+def test_positions_on_a_linear_axis_are_percent_of_its_length(low, width, share):
+    axis = report.Axis(low=low, high=low + width)
+    # Near 1e6 a width of 1e-3 keeps about 7 digits.
+    assert axis.position(low + share * (axis.high - low)) == pytest.approx(100 * share, abs=1e-4)
+
+
+@given(st.floats(1e-6, 1e3), st.floats(1.1, 1e6), st.floats(0, 1))
+def test_equal_ratios_have_equal_lengths_on_a_log_axis(low, ratio, share):
+    axis = report.Axis(low=low, high=low * ratio, log=True)
+    # The logarithm of a ratio near 1.1 loses about two of sixteen digits.
+    assert axis.position(low * ratio**share) == pytest.approx(100 * share, abs=1e-9)
+
+
 def test_an_infinite_interval_is_clipped_and_gets_an_arrow_at_each_open_end():
     axis = report.Axis(low=0.1, high=10, log=True)
     bar = report.Mark(kind="bar", at=0.0, to=math.inf).shapes(axis)
@@ -114,6 +136,30 @@ def test_an_infinite_interval_is_clipped_and_gets_an_arrow_at_each_open_end():
     assert [s.kind for s in report.Mark(kind="dot", at=11).shapes(axis)] == ["above"]
     assert [s.kind for s in report.Mark(kind="bar", at=-2, to=-1).shapes(axis)] == ["below"]
     assert report.Mark(kind="dot", at=math.nan).shapes(axis) == ()
+
+
+def test_ticks_at_the_ends_do_not_stick_out_and_have_true_minus_signs():
+    axis = report.Axis(low=-1, high=1, ticks=(-1, 0, 1))
+    assert axis.placed_ticks() == (
+        ("0%", "−1", "first"),
+        ("50%", "0", "middle"),
+        ("100%", "1", "last"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("ticks", "texts"),
+    [
+        ((3.998, 4.0, 4.002), ["3.998", "4", "4.002"]),
+        ((13.8, 13.85, 13.9), ["13.8", "13.85", "13.9"]),
+        ((2.398, 2.3995, 2.401), ["2.398", "2.3995", "2.401"]),
+        ((0.01, 1.0, 100.0), ["0.01", "1", "100"]),
+        ((0.0, 0.25, 0.5), ["0", "0.25", "0.5"]),
+    ],
+)
+def test_numbers_of_ticks_stand_where_they_say(ticks, texts):
+    axis = report.Axis(low=ticks[0], high=ticks[-1], ticks=ticks)
+    assert [tick.text for tick in axis.placed_ticks()] == texts
 
 
 def test_a_pure_number_in_a_table_has_no_unit():

@@ -3,7 +3,7 @@
 import pytest
 from tests.contact_cases import coulomb
 
-from stickslip import BlockChain, EventDriven, simulate
+from stickslip import BlockChain, EventDriven, TwoFeet, simulate
 from stickslip.data import Rig
 from stickslip.friction import Laws
 from stickslip.show.report import ContactsReport, contacts_page
@@ -37,3 +37,11 @@ def test_a_contact_at_which_nothing_rubs_is_named():
     page = page_of(chain, laws, 1.0, {"v1": 2.0})
     assert "Nothing rubs at block-2." in page
     assert "could not be made" not in page
+
+
+def test_a_run_that_ends_early_says_so():
+    body = TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.5)
+    run = simulate(body, coulomb(0.8), t_end=1.0, y0={"v": 1.0}, solver=PLAIN, throw=False)
+    rig = Rig(title="Rig", mechanism=body)
+    page = contacts_page(ContactsReport(rig=rig, friction=coulomb(0.8), run=run))
+    assert "The run ends early" in page

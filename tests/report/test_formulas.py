@@ -9,7 +9,8 @@ from tests.support import for_all
 
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_EQUATIONS, law, laws
-from stickslip.show.report.markup import formula_text, symbol_text
+from stickslip.show.report import Math, Page, Section, render
+from stickslip.show.report.markup import branches, formula_text, symbol_text
 
 LATEX = [form.formula for form in (*PRINTED_EQUATIONS, *laws().values())]
 
@@ -83,3 +84,47 @@ def test_every_command_of_every_formula_is_seen_in_its_text(latex):
 def test_what_plain_text_cannot_show_is_refused_and_never_left_out(latex):
     with pytest.raises(InputError, match="not known"):
         formula_text(latex)
+
+
+def test_rows_of_unlike_length_and_a_last_break_are_no_error():
+    cut = branches(r"x = \begin{cases} a & b \\ c \\ \end{cases}, y")
+    assert cut is not None
+    assert cut.rows == (("a", "b"), ("c", ""))
+    assert cut.after == ", y"
+    assert branches("x = 1") is None
+    # an escaped ampersand parts no cells
+    assert branches(r"\begin{cases} a \& b & c \end{cases}").rows == ((r"a \& b", "c"),)
+
+
+@for_all(LATEX)
+def test_the_page_sets_a_brace_that_needs_no_font_with_tall_glyphs(latex):
+    section = Section(id="a", nav="A", heading="A", blocks=(Math(latex=latex, tag="(1)"),))
+    page = render(Page(title="A", subject="", kicker="", sections=(section,), footer=""))
+    body = page.partition("<main")[2]
+    assert "<mtable" not in body
+    assert body.count('<svg class="brace"') == latex.count(r"\begin{cases}")
+    assert body.count(' class="on"') == latex.count(r"\quad {}")
+
+
+def test_a_fraction_in_an_exponent_is_not_set_at_half_size():
+    section = Section(id="a", nav="A", heading="A", blocks=(Math(latex="x"),))
+    page = render(Page(title="A", subject="", kicker="", sections=(section,), footer=""))
+    rule = re.search(r"\.math msup > :nth-child\(2\):has\(mfrac\) \{([^}]*)\}", page)
+    assert rule is not None
+    assert "math-style: normal" in rule[1]
+    # on a phone too letters are no smaller than 12 px in the exponent, 16 px of which .82 are left
+    size = float(re.search(r"font-size: (\.\d+)em", rule[1])[1])
+    phone = page[page.index("@media", page.index(".math msup")) :]
+    assert size * float(re.search(r"\.math \{ font-size: (\d+)px", phone)[1]) > 12.0
+
+
+def test_a_sum_keeps_its_sign_and_what_it_is_over():
+    assert formula_text(r"F = \textstyle\frac{\sigma_0}{4} \sum_i z_i N") == "F = (σ₀/4) ∑_i z_i N"
+
+
+def test_an_index_of_two_letters_stays_one_index_and_a_power_above_it_is_kept():
+    assert formula_text(r"|k_{ms} \tau_m| + q_e \tau_e^2") == "|k_ms τ_m| + q_e τ_e²"
+    text = formula_text(
+        r"Q = \begin{cases} a & x > 0 \\ b & x < 0 \end{cases} \text{ where } y = 0"
+    )
+    assert text.splitlines()[-1].endswith("x < 0  where y = 0")

@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from markupsafe import Markup
 
 from stickslip.show.report import markup
 
@@ -73,9 +74,33 @@ def test_the_small_markup_becomes_html_and_the_rest_is_escaped(text, html):
     assert markup.inline(text) == html
 
 
+def test_markup_is_not_escaped_twice():
+    assert markup.inline(markup.symbol("v")) == markup.symbol("v")
+    assert markup.plain(Markup("<b>a</b> &lt; b")) == "a < b"
+
+
+@pytest.mark.parametrize(
+    ("text", "glued"),
+    [
+        ("10 N for 0.1 s", "10~N for 0.1~s"),
+        ("158 ± 4 N s/m", "158~±~4~N~s/m"),
+        ("1.9 % of 3 × 2", "1.9~% of 3~×~2"),
+        ("6 models in 2 sets", "6 models in 2 sets"),
+    ],
+)
+def test_no_line_break_parts_a_number_from_its_unit(text, glued):
+    assert markup.inline(text).replace("\N{NO-BREAK SPACE}", "~") == glued
+
+
 @given(st.text(alphabet=st.sampled_from("ab<>&\"'$*`^_{}0- \n\u202e"), max_size=40))
 def test_no_text_can_make_a_tag_of_its_own(text):
     assert Tags(markup.inline(text)).names <= {"i", "b", "code", "sup", "sub"}
+
+
+@given(st.text(alphabet="ab<>&\"' ", max_size=40))
+def test_text_without_markup_reads_back_unchanged(text):
+    assert Tags(markup.inline(text)).content == text
+    assert markup.plain(text) == text
 
 
 def test_an_equation_is_mathml_without_an_address():
@@ -99,6 +124,25 @@ def test_an_equation_cannot_carry_a_script(latex):
     text = markup.mathml(latex)
     assert not re.search(r"<(?!/?(math|m[a-z]+)\b)|href=", text)
     Tags(text)
+
+
+@pytest.mark.parametrize(
+    ("latex", "gaps"),
+    [
+        (r"\mu \sin\theta", [("sin", "0.17em", "0.17em")]),
+        (r"a \operatorname{sgn}(v)", [("sgn", "0.17em", "0")]),
+        (r"(\sin\theta - \cos(x))", [("sin", "0", "0.17em"), ("cos", "0.17em", "0")]),
+    ],
+)
+def test_the_name_of_a_function_stands_apart_from_its_factors_and_close_to_brackets(latex, gaps):
+    operators = re.findall(r'<mo lspace="([^"]*)" rspace="([^"]*)">([a-z]+)<', markup.mathml(latex))
+    assert [(name, left, right) for left, right, name in operators] == gaps
+
+
+def test_superscripts_and_subscripts_of_plain_text_are_not_read_as_other_numbers():
+    assert markup.plain("10^{−6} m, x_{0}, |v|^{n}, e^{a+b}, F_{max}") == (
+        "10⁻⁶ m, x₀, |v|^n, e^(a+b), F_max"
+    )
 
 
 def test_an_equation_that_cannot_be_read_is_refused_by_its_text():

@@ -207,6 +207,41 @@ def test_the_same_page_gives_the_same_file():
     assert render(everything()) == render(everything())
 
 
+def test_a_page_with_figures_is_smaller_than_six_hundred_kilobytes(text):
+    assert len(text.encode()) < 600_000
+
+
+def test_twenty_five_rows_may_break_over_printed_pages_and_short_tables_may_not(text):
+    assert text.count('<tr class="muted">') == 22
+    assert re.findall(r'<table class="(rows[^"]*)"', text) == ["rows long", "rows", "rows"]
+
+
+def test_a_name_of_forty_characters_may_be_broken(text):
+    assert len(LONG_NAME) == 40
+    assert LONG_NAME in text
+    assert re.search(r"tbody th \{[^}]*overflow-wrap: anywhere", text)
+
+
+def test_marks_stand_at_their_percentage_and_an_infinite_interval_ends_in_an_arrow(text):
+    at = f"{100 * math.log(0.24 / 0.1) / math.log(200):.2f}%"
+    assert f'<span class="dot k-c1" style="left:{at}' in text
+    assert text.count('class="above k-c1"') == 1
+    assert '<i class="reference" style="left:40%">' in text
+
+
+def test_on_a_phone_cells_are_labelled_or_hidden_and_the_axis_stands_above(text):
+    assert 'data-label="error, mm"' in text
+    assert '<td class="n hide">' in text
+    assert text.count('class="phone-axis"') == 1
+
+
+def test_contents_are_reachable_on_a_phone_and_left_out_in_print_only(text):
+    style = text[text.index("<style>") : text.index("</style>")]
+    screen = style[: style.index("@media print {\n  @page")]
+    assert not re.search(r"nav \{[^}]*display: none", screen)
+    assert "nav { position: sticky" in screen[screen.index("max-width: 1020px") :]
+
+
 def test_a_collapsed_section_shows_its_heading_and_opens_without_a_script():
     blocks = (report.Paragraph(text="Inside."),)
     closed = report.Section(id="a", nav="A", heading="Finding", blocks=blocks, collapsed=True)
@@ -215,6 +250,11 @@ def test_a_collapsed_section_shows_its_heading_and_opens_without_a_script():
     assert page.index("<p>Inside.</p>") < page.index("</details>")
     with pytest.raises(InputError, match="needs a heading to open it by"):
         dataclasses.replace(closed, heading="")
+
+
+def test_letters_of_equations_need_no_font_for_mathematics(text):
+    """Browsers put single letters into an alphabet that other fonts lack, unless told not to."""
+    assert re.search(r"\.math mi \{ text-transform: none; font-style: italic \}", text)
 
 
 def test_no_number_is_shown_as_nan_or_infinity(text):
@@ -245,6 +285,20 @@ def test_the_style_sheet_uses_every_class_and_variable_it_defines_and_no_other(t
     assert variables <= set(re.findall(r"var\((--[a-z0-9-]+)", text)) | {
         f"--{name}" for name in VARIABLES.values()
     }
+
+
+def test_the_page_and_the_figures_have_the_same_light_colours(text):
+    light = re.search(r":root \{(.*?)\}", text, re.DOTALL)[1]
+    page = dict(re.findall(r"--([a-z0-9-]+): (#[0-9a-f]{6})", light))
+    assert {name: page[name] for name in VARIABLES.values()} == {n: c for c, n in VARIABLES.items()}
+
+
+def test_a_file_is_replaced_whole_and_leaves_no_draft(tmp_path):
+    path = tmp_path / "report.html"
+    path.write_text("old")
+    assert write(everything(), str(path)) == path
+    assert path.read_text(encoding="utf-8").endswith("</html>\n")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
 
 
 def test_a_page_that_cannot_be_rendered_leaves_the_old_file(tmp_path):

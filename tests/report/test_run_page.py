@@ -14,6 +14,7 @@ from stickslip import (
     Capsule,
     Coulomb,
     Dahl,
+    FixedStep,
     LuGre,
     Pendulum,
     PendulumCart,
@@ -117,6 +118,12 @@ def test_every_section_can_be_made_of(case):
     assert "The run is certified" in said
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("case", RUNS)
+def test_every_section_can_be_made_for_phones_too(case):
+    test_every_section_can_be_made_of(case)
+
+
 def test_the_page_of_the_reference_cart_says_its_numbers():
     said = texts(run_page(about(CART, COULOMB, 5 * SWING.period)))
     assert "The cart moves 63.5 mm in a cycle of 0.724 s" in said
@@ -124,6 +131,14 @@ def test_the_page_of_the_reference_cart_says_its_numbers():
     assert "24.86" in said  # the first cycle
     assert "does not hold: lowest velocity −6.1" in said
     assert "0.314 mm back-slip in the last cycle" in said
+
+
+def test_an_axis_that_is_held_does_not_move_in_any_cycle():
+    held = Axis(inertia=1.0, drive=Sine(amplitude=0.5, frequency=2.0))
+    said = texts(run_page(about(held, Coulomb(kinetic_coefficient=1.0), 2.0)))
+    assert "The axis does not move" in said
+    assert "does not move in any cycle" in said
+    assert "advances" not in said
 
 
 def test_a_swing_from_rest_to_rest_is_a_motion():
@@ -152,6 +167,22 @@ def test_a_range_has_the_unit_and_the_last_digit_of_the_number_beside_it():
     subject = about(BLOCK, COULOMB, 2.0)
     assert subject.range_beside(Spread(0.0982, 0.0999, 0.1017), 0.0999) == "98.2 to 101.7 mm"
     assert subject.range_beside(Spread(0.0, 0.0, 0.2), 0.0) == "0.00 to 0.20 m"
+
+
+def test_of_very_many_cycles_some_are_shown_and_the_others_are_said_to_be_left_out():
+    said = texts(run_page(about(CART, COULOMB, 30 * SWING.period)))
+    assert "Of 30 cycles the first 8 are shown" in said
+    assert "Cycles 7 to 26 of 30 are left out" in said
+
+
+def test_a_run_in_fixed_steps_has_no_certificate():
+    run = simulate(BLOCK, COULOMB, t_end=1.0, solver=FixedStep(dt=0.01))
+    subject = RunReport(
+        rig=Rig(title="Rig", mechanism=BLOCK), law=COULOMB, run=run, fixed_step=0.01
+    )
+    said = texts(run_page(subject))
+    assert "Fixed steps have no certificate" in said
+    assert "could not be made" not in said
 
 
 def test_a_measured_travel_is_compared_with():
@@ -195,3 +226,13 @@ def test_a_section_that_fails_is_one_line(monkeypatch):
     said = texts(run_page(about(BLOCK, COULOMB, 1.0)))
     assert "This section could not be produced. ZeroDivisionError: no motion." in said
     assert "The run is certified" in said
+
+
+@pytest.mark.parametrize(
+    ("law", "sticks"), [(Viscous(viscous_coefficient=0.5), False), (STRIBECK, True)]
+)
+def test_captions_speak_of_sticking_where_the_cart_sticks(law, sticks):
+    run = simulate(CART, law, t_end=2.0)
+    assert bool(run.stick_spans()) is sticks
+    text = run_page(RunReport(rig=Rig(mechanism=CART), law=law, run=run))
+    assert ("the cart sticks" in text, "where it sticks" in text) == (sticks, sticks)

@@ -1,6 +1,7 @@
 """A verdict from Python is written as the command writes it."""
 
 import json
+import re
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -20,6 +21,7 @@ from stickslip import (
     simulate,
     write_report,
 )
+from stickslip.cli import main
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
 from stickslip.identify.kinds import drawn_laws, write_verdict
@@ -60,6 +62,48 @@ def test_page_document_and_law_say_what_the_verdict_says(verdict, tmp_path):
     rig = load_rig(folder / "law.toml")
     assert rig.laws["coulomb-viscous"] == verdict.best.fit.law
     assert rig.mechanism.load == 4.0
+
+
+def test_without_a_title_page_and_document_are_named_after_the_mechanism(verdict, tmp_path):
+    page = write_report(verdict, tmp_path / "report")
+    assert "<title>Friction model selection: Axis<" in page.read_text(encoding="utf-8")
+    content = json.loads(page.with_name("verdict.json").read_text(encoding="utf-8"))
+    assert content["rig"] == "Axis"
+    block = SpringBlock(mass=1.0)
+    assert block.title == stickslip.Rig(mechanism=block).heading == "Spring block"
+    assert stickslip.Rig(mechanism=block, title="Slide").heading == "Slide"
+
+
+@pytest.mark.slow
+def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict, tmp_path):
+    lines = [f"{v!r},{f!r}" for v, f in zip(SPEED.tolist(), FRICTION.tolist(), strict=True)]
+    data = tmp_path / "table.csv"
+    data.write_text("\n".join(["v [m/s],F [N]", *lines]) + "\n", encoding="utf-8")
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        'title = "Slide"\n[mechanism]\ntype = "axis"\ninertia = "1 kg"\nload = "4 N"\n'
+        '[data]\nfile = "table.csv"\ncolumns = { velocity = "v [m/s]", friction = "F [N]" }\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(SystemExit) as leaving:
+        main(["select", str(rig), "--laws", "coulomb,coulomb-viscous", "-o", str(tmp_path / "cli")])
+    assert not leaving.value.code
+    seen = load_rig(rig)
+    own = select(seen.mechanism, ["coulomb", "coulomb-viscous"], seen.measurement)
+    write_report(own, tmp_path / "python", title="Slide")
+    assert names(tmp_path / "cli") == names(tmp_path / "python") == FILES
+    pages = [(tmp_path / side / "index.html").read_text("utf-8") for side in ("cli", "python")]
+    heads = [re.findall(r"<title>.*?</title>|<section[^>]*>|<h2.*?</h2>", page) for page in pages]
+    assert heads[0] == heads[1]
+    law = [(tmp_path / side / "law.toml").read_text("utf-8") for side in ("cli", "python")]
+    assert law[0] == law[1]
+    both = [
+        json.loads((tmp_path / side / "verdict.json").read_text("utf-8"))
+        for side in ("cli", "python")
+    ]
+    assert both[0].pop("digest")
+    assert both[1].pop("digest") == ""
+    assert both[0] == both[1]
 
 
 def test_an_earlier_report_is_only_replaced_if_that_is_asked_for(verdict, tmp_path):
