@@ -8,11 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, QuadraticDrag, Rig, Stribeck, export, load_rig, simulate
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    QuadraticDrag,
+    Rig,
+    Stribeck,
+    export,
+    load_rig,
+    simulate,
+)
 from stickslip.data import KnownLaws
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import apply
-from stickslip.exports.applying.models import SHARE
+from stickslip.exports.applying.models import SHARE, Mjcf
 from stickslip.exports.joints import PolynomialFriction, simplified
 from stickslip.exports.program import Subject
 from stickslip.mechanisms import read_urdf
@@ -276,6 +286,17 @@ def test_a_model_that_cannot_take_the_law_is_refused_in_one_sentence(arm, kind):
         written(LAW, arm, "elbow")
 
 
+@pytest.mark.parametrize("kind", ["mjcf", "urdf"])
+def test_a_declaration_in_a_comment_is_none(arm, kind):
+    said = b"<!-- no <!DOCTYPE x> and no <!ENTITY y> -->"
+    if kind == "urdf":
+        arm.write_bytes(DESK_ARM.read_bytes().replace(b"<link", said + b"<link", 1))
+        assert len(read_urdf(arm).robot.joints) == 3
+    else:
+        arm.write_bytes(ARM.encode().replace(b"<default>", said + b"<default>", 1))
+    assert said in written(LAW, arm, "elbow").content
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_a_declaration_is_refused_in_any_encoding(tmp_path, encoding):
     path = tmp_path / "robot.urdf"
@@ -392,6 +413,39 @@ def test_a_whole_arm_under_gravity_moves_in_mujoco_as_ours_does(tmp_path):
     assert apart[1] == pytest.approx(0.5 * apart[0], rel=0.3)
 
 
+GEOM = '<geom size=".1"/>'
+LARGE = {
+    "replicate": ("body", f'<replicate count="1e8" offset="1 0 0">{GEOM}</replicate>', "elements"),
+    "nested": (
+        "body",
+        f'<replicate count="1000"><replicate count="1000">{GEOM}</replicate></replicate>',
+        "elements exceed",
+    ),
+    "composite": ("body", '<composite type="cable" count="9999999 1 1" size="1"/>', "elements"),
+    "flexcomp": ("body", '<flexcomp name="f" type="grid" count="999 999 999"/>', "elements"),
+    "field": ("asset", '<hfield name="h" nrow="99999" ncol="99999" size="1 1 1 1"/>', "numbers"),
+    "numeric": ("custom", '<numeric name="n" size="999999999"/>', "numbers"),
+    "sensor": ("sensor", '<user name="u" dim="999999999"/>', "numbers"),
+    "user": ("size", "nuser_geom='999999999'", "nuser_geom"),
+    "memory": ("size", "memory='900G'", "bytes of memory"),
+    "step": ("option", "timestep='1e-12'", "time step of 1e-12 s"),
+    "iterations": ("option", "iterations='999999999'", "iterations"),
+    "device": ("asset", '<mesh name="m" file="/dev/zero"/>', "inf bytes"),
+    "model": ("asset", '<model name="m" file="arm.xml"/>', "models within the model"),
+}
+
+
+def test_a_model_that_includes_itself_is_read_once(arm):
+    other = arm.parent / "other.xml"
+    include = '<include file="{}"/>'
+    other.write_text(
+        f"<mujoco>{include.format('arm.xml') * 9}{include.format('other.xml') * 9}</mujoco>"
+    )
+    arm.write_text(ARM.replace("</mujoco>", include.format("other.xml") * 9 + "</mujoco>"))
+    assert b"frictionloss" in written(LAW, arm, "elbow").content
+    assert [part.path.name for part in Mjcf(arm, arm.read_bytes()).included()] == ["other.xml"]
+
+
 @pytest.mark.parametrize("kind", ["mjcf", "urdf", "many"])
 def test_elements_within_elements_without_end_are_refused(tmp_path, kind):
     path = tmp_path / "deep.xml"
@@ -404,6 +458,14 @@ def test_elements_within_elements_without_end_are_refused(tmp_path, kind):
     if kind == "urdf":
         with pytest.raises(InputError, match=message):
             read_urdf(path)
+
+
+def test_what_adds_to_the_damping_of_a_joint_is_named(arm):
+    text = ARM.replace('kp="10"', 'kp="10" damping="1"')
+    arm.write_text(text.replace("<joint name='elbow'", "<joint name='elbow' springdamper='0.1 1'"))
+    (row,) = written(Coulomb(kinetic_coefficient=0.3), arm, "elbow").joints
+    assert any("springdamper='0.1 1' makes MuJoCo compute" in line for line in row.lost)
+    assert any(re.match(r"The actuator <position> in line \d+ has damping", x) for x in row.lost)
 
 
 def test_classes_of_included_files_count_and_missing_ones_are_named(arm):
@@ -429,6 +491,17 @@ def with_nested_classes(arm, places):
         text = classes.replace('type="slide"', 'type="hinge"') if i else classes
         (folder / place / "classes.xml").write_text(f"<mujoco>{text}</mujoco>")
     arm.write_text(ARM[:begin] + '\t<include file="parts/more.xml"/>\n' + ARM[end:])
+
+
+@pytest.mark.parametrize("places", [("",), ("parts",), ("", "parts")])
+def test_classes_of_nested_includes_are_those_that_mujoco_finds(arm, places):
+    """MuJoCo seeks them beside the main file first, then beside the one that includes."""
+    mujoco = mujoco_or_skip()
+    with_nested_classes(arm, places)
+    model = mujoco.MjModel.from_xml_path(str(arm))
+    assert model.joint("rail").type[0] == mujoco.mjtJoint.mjJNT_SLIDE
+    (row,) = written(LAW, arm, "rail", load=1.0).joints
+    assert not row.rotary
 
 
 def test_classes_that_mujoco_does_not_find_are_missing(arm):

@@ -255,6 +255,14 @@ def test_rhoban_bam_itself_has_the_friction_of_the_law(servo, name):
         assert abs(told.force(v, 1.0)) == pytest.approx(level + damping * abs(v), rel=1e-7)
 
 
+def test_the_rest_of_the_parameters_of_a_servo_stays_byte_by_byte(servo):
+    found = apply(LAW, servo)
+    expected = PARAMETERS.replace('"friction_base": 0.002', '"friction_base": 0.3')
+    assert found.content.decode() == expected.replace("1.8e-2", "0.1")
+    added = apply(LAWS["bam-m3"](**LAWS["bam-m3"].typical.values), servo).content.decode()
+    assert added.endswith('"actuator": "xl330",\n  "load_friction_base": 0.264077\n}\n')
+
+
 def test_a_law_of_another_name_is_one_of_the_six_only_where_it_is_the_same(servo):
     (row,) = apply(STRIBECK, servo).joints
     assert (row.after["model"], row.after["alpha"], row.rms) == ("m2", "2", 0.0)
@@ -368,6 +376,15 @@ def test_a_trajectory_controller_has_the_viscous_part_that_comes_nearest(control
     assert len(changed(CONTROLLERS, found.content.decode())) == 2
 
 
+def test_a_damper_is_made_up_for_and_is_no_error(controllers):
+    viscous = CoulombViscous(kinetic_coefficient=0.0, viscous_coefficient=0.1)
+    arm = Pendulum(mass=0.5, length=0.1, damping=0.2)
+    rig = Rig(mechanism=arm, laws={"coulomb-viscous": viscous}, named=("coulomb-viscous",))
+    (row,) = written(rig, controllers, "lift").joints
+    assert [float(x) for x in row.after.values()] == [pytest.approx(0.3)]
+    assert row.rms == pytest.approx(0.0, abs=1e-12)
+
+
 @pytest.mark.parametrize("level", [3e-7, 4e9, 2.0])
 def test_numbers_have_a_point_and_no_exponent_which_parts_of_ros_read_as_text(controllers, level):
     law = Coulomb(kinetic_coefficient=level)
@@ -376,6 +393,12 @@ def test_numbers_have_a_point_and_no_exponent_which_parts_of_ros_read_as_text(co
     assert isinstance(value["ff_velocity_scale"], float)
     assert value["ff_velocity_scale"] == pytest.approx(0.75 * level, rel=2e-3)
     assert b"e-" not in content
+
+
+def test_a_controller_that_leaves_friction_as_it_is_says_so(controllers):
+    controllers.write_text(CONTROLLERS.replace("use_friction: true", "use_friction: false"))
+    (row,) = written(LAW, controllers, "joint1").joints
+    assert any(line.startswith("use_friction is not true") for line in row.lost)
 
 
 BAD = {

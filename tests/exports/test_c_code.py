@@ -8,7 +8,7 @@ import pytest
 from tests.exports.compiled import library, number, numbers
 from tests.exports.laws import LAWS_EXPORTED, LOADS, SPEEDS, Hostile, bristle_states
 
-from stickslip import Axis, Coulomb, LuGre, Viscous, export, simulate
+from stickslip import Axis, Coulomb, LuGre, Stribeck, Viscous, export, simulate
 from stickslip.exports.program import equations_of
 from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import compensation
@@ -145,6 +145,15 @@ def test_the_discrete_step_converges_with_order_two_and_sticks_when_the_engine_d
         np.testing.assert_array_equal(runs[-1][2], resting)
 
 
+def test_a_steep_power_of_the_speed_converges_too(compiled):
+    true, _ = engine("power_viscous")
+    errors = [
+        np.abs(stepped(compiled, "power_viscous", parts)[1] - true["x"]).max() for parts in (1, 32)
+    ]
+    assert errors[1] < 1e-7
+    assert errors[0] > 1e-5  # what a single step in each period leaves
+
+
 @each_law
 def test_without_a_force_no_step_gains_speed(compiled, name):
     step, ends = step_of(compiled, name)
@@ -258,6 +267,13 @@ def test_names_of_any_symbols_are_accepted_by_the_compiler_and_tell_parameters_a
     found = equations_of(Hostile())
     names = [parameter.identifier for parameter in found.parameters]
     assert names == ["double_", "end_", "c1_", "x0_", "s0_", "load_2", "lambda_prime", "mu"]
+
+
+def test_files_are_the_same_whenever_they_are_made():
+    law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
+    first, second = (export(law, "c", name="axis").files for _ in range(2))
+    assert first == second
+    assert list(first) == ["axis.h", "axis.c"]
 
 
 def test_laws_without_any_friction_are_compiled(tmp_path):

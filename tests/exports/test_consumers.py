@@ -76,6 +76,16 @@ def test_the_record_stops_the_axis_and_the_law_file_knows_that_it_turns(used):
         assert getattr(used.law, name) == pytest.approx(getattr(TRUE, name), rel=0.01)
 
 
+@pytest.mark.parametrize("target", ["c", "matlab", "mjcf", "urdf", "csv", "json"])
+def test_no_file_of_a_rotary_axis_has_a_unit_of_a_linear_one(used, target):
+    text = "\n".join(export(used.rig, target).files.values())
+    for wrong in ("[N]", "[m/s]", "[kg]", "[m]", "N s/m", 'type="slide"', "prismatic", 'unit="m'):
+        loads = text.replace("load: normal force; taken as 0 where it is negative [N]", "")
+        assert wrong not in loads, wrong
+    assert "rad/s" in text
+    assert any(name in text for name in ("N m", "N.m"))
+
+
 def test_the_compiled_law_moves_the_axis_as_the_engine_does(used):
     step = numbers(
         library(used.folder / "c", export(used.rig, "c", name="axis").files),

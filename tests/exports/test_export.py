@@ -16,13 +16,16 @@ from stickslip import (
     Measurement,
     Rig,
     SpringBlock,
+    Stribeck,
     export,
+    fit,
     load_rig,
     select,
 )
 from stickslip.data import KnownLaws, LawEstimates
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import TARGETS, Target
+from stickslip.exports.program import identifier, identifiers
 from stickslip.friction import RateState, SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
@@ -146,10 +149,25 @@ def test_files_are_replaced_only_by_force_and_all_or_none_are_written(tmp_path):
         found.save(tmp_path / "coulomb_viscous.c" / "below")
 
 
+def test_identifiers_differ_even_where_symbols_do_not():
+    assert identifiers(["mu", "mu", "μ", "m u"], ["mu_2"]) == ("mu", "mu_3", "mu_4", "m_u")
+    assert identifier("λ") == "lambda"
+    assert identifier("Σ_+") == "Sigma_plus"
+
+
 def test_a_rig_with_several_laws_asks_which():
     with pytest.raises(InputError, match="has several laws"):
         export(load_rig(), "c")
     assert "stribeck.c" in export(load_rig(), "c", law="stribeck").files
+
+
+def test_a_fit_is_exported_as_it_stands():
+    v = np.linspace(0.01, 1.0, 50)
+    law = Stribeck(kinetic_coefficient=2.0, static_coefficient=2.6, stribeck_velocity=0.05)
+    table = Measurement(velocity=v, friction=[law.force(speed, 1.0) for speed in v])
+    found = export(fit(Axis(inertia=1.0), law, table), "csv")
+    assert "Fitted at speeds up to 1 m/s" in found.files["stribeck.csv"]
+    assert found.files["stribeck.csv"].splitlines()[-1].startswith("1.0,")
 
 
 def test_a_verdict_that_names_no_law_says_so_and_what_to_export():
@@ -220,3 +238,9 @@ def test_forces_beyond_all_numbers_are_refused(target, rotary, unit):
     load = None if rotary else 1.0
     with pytest.raises(InputError, match=rf"is not finite up to 1e\+90 {unit} at a load of 1:"):
         export(Steep(), target, load=load, largest_speed=1e90, rotary=rotary)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_law_without_friction_is_exported_too(target):
+    none = Coulomb(kinetic_coefficient=0.0)
+    assert export(none, target, load=1.0, largest_speed=1.0).files

@@ -1,10 +1,12 @@
 """FMUs give what the solver gives, at any communication step, and need no Python."""
 
 import ctypes
+import dataclasses
 import itertools
 import platform
 import subprocess
 import sys
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, final
@@ -52,8 +54,10 @@ from stickslip.mechanisms import (
     MECHANISMS,
     BoundedMechanism,
     Contact,
+    Link,
     Mechanism,
     Prescribed,
+    SerialArm,
     Stop,
     Torque,
     input_names,
@@ -327,6 +331,13 @@ def test_a_start_beyond_a_stop_is_refused_in_words(capsule, folder):
     slave.close()
 
 
+def test_the_simulation_may_go_on_after_the_default_stop_time(block, folder):
+    spring = Slave(block, folder).begin()
+    spring.step(3.7 * END)
+    np.testing.assert_allclose(spring.got("x", "v"), [0.2038735984, 0.0], atol=1e-9)
+    spring.close()
+
+
 def test_a_simulation_may_start_at_another_time(block, chain, folder):
     # nothing depends on time here: the same motion, later, but for the rounding of later times
     late, early = Slave(block, folder).begin(startTime=4.0), Slave(block, folder).begin()
@@ -395,6 +406,15 @@ def test_what_tables_are_made_with_is_constant():
     assert fixed == {"amplitude", "fast", "slow"}
 
 
+def test_the_same_model_gives_the_same_file(block, folder):
+    again = made(folder, "again", BLOCK, COULOMB, name="block")
+    assert again.read_bytes() == block.read_bytes()
+    other = made(folder, "other", BLOCK, Coulomb(kinetic_coefficient=0.3), name="block")
+    with zipfile.ZipFile(other) as one, zipfile.ZipFile(block) as two:
+        assert one.namelist() == two.namelist()
+        assert one.read("modelDescription.xml") != two.read("modelDescription.xml")
+
+
 def test_a_description_of_another_model_is_refused(block, folder):
     from fmpy import extract
     from fmpy.fmi3 import FMU3Slave
@@ -436,6 +456,23 @@ def run_alone(path: Path, folder: Path, column: str = "x") -> float:
 
 
 # --- inputs, units and messages, without making an FMU
+
+
+def test_inputs_are_found_by_name_or_by_place():
+    axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
+    driven, found = with_inputs(axis, ["drive"])
+    assert found == {"drive": ("drive", 5.0)}
+    assert driven.drives()["drive"].value(0.5) == 0.0
+    drive = Sine(amplitude=1.0, frequency=1.0)
+    link = Link(mass=1.0, length=0.5, centre=0.2, inertia=0.1, torque=drive)
+    arm = SerialArm(links=[link, link])
+    driven, found = with_inputs(arm, ["torque-2"])  # though both have one object
+    assert driven.drives()["torque-1"] is drive
+    assert driven.drives()["torque-2"].value(0.25) == 0.0
+    idle = SerialArm(links=[dataclasses.replace(link, torque=None), link])
+    driven, found = with_inputs(idle, ["links.0.torque", "torque-2"])
+    assert found == {"links.0.torque": ("torque-1", 0.0), "torque-2": ("torque-2", 0.0)}
+    assert list(driven.drives()) == ["torque-1", "torque-2"]
 
 
 @pytest.mark.parametrize(
@@ -532,6 +569,20 @@ def test_portable_fmus_of_twelve_rigs_are_the_engine(folder, fmi, name, mechanis
         run = simulate(mechanism, law, t_end=END, throw=False)
         if run.status.complete:
             assert run_alone(path, folder, run.states[0]) == run[run.states[0]][-1]
+
+
+@pytest.mark.slow
+def test_the_command_writes_an_fmu_of_a_rig_file(rig, folder, capsys):
+    need_tools()
+    target = folder / "by-command"
+    with pytest.raises(SystemExit) as ended:
+        main(["export", str(rig), "--to", "fmu", "--fmi", "2", "-o", str(target), "--json"])
+    assert not ended.value.code
+    assert '"target": "fmu"' in capsys.readouterr().out
+    slave = Slave(target / "rig.fmu", folder).begin()
+    slave.step(END)
+    assert slave.got("x")[0] == simulate(BLOCK, COULOMB, t_end=END)["x"][-1]
+    slave.close()
 
 
 def can_rub(mechanism, law):

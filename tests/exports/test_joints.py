@@ -114,6 +114,13 @@ def test_the_rig_of_the_law_s_own_file_is_taken_if_it_moves(tmp_path):
     assert not any(line.startswith("On ") for line in still.remarks)
 
 
+def test_a_law_that_is_a_joint_already_changes_nothing_on_a_rig():
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    found = export(LAW, "urdf", rig=Rig(mechanism=block, t_end=2.0))
+    (said,) = (line for line in found.remarks if line.startswith("Their largest distance"))
+    assert re.match(r"Their largest distance is (0|[0-9.]+ × 10⁻¹[⁴-⁹]) m, at", said), said
+
+
 @pytest.mark.parametrize("name", LAWS_EXPORTED)
 @pytest.mark.parametrize("target", ["mjcf", "urdf"])
 def test_files_are_well_formed_for_all_laws(name, target):
@@ -178,6 +185,11 @@ def test_a_load_or_a_range_of_speeds_that_is_not_known_is_asked_for():
         export(LAW, "mjcf", load=5.0)
     with pytest.raises(InputError, match=r"--largest-speed .0\.5 rad/s"):
         export(LAW, "mjcf", rotary=True)
+
+
+def test_a_joint_whose_inertia_is_not_known_says_so_beside_its_creep():
+    found = export(LAW, "mjcf", load=5.0, largest_speed=1.0)
+    assert found.remarks[-1] == "The inertia is not known: 1.0 kg stands for it."
 
 
 BRISTLES = LuGre.from_forces(

@@ -127,3 +127,20 @@ def test_octave_gives_what_the_law_and_the_compiled_step_give(printed, compiled,
 def test_the_block_for_simulink_keeps_its_velocity_between_calls(printed):
     gained = (20.0 - 0.25 * 7.0) / 2.0 * 0.01
     np.testing.assert_allclose(printed["block"], gained * np.array([1, 2, 3]), rtol=1e-13)
+
+
+def test_functions_of_arrays_give_arrays(printed):
+    shapes, apart = printed["arrays"][:6], printed["arrays"][6:]
+    assert shapes == [2, 3, 2, 3, 0, 0]
+    assert apart[:-3] == [0.0] * 24
+    assert apart[-3:] == [2, 2, 0.0]
+
+
+def test_the_text_of_the_block_needs_no_other_file():
+    text = export(Coulomb(kinetic_coefficient=0.25), "matlab").files["coulomb_block.m"]
+    defined = {line.split("=")[-1].split("(")[0].split()[-1] for line in text.splitlines()
+               if line.startswith("function")}  # fmt: skip
+    assert defined == {
+        "coulomb_block", "coulomb_friction", "coulomb_break_away", "coulomb_slip", "coulomb_slide",
+        "coulomb_departure", "coulomb_step", "coulomb_compensation",
+    }  # fmt: skip

@@ -61,6 +61,10 @@ def test_elements_far_stiffer_than_the_period_resolves_cost_no_accuracy(tmp_path
     np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
+def test_latches_step_in_c():
+    assert "maxwell_step" in export(MAXWELL, "c", name="maxwell").files["maxwell.h"]
+
+
 @pytest.mark.parametrize("name", ["gms", "relaxing"])
 def test_an_fmu_has_the_bits_of_the_engine(name: str, tmp_path: Path):
     need_tools()

@@ -83,6 +83,12 @@ def clutch(folder: Path) -> Path:
     return made(folder, "clutch", SEVERAL["clutch-train"], STRIBECK, fmi=2)
 
 
+@pytest.fixture(scope="module")
+def lifting(folder: Path) -> Path:
+    """Whose contact loses its load."""
+    return made(folder, "lift", SHOWN["pendulum-cart"], COULOMB, t_end=4.0)
+
+
 def exchanged(path: Path, **settings: Any) -> Any:
     """Simulate by CVode; return the columns at regular times."""
     from fmpy import simulate_fmu
@@ -163,6 +169,15 @@ def test_the_stored_tolerance_keeps_what_the_page_promises(folder, name, kind):
         # measured with CVode: 2e-6 and 1e-5 in 4 s, which other processors round differently
         close = (5e-6 if state in moving else 3e-5) * (kind == "ModelExchange")
         assert far <= close, state
+
+
+def test_the_travel_is_that_of_the_closed_form(block):
+    found = exchanged(block, output=["x", "mode", "friction"])
+    travel = 0.1 + (100.0 * 0.1**2 / 2 - 0.25 * 9.81 * 0.1) / (0.25 * 9.81)
+    np.testing.assert_allclose(found["x"][-1], travel, rtol=1e-6)
+    assert found["mode"][-1] == 0
+    assert found["mode"][5] == 1
+    np.testing.assert_allclose(found["friction"][5], 0.25 * 9.81, rtol=1e-12)
 
 
 def test_descriptions_name_derivatives_and_indicators(block, capsule, clutch):
@@ -353,6 +368,19 @@ def test_a_parameter_may_be_set_between_two_steps_of_co_simulation(folder, name)
     slave.close()
 
 
+def test_a_run_that_has_ended_stays_so_and_one_that_is_to_end_later_may_go_on(lifting, folder):
+    ends = simulate(SHOWN["pendulum-cart"], COULOMB, t_end=4.0, throw=False).span[1]
+    heavy = {"mechanism.cart_mass": 50.0}
+    for change, wanted in ((0.5 * ends, 4.0), (4.0, ends)):
+        slave = Slave(lifting, folder).begin(stopTime=4.0)
+        slave.step(change)
+        for path, value in heavy.items():
+            slave.put(path, value)
+        slave.t = min(change, ends)
+        assert slave.fmu.doStep(slave.t, 4.0 - slave.t)[3] == wanted
+        slave.close()
+
+
 def test_a_parameter_that_is_out_of_range_in_a_run_is_refused_in_words(block, folder):
     slave = Slave(block, folder).begin()
     slave.step(0.1)
@@ -452,6 +480,16 @@ def test_a_contact_that_slips_is_held_where_its_speed_has_fallen(block, folder):
     slave.fmu.freeInstance()
 
 
+def test_an_event_in_which_nothing_has_fallen_changes_nothing(block, folder):
+    slave = Model(block, folder).begin()
+    slave.put_states(0.1, 0.05, 0.4)
+    before = slave.got("x", "v", "der(v)", "friction", "indicator.slip", "indicator.switch_1")
+    assert slave.event() == (False, False)
+    after = slave.got("x", "v", "der(v)", "friction", "indicator.slip", "indicator.switch_1")
+    np.testing.assert_allclose(after, before, rtol=1e-11)  # indicators know larger sizes now
+    slave.fmu.freeInstance()
+
+
 def test_a_step_that_passes_a_fall_asks_for_an_event(block, folder):
     slave = Model(block, folder).begin()
     slave.put_states(0.2, 0.09, -0.01)
@@ -533,6 +571,13 @@ def test_inputs_jump_in_events(folder):
     wanted = run.at(np.minimum(found["time"], END))
     np.testing.assert_allclose(found["x"], wanted["x"], rtol=0, atol=1e-7)
     assert found["event_count"][-1] == len(run.events) == 2
+
+
+def test_a_run_that_ends_terminates_the_simulation(lifting):
+    run = simulate(SHOWN["pendulum-cart"], COULOMB, t_end=4.0, throw=False)
+    assert "Lift-off" in run.ending
+    found = exchanged(lifting, stop_time=4.0, logger=lambda *_: None, output=["x"])
+    assert run.span[1] - 0.02 < found["time"][-1] <= run.span[1]
 
 
 # --- long ones

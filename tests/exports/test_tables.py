@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from tests.exports.laws import LAWS_EXPORTED
 
-from stickslip import Axis, Measurement, Stribeck, export, fit, load_measurement
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Measurement,
+    Pendulum,
+    Rig,
+    Stribeck,
+    export,
+    fit,
+    load_measurement,
+)
 
 LAW = Stribeck(
     kinetic_coefficient=20.0, static_coefficient=28.0, stribeck_velocity=0.03,
@@ -47,6 +57,14 @@ def test_a_fit_to_the_table_finds_the_parameters_again(tmp_path):
         assert found.value == pytest.approx(true, rel=0.02)
 
 
+def test_a_table_of_a_turning_joint_is_in_torques(tmp_path):
+    law = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.1)
+    rig = Rig(mechanism=Pendulum(mass=1.0, length=0.5))
+    (path,) = export(law, "csv", rig=rig, largest_speed=2.0).save(tmp_path)
+    assert "velocity [rad/s],friction [N m]" in path.read_text(encoding="utf-8")
+    assert load_measurement(path).turning
+
+
 def test_json_has_values_units_intervals_covariance_and_provenance(fitted, tmp_path):
     fitted.save(tmp_path / "law.toml")
     from stickslip import load_rig
@@ -64,3 +82,13 @@ def test_json_has_values_units_intervals_covariance_and_provenance(fitted, tmp_p
     assert found["provenance"] == f"law.toml, SHA-256 {rig.digest}"
     assert found["largest_speed"] == 1.0
     assert found["shape"] == {"fading_exponent": 2.0}
+
+
+def test_a_fit_and_its_file_give_the_same_program(fitted, tmp_path):
+    from stickslip import load_rig
+
+    fitted.save(tmp_path / "law.toml")
+    own = export(fitted, "c").files["stribeck.c"]
+    read = export(load_rig(tmp_path / "law.toml"), "c").files["stribeck.c"]
+    assert [line for line in read.splitlines() if "Source:" not in line] == own.splitlines()
+    assert "95 %" in own

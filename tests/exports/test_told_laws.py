@@ -124,6 +124,15 @@ def test_what_has_one_friction_asks_for_one_value_of_each_input(target):
     assert "transmitted 0.5 N and temperature 20 °C" in " ".join(text.split())
 
 
+def test_a_table_at_stated_inputs_has_the_friction_there():
+    (text,) = export(
+        WARM, "csv", largest_speed=1.0, load=1.0, at={"temperature": 20.0}
+    ).files.values()
+    rows = [line.split(",") for line in text.splitlines() if line[0] in "-0123456789"]
+    v, force = np.array(rows, dtype=float).T
+    np.testing.assert_allclose(force, bound(WARM, {"temperature": 20.0}).force(v, 1.0), rtol=1e-12)
+
+
 def test_values_of_inputs_that_do_not_fit_are_refused():
     with pytest.raises(UnknownNameError, match="contact input of"):
         export(WARM, "csv", largest_speed=1.0, load=1.0, at={"temp": 1.0})
@@ -166,6 +175,21 @@ def test_an_input_that_nothing_tells_is_one_of_the_fmu(given, tmp_path):
     )
     wanted = simulate(warm, WARM, t_end=1.0)
     assert run["x"][-1] == pytest.approx(wanted["x"][-1], rel=1e-9)
+
+
+def test_an_input_that_was_given_may_become_one_of_the_fmu(tmp_path):
+    need_tools()
+    from fmpy import read_model_description
+
+    warm = given_inputs(DRIVEN, {"temperature": 30.0})
+    file = export_fmu(warm, WARM, tmp_path / "axis.fmu", t_end=1.0, inputs=["temperature"])
+    (told,) = [
+        v for v in read_model_description(str(file)).modelVariables if v.causality == "input"
+    ]
+    assert (told.name, float(told.start)) == ("temperature", 30.0)
+    gear = law("level + weight[transmitted]")(kinetic_coefficient=0.1, transmitted_coefficient=0.1)
+    with pytest.raises(InputError, match="follows from the motion"):
+        export_fmu(DRIVEN, gear, tmp_path / "b.fmu", t_end=1.0, inputs=["transmitted"])
 
 
 def test_contact_inputs_of_several_contacts_are_inputs_of_the_fmu_by_contact(tmp_path):

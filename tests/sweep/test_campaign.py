@@ -64,6 +64,13 @@ def test_runs_do_not_depend_on_where_a_part_begins(kind, runs):
             np.testing.assert_array_equal(np.concatenate([part[path] for part in parts]), values)
 
 
+def test_a_grid_has_all_combinations_the_last_factor_fastest():
+    design = Design(factors={"a": Levels(values=[1, 2]), "b": Levels(values=[5, 6, 7])})
+    rows = design.rows(0, 6)
+    assert rows["a"].tolist() == [1, 1, 1, 2, 2, 2]
+    assert rows["b"].tolist() == [5, 6, 7, 5, 6, 7]
+
+
 def test_factors_have_their_distributions():
     share = np.linspace(0.01, 0.99, 99)
     normal = Normal(mean=2.0, sd=0.3)
@@ -83,6 +90,11 @@ def test_a_factor_may_be_a_multiple_of_another():
     ratio = rows["static"] / rows[MU]
     assert ratio.min() >= 1.0
     assert ratio.max() <= 1.5
+
+
+def test_more_runs_of_a_random_design_are_further_ones():
+    few, many = (Design(factors=TWO, kind="random", runs=n) for n in (10, 100))
+    np.testing.assert_array_equal(few.rows(0, 10)[MU], many.rows(0, 10)[MU])
 
 
 @pytest.mark.parametrize(
@@ -221,6 +233,17 @@ def test_a_folder_holds_one_campaign(tmp_path):
     (tmp_path / "own/manifest.json").write_text("{")
     with pytest.raises(InputError, match=r"manifest\.json cannot be read"):
         asked().run(tmp_path / "own")
+
+
+def test_entries_that_are_not_whole_are_made_again(tmp_path):
+    folder = asked().run(tmp_path / "own").folder
+    whole = files(folder)
+    told = json.loads((folder / "manifest.json").read_text())
+    del told["parts"][0]["rows"]
+    told["parts"][1]["file"] = "../other"
+    (folder / "manifest.json").write_text(json.dumps(told))
+    assert asked().run(folder).made == 16
+    assert files(folder) == whole
 
 
 def small(**changes):
@@ -390,6 +413,20 @@ def test_what_results_depend_on_is_told_apart():
 
 
 @pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"outputs": {"run": Final("x")}}, "'run' is a column"),
+        ({"outputs": {"block": Final("x")}, "cases": "two"}, "'block' is a column"),
+    ],
+)
+def test_columns_have_names_of_their_own(changes, said):
+    if "cases" in changes:
+        changes = changes | {"cases": cases()}
+    with pytest.raises(InputError, match=said):
+        asked(**changes)
+
+
+@pytest.mark.parametrize(
     ("factors", "said"),
     [
         ({MU: Levels(values=[0.2, 0.3, 0.4])}, "run 2: .*static_coefficient.*at least"),
@@ -552,6 +589,16 @@ def test_indices_without_a_design_or_values_are_refused(changes, output, said, t
     found = asked(**changes).run(tmp_path / "runs")
     with pytest.raises(InputError, match=said):
         found.sensitivity(output)
+
+
+def test_the_manifest_lists_what_is_there(tmp_path):
+    found = asked().run(tmp_path / "runs")
+    told = json.loads((tmp_path / "runs/manifest.json").read_text())
+    assert told["schema"] == "stickslip/campaign/1"
+    assert told["runs"] == 50
+    assert {entry["file"]: entry["sha256"] for entry in told["parts"]} == {
+        name: digest for name, digest in files(found.folder).items() if name.startswith("runs/")
+    }
 
 
 @pytest.mark.parametrize("name", ["mu_s", "static_coefficient", "friction.static_coefficient"])

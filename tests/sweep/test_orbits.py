@@ -1,6 +1,7 @@
 """Periodic orbits: closed forms, published values, an independent integration, invariants."""
 
 import math
+import pickle
 from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
@@ -316,6 +317,15 @@ def test_derivatives_of_the_map_are_those_of_differences(mechanism, law, path, v
     np.testing.assert_allclose(shot.slope, slope, atol=100 * tolerance if law.states else tolerance)
 
 
+def test_a_coordinate_is_left_out_only_if_nothing_depends_on_it():
+    assert set(periodic_orbit(CAPSULE, ROUGH).advance) == {"x"}
+    assert not periodic_orbit(oscillator(), Coulomb(kinetic_coefficient=0.2)).advance
+    resting = periodic_orbit(oscillator(), Coulomb(kinetic_coefficient=2.0))
+    assert "x" in resting.free  # it sticks throughout, and yet its spring depends on it
+    assert resting.sticking == {"": 1.0}
+    assert not resting.stable  # it rests in one of many places
+
+
 def test_orbits_of_a_prescribed_pendulum_are_those_of_the_published_checks():
     swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
     cart = PendulumCart(
@@ -403,6 +413,12 @@ def test_branches_turn_back_at_folds_with_a_multiplier_one(diagram):
     assert turn == pytest.approx(17.2036, abs=1e-3)
 
 
+def test_branches_end_where_the_range_does(diagram):
+    for branch in diagram.branches:  # also those that begin at an end of it
+        assert branch.values.min() >= 12.0 - 1e-9
+        assert branch.values.max() <= 20.0 + 1e-9
+
+
 def test_every_settled_motion_lies_on_a_stable_part_of_a_branch(diagram):
     scale = np.nanmax(np.abs(diagram.samples), axis=(0, 1))
     assert (diagram.settled > 0).mean() > 0.9  # right behind a loss of stability runs settle slowly
@@ -437,6 +453,15 @@ def _start_near(diagram, value):
     return {name: fastest.start[name] for name in fastest.free}
 
 
+def test_branches_are_tables_and_pickles(diagram):
+    again = pickle.loads(pickle.dumps(diagram))
+    assert str(again) == str(diagram)
+    frame = diagram.to_dataframe()
+    assert len(frame) == sum(len(branch.values) for branch in diagram.branches)
+    assert {"branch", "cycles", "stable", FREQUENCY, "advance x"} <= set(frame.columns)
+    assert diagram.branch_cycles < diagram.brute_cycles
+
+
 def test_what_happens_in_an_orbit_is_counted_by_its_events(diagram):
     seen = 0
     for branch in diagram.branches:
@@ -455,6 +480,20 @@ def test_all_orbits_of_a_branch_close(diagram):
             # beside a grazing contact rounding grows by multipliers of 1e6
             steep = abs(branch.multipliers[index]).max() > 1e4
             assert branch.orbit(index).residual <= (1e-6 if steep else 1e-10)
+
+
+def test_what_a_branch_keeps_is_that_of_its_orbits(diagram):
+    """The last run of a correction is left out: advance and multipliers are those of the next."""
+    for branch in diagram.branches:
+        for index in range(0, len(branch.values), 17):
+            orbit = branch.orbit(index)
+            assert branch.advances["x"][index] == pytest.approx(orbit.advance["x"], rel=1e-8)
+            assert branch.periods[index] == pytest.approx(orbit.period, rel=1e-13)
+            sizes = np.abs(orbit.multipliers)
+            # multipliers of thousands, beside a grazing contact, change in a part of a step
+            rtol = 1e-2 if sizes.max() > 1e3 else 1e-4
+            kept = np.abs(branch.multipliers[index])
+            np.testing.assert_allclose(kept, sizes, rtol=rtol, atol=1e-6)
 
 
 # -- a motion of period two
@@ -595,6 +634,13 @@ def test_a_branch_that_comes_back_to_itself_ends_there():
     assert ((gaps < 1e-6) & far).sum() <= 2 * 20  # no part twice
 
 
+def test_what_is_stable_where_nothing_was_known_is_found():
+    """Three cycles near 2 Hz: between values with settled runs, connected to nothing known."""
+    found = orbit_diagram(elastic(2.0), ROUGH, "frequency", (2.0, 2.1), values=2, starts=1)
+    stable = [b for b in found.branches if b.cycles == 3 and b.stable.any()]
+    assert any(b.values.min() < 2.0286 and b.values.max() > 2.0166 for b in stable)
+
+
 def test_branches_are_those_of_the_least_period():
     """Runs that come to rest from either side in turn close after two cycles before one."""
     found = orbit_diagram(elastic(9.2), ROUGH, "frequency", (9.17, 9.3), values=4, starts=3)
@@ -681,6 +727,13 @@ def test_two_sines_have_orbits_where_a_cycle_holds_both():
             periodic_orbit(robot, ROUGH, period=period)
     with pytest.raises(InputError, match="no orbit closes"):  # although 12 and 16 Hz both fit
         continue_orbit(orbit, f"{path}.frequency", (12.0, 16.0), period=0.25)
+
+
+def test_starts_of_an_orbit_diagram_do_not_grow_with_what_has_not_settled():
+    robot = capsule_at(18.0)
+    path = "mechanism.drive.drive.frequency"
+    found = orbit_diagram(robot, ROUGH, path, (17.0, 19.0), cycles=1, values=20, settle=1)
+    assert np.nanmax(np.abs(found.samples)) < 1e3  # twice as large each time is 1e17
 
 
 def test_a_walk_ends_where_every_step_changes_what_happens():

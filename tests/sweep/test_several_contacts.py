@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.pair_cases import LAW, LAWS, PUSH, Pair, axis
 
-from stickslip import EventDriven
+from stickslip import EventDriven, TwoFeet
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms.drives import Sine
 from stickslip.show import plots
@@ -38,6 +38,16 @@ def test_basins_of_one_of_two_axes_are_those_of_the_axis_alone():
     for attractor, other in zip(both.attractors, alone.attractors, strict=True):
         assert attractor.period == other.period
         assert attractor.velocity == pytest.approx(other.velocity, abs=1e-12)
+
+
+def test_contacts_along_one_coordinate_need_no_name_of_it():
+    feet = TwoFeet(
+        mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0,
+        drive=Sine(amplitude=30.0, frequency=2.0),
+    )  # fmt: skip
+    found = average_velocity(feet, LAW, {"amplitude": [10.0]}, **SHORT)
+    assert found.coordinate == ""
+    assert np.isfinite(found.velocity).all()
 
 
 def test_where_contacts_slip_along_several_coordinates_one_has_to_be_named():

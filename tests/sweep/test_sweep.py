@@ -24,6 +24,7 @@ from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Pulse, Sine, SineSwing, ThreePhase, TimedThreePhase
 from stickslip.study.sweep import VelocityMap, average_velocity, basins, cycle_of, velocity_band
 from stickslip.study.sweep.attractors import cycles_in, period_of
+from stickslip.study.sweep.parameter_grid import early_ends
 
 PLAIN = EventDriven(tier="python")
 """Runs in plain Python, which need no compiling; the numbers are those of compiled runs."""
@@ -178,6 +179,20 @@ def test_starts_that_lead_to_no_attractor_have_a_reason():
     assert found.to_dataframe()["reason"].tolist() == 4 * [Status.LIMIT.value]
 
 
+def test_ranges_without_a_value_are_named_one_by_one_where_they_are_few():
+    ends = {True: Status.END_TIME, False: Status.ZENO}
+
+    def places(*complete):
+        status = np.array([ends[bool(one)] for one in complete], dtype=object)
+        axes = {"a.frequency": np.arange(1.0, 1.0 + len(complete))[::-1]}
+        (sentence,) = early_ends(status, "", axes, {"a.frequency": "Hz"})
+        return sentence.partition(" the run")[0]
+
+    assert places(0, 0, 1) == "At 2 of 3 points (frequency 2 to 3 Hz)"
+    assert places(0, 1, 0) == "At 2 of 3 points (frequency 1 Hz, 3 Hz)"
+    assert places(0, 1, 0, 1, 0, 1, 0) == "At 4 of 7 points (frequency within 1 to 7 Hz)"
+
+
 def line(values, velocity):
     velocity = np.asarray(velocity, dtype=float)
     return VelocityMap(
@@ -194,6 +209,14 @@ def line(values, velocity):
 
 def test_reversals_lie_on_the_straight_line_between_signs():
     assert line([1, 2, 3, 4], [3.0, 1.0, -3.0, -1.0]).reversals().tolist() == [2.25]
+
+
+def test_over_points_without_motion_the_middle_is_the_reversal():
+    assert line([1, 2, 3, 4], [3.0, 0.0, 1e-9, -1.0]).reversals().tolist() == [2.5]
+
+
+def test_a_body_that_stops_moving_does_not_turn():
+    assert line([1, 2, 3], [1.0, 0.0, 0.0]).reversals().size == 0
 
 
 def test_grids_have_a_dimension_for_each_axis_and_a_row_for_each_point():
@@ -350,6 +373,12 @@ def test_what_is_no_law_is_refused_by_each_campaign():
     ):
         with pytest.raises(InputError, match="law must be a friction law"):
             campaign()
+
+
+def test_results_are_frozen():
+    found = line([1, 2], [1.0, 2.0])
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        found.unit = "m"
 
 
 def test_a_band_of_velocities_holds_the_laws_and_their_errors():

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -52,6 +53,16 @@ def test_a_record_of_the_same_friction_agrees_and_its_residual_is_the_noise():
     assert one.rms == pytest.approx(NOISE, rel=0.15)
     assert one.noise == pytest.approx(NOISE, rel=0.25)
     assert not one.late
+
+
+@pytest.mark.parametrize("measured", [record(), Measurement(travel=0.2, uncertainty=0.01)])
+def test_no_executor_changes_what_is_said(measured):
+    mechanism = CART if measured.time is not None else BLOCK
+    with ThreadPoolExecutor(2) as pool:
+        own, other = (
+            validated(measured, mechanism=mechanism, executor=value) for value in (None, pool)
+        )
+    assert own.to_dict() == other.to_dict()
 
 
 def test_a_tenth_more_friction_is_seen_and_the_refit_names_it():
@@ -184,6 +195,13 @@ def test_the_error_of_a_recorded_swing_is_said_to_be_left_out():
     x = simulate(mechanism, LAW, t_end=3.6).at(T)["x"]
     seen = validated(Measurement(time=T, position=x), mechanism=mechanism)
     assert "recorded swing" in " ".join(seen.sentences())
+
+
+def test_a_velocity_has_no_origin():
+    v = simulate(CART, LAW, t_end=3.7).at(T)["v"]
+    noise = 0.01 * np.random.default_rng(1).normal(size=T.size)
+    (one,) = validated(Measurement(time=T, velocity=v + noise)).records
+    assert (one.quantity, one.origin) == ("velocity", 0.0)
 
 
 @pytest.mark.parametrize(
