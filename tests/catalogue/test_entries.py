@@ -17,6 +17,22 @@ FETCHED = [record for record in MEASURED if record.commit]
 SHA256 = re.compile(r"[0-9a-f]{64}")
 
 
+def test_names_are_in_order_and_hold_measured_and_simulated_records():
+    assert list(catalogue.names()) == sorted(catalogue.names())
+    assert {record.kind for record in RECORDS} == {"measured", "reference simulation"}
+    assert [record.name for record in MEASURED] == [
+        "bam_xl330",
+        "emps",
+        "reciprocating_tribometer",
+        "rock_velocity_step",
+        "schunk_arm",
+        "simple_pendulum_drive",
+        "spring_pulled_slider",
+        "staubli_tx40",
+        "two_link_arm",
+    ]
+
+
 @for_all(RECORDS)
 def test_a_record_says_whose_it_is_and_under_which_licence(record):
     assert record.title

@@ -1,6 +1,7 @@
 """Where tables come from: the user's folder, the cache, upstream; whole, checked, or not at all."""
 
 import dataclasses
+import os
 import sys
 
 import numpy as np
@@ -68,6 +69,10 @@ def test_a_part_is_the_first_rows_of_the_whole(upstream):
     pd.testing.assert_frame_equal(start, whole.head(4))
 
 
+def test_the_first_file_is_taken_where_none_is_named(upstream):
+    assert text_record().path().name == "start.parquet"
+
+
 def test_the_second_call_downloads_nothing(upstream):
     record = text_record()
     first = record.path("all")
@@ -80,6 +85,15 @@ def test_a_table_is_found_again_without_a_network(upstream, monkeypatch):
     first = text_record().path()
     monkeypatch.setenv("STICKSLIP_DATA_URL", "http://127.0.0.1:9")
     assert text_record().path() == first
+
+
+def test_only_a_download_is_reported(upstream):
+    said = []
+    record = text_record()
+    record.path(report=said.append)
+    record.path(report=said.append)
+    assert len(said) == 1
+    assert said[0].startswith("Downloading a slide.txt from http://127.0.0.1")
 
 
 def test_another_commit_is_another_file(upstream):
@@ -165,6 +179,11 @@ def test_a_conversion_that_fails_keeps_the_upstream_file_and_no_table(upstream, 
     assert kept() == ["a slide.txt"]
 
 
+def test_others_may_read_what_one_has_downloaded(upstream):
+    path = text_record().path()
+    assert path.stat().st_mode & 0o044 == 0o044 or os.name == "nt"
+
+
 @pytest.mark.parametrize(
     ("content", "fragment"),
     [
@@ -200,6 +219,11 @@ def test_the_folder_of_ones_own_comes_first(upstream, monkeypatch, tmp_path):
     assert upstream.asked == []
 
 
+def test_what_is_not_in_the_folder_of_ones_own_is_downloaded(upstream, monkeypatch, tmp_path):
+    own_folder(monkeypatch, tmp_path, b"a table")
+    assert text_record().path("all").is_relative_to(cache_folder())
+
+
 @pytest.mark.parametrize("content", [b"the known table", b"another table"])
 def test_another_table_in_the_folder_of_ones_own_is_used_with_a_warning(
     upstream, monkeypatch, tmp_path, content
@@ -212,6 +236,13 @@ def test_another_table_in_the_folder_of_ones_own_is_used_with_a_warning(
         return
     with pytest.warns(UserWarning, match=r"start\.parquet differs from the file in the catalogue"):
         assert record.path() == own
+
+
+def test_places_follow_what_is_there(upstream):
+    record = text_record()
+    assert record.place() is CacheLocation.UPSTREAM
+    record.path()
+    assert record.place() is CacheLocation.CACHED
 
 
 def test_a_file_that_cannot_be_downloaded_is_asked_of_the_user(upstream):

@@ -6,6 +6,7 @@ import stat
 import subprocess
 import sys
 import warnings
+from types import SimpleNamespace
 
 import pytest
 
@@ -71,6 +72,16 @@ def test_a_second_process_loads_what_the_first_has_compiled(file, monkeypatch):
     assert value() == 3.0
 
 
+def test_what_is_loaded_stays_where_it_is(file):
+    CODE.load()
+    address = CODE.address
+    assert not CODE.load()
+    file.unlink()
+    assert CODE.load()  # and keeps it again
+    assert file.exists()
+    assert CODE.address == address
+
+
 DAMAGE = {
     "nothing left": lambda content: b"",
     "only the seal": lambda content: content[: object_code.SEAL],
@@ -102,6 +113,16 @@ def test_a_damaged_file_is_never_linked_but_written_anew(file, damage, monkeypat
     assert value() == 3.0
 
 
+def test_the_code_of_other_equations_is_damage_too(file):
+    other = EquationsCode("another", TEXT.replace("w[at] +", "w[at] -"), CODE.numbers)
+    other.load()
+    (path,) = (path for path in file.parent.iterdir() if path != file)
+    whole = file.read_bytes()
+    file.write_bytes(path.read_bytes())
+    assert CODE.load()
+    assert file.read_bytes() == whole
+
+
 @pytest.mark.parametrize("image", [b"", b"no code", b"\x7fELF" + bytes(200)])
 def test_what_llvm_cannot_link_is_a_clear_error(image):
     with pytest.raises(CompilationError, match="cannot be loaded"):
@@ -123,6 +144,11 @@ def test_another_processor_or_another_maker_has_files_of_its_own(file, monkeypat
     assert CODE.is_kept()
     monkeypatch.setattr(programs, "maker", lambda: "a later version")
     assert not CODE.is_kept()
+
+
+def test_numbers_are_part_of_the_name():
+    assert EquationsCode("a test", TEXT, (("f", 1),)).name != CODE.name
+    assert EquationsCode("another title", TEXT, (("f", 0),)) == CODE
 
 
 def test_a_cache_that_cannot_be_made_is_no_obstacle(tmp_path, monkeypatch):
@@ -250,6 +276,61 @@ def test_a_link_to_a_folder_of_ones_own_is_followed_and_its_target_is_judged(tmp
         CODE.load()
 
 
+@posix
+def test_folders_that_are_made_are_closed_to_others(tmp_path, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a" / "b"))
+    old = os.umask(0o000)
+    try:
+        CODE.load()
+    finally:
+        os.umask(old)
+    made = [tmp_path / "a", tmp_path / "a" / "b"]
+    assert [stat.S_IMODE(folder.stat().st_mode) for folder in made] == [0o700] * 2
+
+
+@posix
+def test_a_warning_is_given_once(file):
+    file.parent.chmod(0o777)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(3):
+            object_code._loaded.clear()
+            CODE.load()
+    assert len(caught) == 1
+
+
+def test_nothing_is_judged_where_there_are_no_mode_bits(file, monkeypatch):
+    file.parent.chmod(0o777)
+    monkeypatch.setattr(object_code, "sys", SimpleNamespace(platform="win32"))
+    assert not CODE.load()
+
+
+@posix
+def test_links_that_go_round_in_circles_are_no_obstacle(tmp_path, monkeypatch):
+    (tmp_path / "a").symlink_to(tmp_path / "b")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a"))
+    assert not CODE.is_kept()
+    assert not object_code.is_writable()
+    with pytest.warns(UserWarning, match="cannot be used"):
+        CODE.load()
+    assert value() == 3.0
+
+
+@posix
+def test_the_command_in_a_warning_can_be_pasted(tmp_path, monkeypatch):
+    folder = tmp_path / "my cache; rm"
+    folder.mkdir()
+    folder.chmod(0o777)
+    monkeypatch.setenv("STICKSLIP_CACHE", str(folder))
+    with pytest.warns(UserWarning, match="chmod") as caught:
+        CODE.load()
+    command = str(caught[0].message).partition("run ")[2].partition("):")[0]
+    subprocess.run(command, shell=True, check=True)
+    CODE.load()
+    assert CODE.is_kept()
+
+
 @pytest.mark.parametrize(("seconds", "warned"), [(0.1, 0), (10.0, 1)])
 def test_who_compiles_for_long_in_vain_is_told(file, monkeypatch, seconds, warned):
     def refuse(*_):
@@ -262,6 +343,13 @@ def test_who_compiles_for_long_in_vain_is_told(file, monkeypatch, seconds, warne
         warnings.simplefilter("always")
         assert CODE.load()
     assert len(caught) == warned
+
+
+def test_the_cache_is_where_the_environment_says(cache, monkeypatch):
+    assert object_code.cache_directory() == cache
+    monkeypatch.delenv("STICKSLIP_CACHE")
+    assert object_code.cache_directory().name == "code"
+    assert "stickslip" in str(object_code.cache_directory())
 
 
 @pytest.mark.parametrize("named", ["generic", "no-such-processor"])

@@ -83,6 +83,50 @@ def test_auto_compiles_once_plain_runs_have_taken_twice_as_long(monkeypatch, tie
     assert tiers == [False, False, False, True]
 
 
+def test_runs_in_plain_python_stay_there_and_count(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    lasting(monkeypatch, 1.1 * WAIT)
+    for _ in range(2):
+        simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
+    assert tiers == [False, False]
+    assert run.work_of(formulate(RIG, LAW)).is_enough()
+
+
+def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    lasting(monkeypatch, 1.1 * WAIT)
+    simulate(RIG, LAW, t_end=1.0)
+    tiers.clear()
+    simulate(SpringBlock(mass=2.0), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
+    simulate(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True), LAW, t_end=1.0)
+    assert tiers == [True, False]
+
+
+def test_where_kernels_are_loaded_plain_runs_pay_for_the_equations_alone(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_ready", lambda kernels: True)
+    lasting(monkeypatch, 0.4 * WAIT_FOR_EQUATIONS)
+    for _ in range(4):
+        simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False, False, False, True]
+
+
+def test_equations_in_a_file_are_taken_at_once_where_kernels_are_loaded(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_ready", lambda kernels: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
+    simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [True]
+
+
+def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: False)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
+    lasting(monkeypatch, 0.6 * run.PATIENCE * run.KERNELS.seconds)
+    held = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
+    for rig in (RIG, held, RIG, held):
+        simulate(rig, LAW, t_end=1.0)
+    assert tiers == [False, False, True, True]
+
+
 def test_a_long_run_goes_on_in_machine_code_once_it_has_taken_twice_as_long(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
     monkeypatch.setattr(run, "STRETCH", 4)
@@ -129,6 +173,17 @@ def test_no_run_takes_more_than_one_and_a_half_times_as_long_as_in_plain_python(
             assert auto <= 1.5 * plain + 1e-9
 
 
+def test_what_nobody_has_compiled_is_compiled_in_the_background(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: False)
+    begun = []
+    monkeypatch.setattr(run, "compile_in_background", lambda code: not begun.append(code))
+    lasting(monkeypatch, 1e3)
+    for _ in range(3):
+        simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False, False, False]
+    assert set(begun) == {code_of(formulate(RIG, LAW))}
+
+
 def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monkeypatch, tmp_path):
     calls, loaded = [], []
     equations = code_of(formulate(RIG, LAW))
@@ -168,6 +223,19 @@ def test_sensitivities_take_machine_code_once_the_run_has_paid_for_it(monkeypatc
     for one in (moved, copied):
         one.sensitivity("x", "kinetic_coefficient")
     assert tiers == [tier == "auto"] * 2
+
+
+def test_sensitivities_in_plain_python_count(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(certify, "runner_of", run.runner_of)
+    lasting(monkeypatch, 0.0)
+    moved = simulate(RIG, LAW, t_end=1.0).at(1.0)
+    tiers.clear()
+    clock = itertools.count()
+    monkeypatch.setattr(certify, "thread_time", lambda: 0.6 * WAIT * next(clock))
+    for _ in range(3):
+        moved.sensitivity("x", "kinetic_coefficient")
+    assert tiers == [False, False, True]
 
 
 def test_sensitivities_of_a_plain_run_have_the_same_bits_in_machine_code():

@@ -1,13 +1,20 @@
 """Compiling ahead of time."""
 
+import os
 import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from stickslip import Coulomb, CoulombViscous, SpringBlock
 from stickslip.engine.formulation import formulate
-from stickslip.engine.solver import warm_up
+from stickslip.engine.solver import prepare, warm_up
 from stickslip.engine.solver.compile import modules, object_code
 from stickslip.engine.solver.compile.modules import load_compiled
 from stickslip.engine.solver.compile.programs import KERNELS, KernelsCode
@@ -18,6 +25,13 @@ LAW = Coulomb(kinetic_coefficient=0.25)
 OTHER = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
 PAIRS = [(RIG, LAW), (RIG, OTHER), (SpringBlock(mass=2.0), LAW)]
 """Two laws, and a mechanism that differs from the first in numbers only."""
+WARM = """
+from stickslip import Coulomb, SpringBlock
+from stickslip.engine.solver import warm_up
+rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+done = warm_up([(rig, Coulomb(kinetic_coefficient=0.25))])
+print(done.kernels_compiled)
+"""
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +72,37 @@ def fresh(monkeypatch):
     modules._entries.cache_clear()
 
 
+def start(folder):
+    return subprocess.Popen(
+        [sys.executable, "-c", WARM],
+        env={**os.environ, "STICKSLIP_CACHE": str(folder)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
 def nothing_is_loaded(monkeypatch):
     def never(_part):
         raise AssertionError("something was loaded or compiled")
 
     monkeypatch.setattr(object_code.ObjectCode, "load", never)
+
+
+@pytest.mark.slow
+def test_two_processes_at_once_leave_the_kernels_once(tmp_path):
+    """Beside a third process that is killed."""
+    runs = [start(tmp_path) for _ in range(2)]
+    doomed = start(tmp_path)
+    threading.Event().wait(3.0)
+    os.killpg(doomed.pid, signal.SIGKILL)
+    doomed.communicate()
+    outputs = [run.communicate() for run in runs]
+    assert [run.returncode for run in runs] == [0, 0], outputs
+    assert len(list(tmp_path.glob("*.image"))) == 2
+    again = start(tmp_path).communicate()
+    assert again == ("False\n", "")
 
 
 def test_laws_share_the_kernels_and_have_a_file_each(warmed):
@@ -76,6 +116,26 @@ def test_laws_share_the_kernels_and_have_a_file_each(warmed):
 def test_progress_tells_when_something_begins_and_when_it_is_done(warmed):
     *_, told = warmed
     assert told == [(0, 1, "SpringBlock with CoulombViscous"), (1, 1, told[0][2])]
+
+
+def test_what_is_there_is_not_even_loaded(cache, monkeypatch):
+    nothing_is_loaded(monkeypatch)
+    done = warm_up(PAIRS)
+    assert not done.kernels_compiled
+    assert (done.equations_compiled, done.equations_found) == (0, 2)
+
+
+def test_what_is_there_needs_no_folder_that_can_be_written(cache, monkeypatch):
+    monkeypatch.setattr(modules, "is_writable", lambda: False)
+    assert not warm_up(PAIRS).kernels_compiled
+
+
+def test_afterwards_the_equations_are_loaded_and_nothing_is_said(cache, fresh, capsys, monkeypatch):
+    monkeypatch.setattr(modules, "_watched", lambda: True)
+    monkeypatch.setattr(modules.LOG, "hasHandlers", lambda: False)
+    monkeypatch.setattr(object_code, "_compiled", None)
+    prepare(RIG, OTHER)
+    assert capsys.readouterr().err == ""
 
 
 def test_the_kernels_refuse_arrays_of_another_kind(cache, fresh):
@@ -121,6 +181,14 @@ def test_what_is_no_pair_is_named(pair):
         warm_up([pair])
 
 
+def test_the_kernels_come_first_and_once_for_all(empty, monkeypatch):
+    seen = []
+    monkeypatch.setattr(modules, "_compiled", lambda parts, _: set(seen.extend(parts) or []))
+    warm_up([*PAIRS, (replace(RIG, attached=True), LAW), (replace(RIG, attached=True), OTHER)])
+    assert [isinstance(part, KernelsCode) for part in seen] == [True] + [False] * 4
+    assert len(set(seen)) == len(seen)
+
+
 @pytest.mark.parametrize(
     ("watched", "handled", "level", "shown"),
     [
@@ -142,6 +210,14 @@ def test_a_message_is_shown_where_somebody_watches_and_no_log_takes_it(
     finally:
         modules.LOG.setLevel(before)
     assert (capsys.readouterr().err == "Compiling ...\n") is shown
+
+
+def test_files_and_pipes_are_nobody_who_watches():
+    with tempfile.TemporaryFile() as file:
+        code = "from stickslip.engine.solver.compile.modules import notice; notice('Compiling ...')"
+        subprocess.run([sys.executable, "-c", code], stderr=file, check=True)
+        file.seek(0)
+        assert file.read() == b""
 
 
 def test_a_message_says_what_is_compiled_and_how_long_it_takes(empty, monkeypatch, caplog):
