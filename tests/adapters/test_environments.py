@@ -124,6 +124,12 @@ def test_many_that_step_together_do_what_each_does_alone():
             assert (together[k][2][row], together[k][3][row]) == tuple(ended)
 
 
+def test_they_are_the_same_whatever_the_number_of_threads():
+    told = actions(20, 64, share=1.0)
+    one, two = (played(MotorVectorEnvironment(64, threads=n), told, seed=0) for n in (1, 2))
+    assert alike(one, two)
+
+
 def test_seeds_tell_episodes_apart():
     env, told = MotorEnvironment(), actions(3)[:, 0]
     assert alike(played(env, told, seed=1), played(env, told, seed=1))
@@ -163,6 +169,17 @@ def test_a_pickled_environment_goes_on_as_the_first_does():
     twin = pickle.loads(pickle.dumps(envs))
     told = actions(1, 33)[0]
     assert np.array_equal(envs.step(told)[0], twin.step(told)[0])
+
+
+@pytest.mark.slow
+def test_processes_of_their_own_do_the_same():
+    told = actions(30, 3)
+    apart = gymnasium.vector.AsyncVectorEnv([MotorEnvironment] * 3, context="spawn")
+    try:
+        found = played(apart, told, seed=4)
+    finally:
+        apart.close()
+    assert alike(found, played(MotorVectorEnvironment(3), told, seed=4))
 
 
 def test_gymnasium_steps_many_by_the_vectorised_one():
@@ -297,6 +314,15 @@ def test_a_seed_draws_a_law_and_parameters():
     assert any(one != drawn[3] for one in after)
 
 
+def test_each_law_is_as_likely():
+    envs = MotorVectorEnvironment(600, "capsule", **DRAWN)
+    laws = envs.reset(seed=0)[1]["drawn"]["law"]
+    counts = [sum(one is law for one in laws) for law in LAWS]
+    # 120 of each are expected, with a standard deviation of 9.8
+    assert sum(counts) == 600
+    assert max(abs(count - 120) for count in counts) < 40
+
+
 def test_episodes_with_what_they_drew_are_runs_of_the_engine():
     env = MotorEnvironment("capsule", **DRAWN)
     ends = set()
@@ -367,6 +393,15 @@ def test_a_verdict_or_a_tissue_draws_the_laws(drawing):
     assert len(drawn) == 20
     assert all(any(one == law for law in drawn) for one in laws)
     assert all(any(one == law for one in laws) for law in drawn)
+
+
+def test_a_pickled_environment_draws_on():
+    envs = MotorVectorEnvironment(33, threads=2, **DRAWN)
+    envs.reset(seed=0)
+    twin = pickle.loads(pickle.dumps(envs))
+    both = [one.reset() for one in (envs, twin)]
+    assert np.array_equal(both[0][0], both[1][0])
+    assert [*both[0][1]["drawn"]["law"]] == [*both[1][1]["drawn"]["law"]]
 
 
 @pytest.mark.parametrize(

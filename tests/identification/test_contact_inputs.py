@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from benchmarks.several.brakes import DiscBrake, Lining
 
-from stickslip import Axis, Measurement, Pendulum, fit, select, simulate
+from stickslip import Axis, Measurement, Pendulum, RecordSettings, fit, select, simulate
 from stickslip.errors import InputError
 from stickslip.friction import Laws, bound, law
 from stickslip.identify.fits.contact_inputs import (
     as_informed,
     inputs_along,
     known_inputs,
+    typical_inputs,
     with_inputs,
 )
 from stickslip.mechanisms import given_inputs, given_names
@@ -67,6 +68,15 @@ def test_a_temperature_column_beside_measured_friction_is_a_covariate_of_the_law
     assert holds(found, "viscous_coefficient", 0.9)
     assert "is the median, 30 °C" in found.remarks[0]
     assert found.mechanism.contact_temperature == pytest.approx(30.0, abs=0.1)
+
+
+def test_a_table_of_friction_may_have_a_column_of_an_input():
+    rows = slice(None, None, 5)
+    table = Measurement(
+        velocity=V[rows], friction=friction(WARMING)[rows], load=2.0,
+        inputs={"temperature": WARMING[rows]},
+    )  # fmt: skip
+    assert holds(fit(TABLE, WARM, table), "viscous_temperature_decay", 0.03)
 
 
 def test_conditions_of_trials_are_inputs():
@@ -175,6 +185,13 @@ def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
 
 
 @pytest.mark.slow
+def test_the_transmitted_torque_of_a_servo_is_found_by_simulation(servo):
+    found = fit(SERVO, GEAR, servo, route="shooting")
+    for name in ("transmitted_coefficient", "kinetic_coefficient", "viscous_coefficient"):
+        assert holds(found, name, getattr(TRUE_GEAR, name))
+
+
+@pytest.mark.slow
 def test_a_law_with_the_transmitted_torque_is_selected_against_those_without(servo):
     names = ["coulomb-viscous", "level + weight[transmitted] + viscous"]
     verdict = select(SERVO, names, servo)
@@ -198,6 +215,15 @@ def warming():
     )  # fmt: skip
 
 
+@pytest.mark.slow
+def test_a_recorded_temperature_drives_simulated_segments(warming):
+    axis = Axis(inertia=5.0, stiffness=30.0)
+    found = fit(axis, WARM, warming, route="shooting", settings=RecordSettings(hold="zero"))
+    assert holds(found, "viscous_temperature_decay", 0.025)
+    assert holds(found, "viscous_coefficient", 14.0)
+    assert not found.model_errors
+
+
 def test_the_hold_of_a_force_is_told_beside_friction_that_warms(warming):
     found = fit(Axis(inertia=5.0, stiffness=30.0), WARM, warming, route="balance")
     assert holds(found, "viscous_temperature_decay", 0.025)
@@ -213,6 +239,14 @@ def test_inputs_are_those_of_the_mechanism_then_of_the_record_then_given_ones():
     assert found["motor"].tolist() == [2.0, 2.0]
     assert found["temperature"].tolist() == [20.0, 30.0]
     assert found["pressure"].tolist() == [7.0, 7.0]
+
+
+def test_curves_are_drawn_at_the_median_size_of_forces(servo):
+    typical = typical_inputs(TRUE_GEAR, SERVO, servo)
+    external = -TORQUE * np.sin(np.asarray(servo.position))
+    wanted = np.median(np.abs(np.asarray(servo.force) - external))
+    assert typical["transmitted"] == pytest.approx(wanted, rel=1e-9)
+    assert as_informed(TRUE_GEAR, SERVO, servo) == (SERVO, ())
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, Dahl, DirectionDependent, Measurement, Pendulum, TwoMassAxis, fit
+from stickslip import (
+    Axis,
+    Coulomb,
+    Dahl,
+    DirectionDependent,
+    Measurement,
+    Pendulum,
+    TwoMassAxis,
+    fit,
+)
 from stickslip.identify.fits import FreeParameters
 from stickslip.identify.fits.estimation.parameters import FreeParameter, told
 from stickslip.quantities import fields_of
@@ -19,6 +28,19 @@ def table(**more):
 
 def unit_of(found, name="kinetic_coefficient"):
     return found.estimate(name).quantity.unit
+
+
+def test_a_level_where_no_load_is_known_is_in_newtons():
+    found = fit(Axis(inertia=1.0), Coulomb, table())
+    assert unit_of(found) == "N"
+    assert found.to_dict()["estimates"][0]["unit"] == "N"
+    assert " N (" in str(found.estimate("kinetic_coefficient"))
+
+
+def test_a_level_beside_a_load_is_a_pure_number():
+    assert unit_of(fit(Axis(inertia=1.0, load=5.0), Coulomb, table())) == "1"
+    loaded = table(load=np.full(80, 5.0))
+    assert unit_of(fit(Axis(inertia=1.0), Coulomb, loaded)) == "1"
 
 
 def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit():
@@ -64,3 +86,9 @@ def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence(
     assert len(said) == 1
     assert "cannot be separated" in said[0]
     assert "fixed at 0.25 N" in said[0]
+
+
+def test_nothing_is_said_of_an_offset_that_was_looked_for():
+    found = fit(Axis(inertia=1.0), Coulomb, table())
+    assert "offset" in {one.path for one in found.estimates}
+    assert not any("constant force" in line for line in (*found.sentences, *found.remarks))

@@ -65,6 +65,18 @@ def test_the_jitter_of_further_starts_follows_from_the_seed():
     assert not np.array_equal(begun(0), begun(2))
 
 
+def test_values_that_were_tried_come_before_jittered_ones():
+    problem = Linear(TABLE, MEASURED, start=[9.0, 9.0])
+    search(problem, starts=2, start_values=[np.array([7.0, -7.0])])
+    assert any(np.array_equal(values, [7.0, -7.0]) for values in problem.visited)
+
+
+def test_starts_of_a_linear_problem_agree():
+    found = search(Linear(TABLE, MEASURED, start=[9.0, 9.0]), starts=4)
+    assert found.agreeing == len(found.costs) == 4
+    np.testing.assert_allclose(found.best.values, LEAST, rtol=1e-3)
+
+
 class Rosenbrock(LeastSquaresProblem):
     """A curved valley, along which a descent of five steps is on its way."""
 

@@ -111,6 +111,13 @@ def test_what_is_inside_begins_where_the_record_says():
 
 
 @pytest.mark.slow
+def test_a_start_that_is_not_told_leaves_more_than_the_noise():
+    mechanism, length, rate, noise = CASES["kicks"]
+    seen = record(mechanism, length, rate, noise, y0={"xi": 0.03, "xi_dot": -0.2})
+    assert fitted(mechanism, seen).rms > 2.0 * noise
+
+
+@pytest.mark.slow
 def test_trials_with_other_drives_are_fitted_together():
     mechanism, _, rate, noise = CASES["kicks"]
     path = "mechanism.drive.drive.period"
@@ -122,6 +129,16 @@ def test_trials_with_other_drives_are_fitted_together():
     level = found.estimate("kinetic_coefficient")
     assert level.low <= 0.18 <= level.high
     assert found.rms == pytest.approx(noise, rel=0.15)
+
+
+@pytest.mark.slow
+def test_a_number_of_the_drive_may_be_looked_for_too():
+    mechanism, length, rate, noise = CASES["kicks"]
+    seen = record(mechanism, length, rate, noise)
+    wrong = replace(mechanism, drive=Torque(drive=replace(KICKS, high=5.0)))
+    found = fitted(wrong, seen, "high")
+    assert found.estimate("high").low <= 6.0 <= found.estimate("high").high
+    assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
 
 
 @pytest.mark.slow

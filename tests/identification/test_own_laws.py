@@ -7,7 +7,16 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, SpringBlock, TowedBlock, fit, select, simulate
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Measurement,
+    SpringBlock,
+    TowedBlock,
+    fit,
+    select,
+    simulate,
+)
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.friction import SetValuedLaw
 from stickslip.identify.fits import starting_law
@@ -179,6 +188,12 @@ def test_several_travels_give_a_law_of_ones_own_back():
         assert contains(found, f"friction.{name}", getattr(truth, name), WIDEN), found
         # travels are exact here: what is left is where the search ends
         assert getattr(found.law, name) == pytest.approx(getattr(truth, name), rel=0.02)
+
+
+def test_a_law_of_ones_own_that_is_no_sum_of_parts_is_selected(table):
+    verdict = select(Axis(inertia=1.0), [CoulombViscous, Weakening], table)
+    assert verdict.best is not None
+    assert verdict.best.name == "weakening"
 
 
 def test_features_of_a_law_of_ones_own_are_levels_and_speeds():

@@ -6,8 +6,22 @@ import pytest
 from tests.support import UNAIDED
 
 from stickslip.errors import ParameterError
+from stickslip.identify.fits import starting_law
+from stickslip.identify.fits.force_map.start_values import StartEstimate
 from stickslip.quantities import Quantity, fields_of
 
+SEEN = {
+    "offset": 0.0, "force": 4.4, "load": 2.0, "speed": 0.5, "two_sided": True, "stiffness": 1e4,
+}  # fmt: skip
+ROUGH = StartEstimate(
+    level=2.0,
+    viscous=0.5,
+    sides=(
+        StartEstimate(level=2.5, viscous=0.6, **SEEN),
+        StartEstimate(level=1.5, viscous=0.4, **SEEN),
+    ),
+    **SEEN,
+)
 # Start and bounds by hand: friction reaches 4.4 N / 2 N.
 MAPPED = {
     "kinetic_coefficient": (2.0, 0.0, 220.0),
@@ -25,6 +39,16 @@ MAPPED = {
     "yield_exponent": (None, 0.02, 30.0),
     "viscous_exponent": (1.0, 0.2, 1.5),
 }
+TRAVELS = {
+    "kinetic_coefficient": 0.25,
+    "forward_kinetic_coefficient": 0.25,
+    "backward_kinetic_coefficient": 0.25,
+    "static_coefficient": 0.35,
+    "viscous_coefficient": 0.5,
+    "stribeck_velocity": 0.05,
+    "bristle_stiffness": 1e3,
+    "bristle_damping": 10.0,
+}
 OLD = {
     name: kind
     for name, kind in UNAIDED.items()
@@ -35,6 +59,35 @@ OLD = {
 Left out is a law that gives one of these names another range.
 """
 assert {"coulomb", "stribeck", "lugre"} <= OLD.keys()
+
+
+@pytest.mark.parametrize("kind", OLD.values(), ids=OLD)
+def test_force_maps_look_where_they_did(kind):
+    law = ROUGH.law(kind, {})
+    items = ROUGH.free_parameters(law, [f"friction.{name}" for name in fields_of(kind)], None).items
+    assert items
+    for item in items:
+        name = item.path.partition(".")[2]
+        start, low, high = MAPPED[name]
+        start = getattr(law, name) if start is None else start
+        if item.quantity.above is not None and low == 0.0 and not item.above:
+            low = 1e-9 * 2.2
+        assert (item.start, item.low, item.high) == pytest.approx((start, low, high), rel=1e-12)
+        decades = ("stribeck_velocity", "bristle_stiffness")
+        assert item.log is (name in decades or name.endswith("_exponent"))
+
+
+@pytest.mark.parametrize("kind", OLD.values(), ids=OLD)
+def test_ordinary_laws_are_what_they_were(kind):
+    law = starting_law(kind, load=9.81)
+    for name, field in kind.__dataclass_fields__.items():
+        if name in fields_of(kind):
+            needed = not isinstance(field.default, int | float | None)
+            expected = TRAVELS[name] if needed else field.default
+            if expected is None:
+                assert getattr(law, name) is None
+            else:
+                assert getattr(law, name) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(

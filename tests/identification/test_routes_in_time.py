@@ -72,6 +72,33 @@ def test_a_free_decay_is_fitted_in_ever_longer_segments_to_its_truth():
     assert found.law.viscous_coefficient == pytest.approx(law.viscous_coefficient, rel=1e-4)
 
 
+def test_restarts_of_a_free_decay_are_those_of_its_first_search():
+    rig, _, record = decay()
+    noise = 1e-5 * np.random.default_rng(0).normal(size=len(record.time))
+    noisy = dataclasses.replace(record, position=record.position + noise)
+    found = fit(rig, CoulombViscous, noisy, route="shooting", settings=RecordSettings(starts=2))
+    told = found.to_dict()
+    assert len(found.optimum.costs) == 1  # in longer segments it goes on from the best
+    assert len(found.restarts.costs) == len(told["restarts"]) == 2
+    assert told["restarts_agreeing"] == 2
+    # the residual of shorter segments, each with a state of its own, is no larger
+    assert min(told["restarts"]) <= told["residual_rms"]
+
+
+@pytest.mark.slow
+def test_a_free_decay_that_is_stopped_in_longer_segments_says_so():
+    rig, _, record = decay()
+    seen: list[float] = []
+    asked = {"route": "shooting", "settings": QUICK}
+    whole = fit(rig, CoulombViscous, record, **asked, progress=seen.append)
+    assert not whole.optimum.cancelled
+    assert whole.optimum.evaluations == len(seen)
+    left = iter(range(len(seen) - 2, -1, -1))  # stops one evaluation before the end
+    cut = fit(rig, CoulombViscous, record, **asked, progress=lambda _: next(left) > 0)
+    assert cut.optimum.cancelled
+    assert cut.to_dict()["cancelled"]
+
+
 def test_a_fit_is_written_as_a_rig_file_that_simulates(tmp_path):
     rig, _, record = decay()
     found = fit(rig, Viscous, record)
@@ -85,6 +112,13 @@ def test_a_route_that_is_not_known_is_refused():
     rig, _, record = decay()
     with pytest.raises(UnknownNameError, match="shooting"):
         fit(rig, Viscous, record, route="shoting")
+
+
+def test_friction_by_a_balance_is_near_that_by_simulation():
+    axis, record = tracked()
+    by_force = fit(axis, CoulombViscous, record, route="balance")
+    # reversals are known to a sample of 10 ms, some fifty between them
+    assert by_force.law.kinetic_coefficient == pytest.approx(6.0, rel=0.02)
 
 
 def test_a_recorded_force_of_zero_leaves_a_free_decay_what_it_is():

@@ -46,12 +46,34 @@ def test_a_saved_law_slides_under_the_load_it_was_measured_with(tmp_path):
     assert simulate(pushed, law, t_end=3.0).at(3.0)["x"][0] == pytest.approx(0.3125, rel=1e-4)
 
 
+def test_a_load_that_hardly_varies_is_saved_as_its_mean(tmp_path):
+    load = 5.0 + 0.1 * np.sin(np.arange(80))  # 4 % from end to end
+    found = fit(AXIS, Coulomb, table(load))
+    assert found.remarks == ()
+    assert saved(found, tmp_path).mechanism.load == pytest.approx(load.mean(), rel=1e-12)
+
+
 def test_a_load_that_varies_is_saved_as_its_median_and_the_file_says_so(tmp_path):
     load = np.linspace(4.0, 7.0, 80) ** 2
     found = fit(AXIS, Coulomb, table(load))
     assert saved(found, tmp_path).mechanism.load == pytest.approx(np.median(load), rel=1e-12)
     first = (tmp_path / "law.toml").read_text(encoding="utf-8").splitlines()[0]
     assert first == "# The load was measured and varies, 16 to 49 N: here it is the median."
+
+
+def test_several_trials_at_their_own_loads_are_saved_with_the_median(tmp_path):
+    whole = Measurement(trials=(table(2.0), table(5.0), table(9.0)))
+    found = fit(AXIS, Coulomb, whole)
+    assert saved(found, tmp_path).mechanism.load == 5.0
+    assert "2 to 9 N" in found.remarks[0]
+
+
+def test_a_load_that_was_set_for_each_trial_is_saved_too(tmp_path):
+    plain = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED))
+    pressed = dataclasses.replace(plain, overrides={"mechanism.load": 5.0})
+    found = fit(AXIS, Coulomb, Measurement(trials=(pressed, pressed)))
+    assert saved(found, tmp_path).mechanism.load == 5.0
+    assert found.estimate("kinetic_coefficient").quantity.unit == "1"
 
 
 @pytest.mark.parametrize("route", ["shooting", "balance"])

@@ -8,7 +8,12 @@ import pytest
 from stickslip import Axis, Measurement, RecordSettings, TowedBlock, fit
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identify.fits.shooting.segments import segments_of, with_drive, with_usual_segment
+from stickslip.identify.fits.shooting.segments import (
+    measured_quantity,
+    segments_of,
+    with_drive,
+    with_usual_segment,
+)
 from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=2.0)
@@ -22,6 +27,12 @@ def test_segments_cover_a_record_and_end_where_the_next_begins():
     np.testing.assert_allclose([s.start for s in segments], np.arange(5.0), atol=1e-9)
     assert all(len(s.times) == 101 for s in segments[:-1])
     np.testing.assert_allclose(segments[0].measured, np.sin(segments[0].times), atol=1e-12)
+
+
+def test_a_remainder_shorter_than_half_a_segment_is_left_out():
+    kept = T < 3.4
+    cut = Measurement(time=T[kept], position=SMOOTH.position[kept], force=SMOOTH.force[kept])
+    assert len(segments_of(AXIS, cut, length=1.0)) == 3
 
 
 def test_no_segment_crosses_a_gap():
@@ -64,6 +75,20 @@ def test_joined_samples_are_met_by_their_lines():
     force = 3.0 * T  # a ramp is a ramp, not a staircase half a sample late
     segment = segments_of(AXIS, replace(SMOOTH, force=force), length=1.0, hold="first")[0]
     np.testing.assert_allclose(segment.mechanism.drive.slopes[:-1], 3.0, rtol=1e-6)
+
+
+def test_the_first_state_is_guessed_from_a_parabola():
+    x = 0.3 + 0.2 * T - 0.7 * T**2
+    segment = segments_of(AXIS, replace(SMOOTH, position=x), length=1.0)[2]
+    # a parabola is met exactly, up to rounding of differences over 20 ms
+    np.testing.assert_allclose(segment.guess, [0.3 + 0.4 - 2.8, 0.2 - 2.8], rtol=1e-9)
+    v = Measurement(time=T, velocity=0.2 - 1.4 * T)
+    np.testing.assert_allclose(segments_of(AXIS, v, length=1.0)[2].guess, [0.0, -2.6], atol=1e-9)
+
+
+def test_the_position_is_compared_if_there_is_one_or_else_the_velocity():
+    assert measured_quantity(SMOOTH) == "position"
+    assert measured_quantity(Measurement(time=T, velocity=np.cos(T))) == "velocity"
 
 
 @pytest.mark.parametrize(

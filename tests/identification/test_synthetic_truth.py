@@ -1,12 +1,13 @@
 """Random rigs whose friction is known: intervals hold the truth, selection regrets little."""
 
 import functools
+import json
 import math
 
 import numpy as np
 import pytest
-from benchmarks import rigs
-from benchmarks.synthetic_truth import coverage, fitted
+from benchmarks import rigs, synthetic_truth
+from benchmarks.synthetic_truth import KINDS, coverage, fitted, run, summary
 
 FAST_TRUTHS = ("coulomb-viscous", "direction-dependent")
 """Two fits of which compile in seconds."""
@@ -92,6 +93,68 @@ def test_a_random_rig_reverses_and_is_disturbed_as_asked(truth):
     lag = round(rig.correlation_time * rig.rate)
     correlated = np.mean(wandering[lag:] * wandering[:-lag]) / np.mean(wandering**2)
     assert correlated == pytest.approx(math.exp(-1.0), abs=0.35)
+
+
+def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
+    class Here:
+        """Runs at once, in this process."""
+
+        def __init__(self, jobs):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *error):
+            return False
+
+        def submit(self, run, *given, **options):
+            from concurrent.futures import Future
+
+            task = Future()
+            task.set_result(run(*given, **options))
+            return task
+
+    called = []
+
+    def quick(seed, number, *, candidates, route, variant):
+        called.append(number)
+        row = {"seed": seed, "rig": number, "truth": "dahl", "failed": "no", "seconds": 0.0}
+        return {**row, "route": route, "variant": variant}
+
+    monkeypatch.setattr(synthetic_truth, "ProcessPoolExecutor", Here)
+    monkeypatch.setattr(synthetic_truth, "judge", quick)
+    path = tmp_path / "results.jsonl"
+    row = {"seed": 1, "rig": 1, "truth": "dahl", "failed": "no", "seconds": 0.0}
+    path.write_text(json.dumps(row) + '\n{"seed": 1, "rig": 2, "tru', encoding="utf-8")
+    lines = list(run(path, rigs=4, seed=1, jobs=1, candidates=()))
+    assert sorted(called) == [0, 2, 3]
+    assert len(lines) == 3
+    assert {row["rig"] for row in synthetic_truth.judged(path, 1)} == {0, 1, 2, 3}
+    assert synthetic_truth.judged(path, 2) == []
+
+    # another route in the same file is judged by itself; rows without one are of simulated segments
+    called.clear()
+    assert synthetic_truth.judged(path, 1, "balance") == []
+    list(run(path, rigs=2, seed=1, jobs=1, candidates=(), route="balance"))
+    assert called == [0, 1]
+    assert len(synthetic_truth.judged(path, 1)) == 4
+
+    # and so are clean axes
+    assert synthetic_truth.judged(path, 1, variant="clean") == []
+    list(run(path, rigs=1, seed=1, jobs=1, candidates=(), variant="clean"))
+    assert len(synthetic_truth.judged(path, 1, variant="clean")) == 1
+    assert len(synthetic_truth.judged(path, 1)) == 4
+
+
+def test_the_summary_counts_coverage():
+    one = {"path": "friction.level", "bounded": True} | dict.fromkeys(KINDS, True)
+    other = {**one, "naive": False}
+    row = {"rig": 0, "truth": "dahl", "intervals": [one, other]}
+    text = "\n".join(summary([row, {"rig": 1, "truth": "dahl", "failed": "why"}]))
+    assert "1 rigs (1 failed); 2 of 2" in text
+    assert "50.0 +- 35.4 % of 2" in text
+    assert "rig 1 failed: why" in text
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import Quantity
@@ -55,3 +56,29 @@ def test_coordinates_stay_inside_the_bounds():
     low, high = ALL.limits()
     np.testing.assert_allclose(low, [0.0, 0.0, math.log(1e-3)])
     np.testing.assert_allclose(high, [9.0, 5.0, 0.0])
+
+
+def test_a_level_below_the_one_it_stands_above_has_no_surplus():
+    values = ALL.values(ALL.coordinates(np.array([3.0, 2.0, 0.1])))
+    assert values[1] == pytest.approx(3.0)
+
+
+def test_the_level_that_is_stood_on_may_be_known_and_not_looked_for():
+    parameters = FreeParameters((ABOVE,), {"friction.kinetic_coefficient": 2.0})
+    np.testing.assert_allclose(parameters.coordinates(np.array([2.75])), [0.75])
+    np.testing.assert_allclose(parameters.values(np.array([0.75])), [2.75])
+    np.testing.assert_allclose(parameters.slopes(np.array([0.75])), [[1.0]])
+
+
+def test_other_starts_change_nothing_else():
+    moved = ALL.starting_at([1.0, 2.0, 0.1])
+    np.testing.assert_allclose(moved.start, [1.0, 2.0, 0.1])
+    assert moved.paths == ALL.paths
+    np.testing.assert_array_equal(moved.limits(), ALL.limits())
+
+
+def test_nothing_to_look_for_has_no_coordinates():
+    none = FreeParameters(())
+    assert len(none) == 0
+    assert none.coordinates(np.empty(0)).shape == (0,)
+    assert none.limits()[0].shape == (0,)
