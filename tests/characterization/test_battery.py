@@ -1,14 +1,24 @@
 """The battery gives the published numbers of laws, and their closed forms."""
 
+import json
+
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Dahl, DirectionDependent, LuGre, characterize
+from stickslip import Axis, Coulomb, Dahl, DirectionDependent, LuGre, characterize, simulate
 from stickslip.cli.studies import _show
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
+from stickslip.show.documents import document, json_text
 from stickslip.study.characterization import TESTS, Bench, battery, cycle_energy
-from stickslip.study.characterization.battery import break_away, drift, presliding, steady_curve
+from stickslip.study.characterization.battery import (
+    break_away,
+    drift,
+    passivity,
+    presliding,
+    steady_curve,
+)
+from stickslip.study.characterization.bench import there_and_back
 
 LEVELS = {"kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-3}
 BRISTLE = {"bristle_stiffness": 1e5, "bristle_damping": 1e5**0.5}
@@ -74,6 +84,17 @@ def test_the_published_cycle_returns_energy_from_lugre_unless_it_is_viscous_enou
     assert cycle_energy(ELASTO_PLASTIC, **cycle)[0] == pytest.approx(-7.1e-5, rel=0.01)
 
 
+@pytest.mark.slow
+def test_the_search_finds_a_cycle_that_is_no_better_than_the_published_one():
+    found = passivity(Bench(law=LUGRE))
+    assert not found.passive
+    assert found.worst <= -5.6e-5
+    energy = cycle_energy(LUGRE, found.velocity, found.duration)[0]
+    assert energy == pytest.approx(found.worst, rel=1e-9)
+    assert passivity(Bench(law=LuGre(**LEVELS, **BRISTLE, viscous_coefficient=160.0))).passive
+    assert passivity(Bench(law=MAXWELL)).passive
+
+
 def test_energies_of_cycles_have_the_closed_form_of_dahl():
     # a slow swing between +-X, long after its beginning, encloses the loop of two exponentials
     plain = Dahl(kinetic_coefficient=1.5, bristle_stiffness=1e5)
@@ -114,6 +135,14 @@ def test_forces_scale_with_the_load():
     np.testing.assert_allclose(heavy.force_after, 1000.0 * light.force_after, rtol=1e-5)
 
 
+def test_a_path_goes_where_it_is_told_and_stays_as_long_as_it_is_told():
+    path, arrivals = there_and_back([1e-3, -2e-3], (0.1, 0.2), [0.5, 0.0])
+    bench = Bench(law=Coulomb(kinetic_coefficient=0.1))
+    run = simulate(bench.guided(path), bench.law, t_end=float(arrivals[-1]))
+    at = run.at([arrivals[0], arrivals[0] + 0.5, arrivals[-1]])
+    np.testing.assert_allclose(at["u"], [1e-3, 1e-3, -2e-3], atol=1e-12)
+
+
 @pytest.fixture(scope="module")
 def several():
     kinds = ("dahl(level + stribeck) + power", "tanh(level) + viscous")
@@ -152,6 +181,20 @@ def test_a_directional_law_is_matched_both_ways():
     assert own.break_away == (4.0, 3.0)
     assert own.sentence.startswith("Forwards:")
     assert "Backwards:" in own.sentence
+
+
+def test_results_are_tables_json_and_sentences(several):
+    assert [*several.results] == ["steady", "presliding", "drift"]
+    assert several.by_test["drift"].keys() == {one.title for one in several.all}
+    text = json.loads(json_text(document("characterize", several.to_dict())))
+    assert text["tests"]["drift"]["sentence"] == several.drift.sentence
+    assert len(text["others"]) == 2
+    for result in several.results.values():
+        table = result.to_dataframe()
+        assert len(table) > 10
+        assert set(result._column_units()) <= {*table.columns}
+    assert "It drifts" in str(several.drift)
+    assert "laws side by side" in str(several)
 
 
 @pytest.mark.slow

@@ -24,6 +24,13 @@ def first_loading(law, amplitude):
     return loop.displacement[: LOOP_POINTS + 1], loop.friction[: LOOP_POINTS + 1]
 
 
+def test_the_first_loading_of_dahl_is_an_exponential():
+    x, friction = first_loading(DAHL, 0.001)
+    expected = MU * LOAD * (1 - np.exp(-SIGMA_0 * x / MU))
+    # steps are accurate to 1e-11; what is read off between them to some 1e-9
+    np.testing.assert_allclose(friction, expected, atol=1e-8 * MU * LOAD)
+
+
 def test_a_far_swing_of_dahl_is_as_accurate_as_a_short_one():
     loop = presliding_loop(DAHL, 0.01, LOAD, swings=1)  # 40 presliding lengths
     x, friction = (
@@ -51,6 +58,14 @@ def test_a_widened_loop_takes_work_and_stays_below_break_away():
     force = (loop.friction[1:] + loop.friction[:-1]) / 2
     assert np.sum(force * np.diff(loop.displacement)) > 0
     assert np.abs(loop.friction).max() < MU * LOAD
+
+
+def test_the_path_swings_ever_wider_to_both_sides():
+    loop = presliding_loop(DAHL, 0.003, LOAD, swings=3)
+    corners = loop.displacement[LOOP_POINTS::LOOP_POINTS]
+    np.testing.assert_allclose(
+        corners, [0.001, -0.001, 0.002, -0.002, 0.003, -0.003, 0.003], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize(("amplitude", "swings"), [(0.0, 3), (-1.0, 3), (0.001, 0)])

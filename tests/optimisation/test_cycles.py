@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Contact, Prescribed, Torque, static_normal_forces
 from stickslip.mechanisms.drives import Sine, SineSwing, SplineSwing, Square, ThreePhase
 from stickslip.quantities import Quantity
-from stickslip.study.optimisation import measure
+from stickslip.study.optimisation import measure, units_of
 
 G, MU, P, STROKE_LENGTH, FAST = 9.81, 0.2, 0.2, 0.02, 50.0
 LAW = Coulomb(kinetic_coefficient=MU)
@@ -121,6 +121,12 @@ def test_a_body_that_hardly_rubs_does_not_repeat_itself():
     assert cycle.travel == pytest.approx((x[1] - x[0]) / 48, rel=1e-9)
 
 
+def test_units_are_those_of_the_mechanism():
+    assert units_of(CART, "x")["torque"] == "N m"
+    assert units_of(CART, "x")["peak_force"] == "N m"
+    assert units_of(CAPSULE, "x")["xi_dot"] == "m/s"
+
+
 def test_a_mechanism_without_a_cycle_is_refused():
     with pytest.raises(InputError, match="has no drive"):
         measure(Axis(inertia=1.0), LAW)
@@ -180,6 +186,10 @@ def test_a_cycle_on_two_runners_is_that_on_one_contact():
     assert both.work == pytest.approx(alone.work, rel=1e-9)
     assert both.load_share == pytest.approx(1.0, abs=1e-12)
     assert static_normal_forces(SLED) == {"left": WEIGHT / 2, "right": WEIGHT / 2}
+
+
+def test_a_runner_that_bears_nothing_at_rest_has_no_share_of_its_load():
+    assert measure(replace(SLED, share=0.0), LAW).load_share == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_force_that_presses_a_body_does_no_work():

@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Capsule, Coulomb, PendulumCart, optimise
+from stickslip import Axis, Capsule, Coulomb, PendulumCart, load_rig, optimise, simulate
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import DCMotor, Link, Prescribed, SerialArm, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, SplineSwing, Square, ThreePhase
-from stickslip.study.optimisation import Margin, measure
+from stickslip.study.optimisation import GOALS, Margin, Optimum, measure
 
 GRAVITY, SHARE = 9.81, 0.2
 STROKE = ThreePhase(amplitude=0.008, fast=20.0, slow=9.0, first="slow")
@@ -152,6 +152,12 @@ def test_a_stopped_search_keeps_the_best_so_far():
     assert best.evaluations < 20
 
 
+def test_the_rig_file_reads_back(tmp_path):
+    best = optimise(PUSHED, LAW, GAPS, evaluations=8)
+    (tmp_path / "rig.toml").write_text(best.to_toml())
+    assert load_rig(tmp_path / "rig.toml").mechanism == best.mechanism
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -219,3 +225,12 @@ def test_a_limit_that_is_just_reached_is_not_exceeded_by_rounding(name, allowed,
     assert margin(allowed).kept
     assert margin(beyond).kept
     assert not margin(allowed + math.copysign(1e-6, beyond - allowed)).kept
+
+
+def test_goals_pickle_and_show(tmp_path):
+    assert [*GOALS] == ["speed", "energy", "peak_force"]
+    best = optimise(PUSHED, LAW, GAPS, evaluations=8)
+    assert isinstance(best, Optimum)
+    assert "mean speed" in repr(best)
+    run = simulate(best.mechanism, best.law, t_end=best.run.span[1])
+    assert run["x"][-1] == pytest.approx(best.run["x"][-1], rel=1e-6)
