@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import pickle
+import weakref
 from typing import Annotated
 
 import numpy as np
@@ -12,6 +13,7 @@ from stickslip import Axis, Coulomb, LuGre, Stribeck
 from stickslip.errors import InputError, ParameterError, StickslipError, UnknownNameError, nearest
 from stickslip.mechanisms.drives import Pulse, Sine
 from stickslip.quantities import (
+    MOST_KEPT,
     Parametrised,
     Quantity,
     fields_of,
@@ -238,6 +240,18 @@ def counted():
     return kept_by_identity(lambda one, other: had.append((one, other)) or len(had)), had
 
 
+def test_what_follows_from_the_same_objects_is_worked_out_once(counted):
+    number, _ = counted
+    rod, law = Rod(length=1.0), Coulomb(kinetic_coefficient=0.2)
+    assert [number(rod, law), number(law, rod), number(rod, law)] == [1, 2, 1]
+
+
+def test_equal_objects_are_not_the_same(counted):
+    number, _ = counted
+    rods = [Rod(length=1.0), Rod(length=1.0)]
+    assert [number(rod, rod) for rod in (*rods, *rods)] == [1, 2, 1, 2]
+
+
 def test_an_object_in_the_place_of_one_that_is_gone_is_another(counted):
     number, had = counted
     places = set()
@@ -247,6 +261,20 @@ def test_an_object_in_the_place_of_one_that_is_gone_is_another(counted):
         assert number(rod, rod) == i + 1
         had[-1] = None
     assert len(places) < 50  # or nothing was shown
+
+
+def test_few_objects_are_kept_and_none_alive(counted):
+    number, had = counted
+    rods = [Rod(length=1.0 + i) for i in range(MOST_KEPT + 1)]
+    for rod in rods:
+        number(rod, rod)
+    assert number(rods[-1], rods[-1]) == MOST_KEPT + 1
+    assert number(rods[0], rods[0]) == MOST_KEPT + 2
+    last = weakref.ref(rods[-1])
+    del rod
+    rods.clear()
+    had.clear()
+    assert last() is None
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -261,6 +289,12 @@ def test_what_can_be_changed_in_place_is_looked_at_each_time():
     bag.content.append(2.0)
     assert total(bag, bag) == 3.0
     assert total(bag, Rod(length=1.0)) == 3.0
+
+
+def test_what_has_no_parameters_is_looked_at_each_time(counted):
+    number, _ = counted
+    rod, name = Rod(length=1.0), "coulomb"
+    assert [number(rod, name), number(rod, name)] == [1, 2]
 
 
 def test_errors_survive_pickling():

@@ -18,6 +18,11 @@ def run():
     return simulate(TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0), LAW, t_end=20.0)
 
 
+def test_columns_have_the_length_of_the_times(run):
+    for name in run.names:
+        assert run[name].shape == run.t.shape
+
+
 def test_times_increase_from_zero_to_the_end(run):
     assert np.all(np.diff(run.t) > 0)
     assert (run.t[0], run.t[-1]) == run.span == (0.0, 20.0)
@@ -48,6 +53,10 @@ def test_a_run_can_be_asked_at_any_times_in_any_order(run):
     np.testing.assert_array_equal(there.t, [7.0, 3.0, 7.0])
     assert there["x"][0] == there["x"][2] == run.at(7.0)["x"][0]
     assert there["x"][1] == run.at(3.0)["x"][0]
+
+
+def test_no_times_give_no_values(run):
+    assert run.at([])["x"].shape == (0,)
 
 
 def test_at_the_ends_of_steps_the_dense_output_meets_the_steps(run):
@@ -106,12 +115,24 @@ def test_after_rest_the_friction_still_follows_the_drive():
     np.testing.assert_array_equal(still.at([1.0, 2.5, 3.5])["friction"], [0.0, 0.5, 0.0])
 
 
+def test_a_dataframe_has_the_time_and_every_column(run):
+    frame = run.to_dataframe()
+    assert list(frame.columns) == ["t", *run.names]
+    np.testing.assert_array_equal(frame["x"], run["x"])
+
+
 def test_a_dataset_has_units_and_the_status(run):
     dataset = run.to_xarray()
     assert dataset["v"].attrs["units"] == "m/s"
     assert dataset["t"].attrs["units"] == "s"
     assert dataset.attrs["status"] == run.status.value
     np.testing.assert_array_equal(dataset["x"].values, run["x"])
+
+
+def test_the_html_form_says_how_the_run_ended_and_whether_to_trust_it(run):
+    html = run._repr_html_()
+    assert html.startswith(f"<p>{run.status.value}</p><table>")
+    assert "<th>certified</th><td>yes</td>" in html
 
 
 def test_a_status_speaks_in_sentences():
