@@ -130,3 +130,11 @@ def test_a_failure_and_an_interrupt_have_their_exit_codes(run, monkeypatch, erro
     left, out, err = run("warmup")
     assert (left, out) == (code, "")
     assert words in err
+
+
+def test_a_cache_that_cannot_be_written_to_is_refused(run, monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
+    code, out, err = run("warmup", "--laws", "coulomb")
+    assert (code, out) == (2, "")
+    assert "would be lost" in err
