@@ -31,10 +31,7 @@ class Pair(Mechanism):
         return {"a": drives.get("left_drive", 0.0), "b": drives.get("right_drive", 0.0)}
 
     def contacts(self):
-        return (
-            Contact(name="left", slip="a", load=1.0),
-            Contact(name="right", slip="b", load=1.0),
-        )
+        return (Contact(name="left", slip="a", load=1.0), Contact(name="right", slip="b", load=1.0))
 
     def drives(self):
         given = {"left_drive": self.left_drive, "right_drive": self.right_drive}

@@ -134,13 +134,6 @@ def test_without_an_exchange_old_files_never_stand_beside_new_ones(tmp_path, whe
     assert 5 < len(steps) + 1 < MOST_STEPS
 
 
-def test_nothing_is_left_beside_a_folder(tmp_path):
-    for content in (OLD, NEW):
-        write_folder(tmp_path / "report", content, stale=["law.toml"])
-    assert [path.name for path in tmp_path.iterdir()] == ["report"]
-    assert sorted(path.name for path in (tmp_path / "report").iterdir()) == sorted([LIST, *NEW])
-
-
 @linux
 def test_what_a_killed_process_left_is_removed_when_it_is_old(tmp_path, monkeypatch):
     left = tmp_path / ".report.tmp-0123abcd"
@@ -249,11 +242,6 @@ def test_a_link_to_a_folder_is_followed(tmp_path):
     write_folder(tmp_path / "report", NEW, stale=["law.toml"])
     assert (tmp_path / "report").is_symlink()
     assert seen(tmp_path / "real") == NEW
-
-
-def test_nothing_to_write_makes_no_folder(tmp_path):
-    write_folder(tmp_path / "report", {}, stale=["index.html"])
-    assert not (tmp_path / "report").exists()
 
 
 @posix

@@ -59,15 +59,6 @@ def test_the_sign_is_one_or_zero_with_the_sign_of_its_argument(x):
     assert type(maths.sign(x)) is float
 
 
-def test_the_sign_of_an_array_is_taken_elementwise():
-    np.testing.assert_array_equal(maths.sign(np.array([-2.0, 0.0, 3.0])), [-1.0, 0.0, 1.0])
-
-
-@given(base=st.floats(1e-6, 1e6), exponent=st.floats(-3, 3))
-def test_powers_of_positive_numbers_are_powers(base, exponent):
-    assert maths.power(base, exponent) == base**exponent
-
-
 @pytest.mark.parametrize("exponent", [0.5, 1.5, 2.25])
 @pytest.mark.parametrize("base", [0.0, -1e-12, -3.0])
 def test_fractional_powers_of_what_is_not_positive_are_zero(base, exponent):
@@ -100,11 +91,6 @@ def test_a_power_may_have_a_symbol_as_exponent():
 def test_where_chooses_for_numbers(condition):
     assert maths.where(condition, 1.0, 2.0) == 1.0
     assert maths.where(not condition, 1.0, 2.0) == 2.0
-
-
-def test_where_chooses_elementwise_for_arrays():
-    v = np.array([-1.0, 0.0, 2.0])
-    np.testing.assert_array_equal(maths.where(v > 0, v, -v), [1.0, 0.0, 2.0])
 
 
 @pytest.mark.parametrize("value", [1.0, 0, np.float64(2.0), np.array([-1.0, 2.0])])
@@ -195,17 +181,8 @@ def test_an_equation_takes_nothing_but_numbers_and_symbols(thing):
         traced("v") + thing
 
 
-def test_tracing_errors_are_type_errors():
-    with pytest.raises(TypeError):
-        bool(traced("v"))
-
-
 def test_arithmetic_on_symbols_is_arithmetic():
     x, y = traced("x"), traced("y")
     result = (-x + 2.0) * (3 - y) / (x - 1.0) + 1.0 / (+y) - y**3
     value = float(result.expr.subs({se.Symbol("x"): 3.0, se.Symbol("y"): 2.0}))
     assert value == (-3.0 + 2.0) * (3 - 2.0) / (3.0 - 1.0) + 0.5 - 8.0
-
-
-def test_a_symbol_times_a_numpy_number_is_a_symbol():
-    assert isinstance(np.float64(2.0) * traced("x"), Traced)

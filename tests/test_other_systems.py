@@ -112,32 +112,6 @@ def test_a_function_that_a_system_lacks_is_noticed():
         check_links(code_of(formulate(BLOCK, LAWS[0])), "macOS on Arm", STANDARD - {"cos"})
 
 
-POSIX_ONLY = """
-import fcntl, os, pwd, resource, signal
-os.getuid()
-os.fork()
-os.nice(1)
-fcntl.flock(0, fcntl.LOCK_EX)
-pwd.getpwuid(0)
-resource.getrlimit(resource.RLIMIT_AS)
-os.kill(0, signal.SIGKILL)
-if sys.platform != "win32":
-    os.getuid()
-"""
-
-
-def test_types_are_checked_as_they_are_on_windows() -> None:
-    makefile = (PACKAGE.parents[1] / "Makefile").read_text(encoding="utf-8")
-    (command,) = re.findall(r"\$\(BIN\)/mypy (--platform win32) --cache-dir ", makefile)
-    api = pytest.importorskip("mypy.api", reason="mypy is for contributors")
-    calls = f"import sys{POSIX_ONLY}"
-    settings = ("--config-file=", "--cache-dir", os.devnull)
-    out, err, _ = api.run([*settings, *command.split(), "-c", calls])
-    assert not err
-    refused = {int(line) for line in re.findall(r"^<string>:(\d+): error", out, re.MULTILINE)}
-    assert refused == {3, 4, 5, 6, 7, 8, 9}
-
-
 PLACES = re.compile(r"/(bin|dev|etc|home|opt|proc|tmp|usr|var)(/|$)")
 """Beginnings of paths that Windows does not have, macOS partly."""
 

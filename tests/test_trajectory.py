@@ -41,11 +41,7 @@ def test_times_outside_the_run_are_refused_with_its_span(run, t):
 
 @pytest.mark.parametrize(
     ("t", "message"),
-    [
-        ("x", r"'x'; the column is run\['x'\]"),
-        ("soon", "got 'soon'"),
-        ([1j], "must be numbers"),
-    ],
+    [("x", r"'x'; the column is run\['x'\]"), ("soon", "got 'soon'"), ([1j], "must be numbers")],
 )
 def test_times_that_are_no_numbers_are_refused(run, t, message):
     with pytest.raises(InputError, match=message):

@@ -152,16 +152,6 @@ def test_sections_of_a_function_that_no_page_shows_are_a_fault() -> None:
     ]
 
 
-def test_pages_show_functions_methods_and_a_function_that_has_the_name_of_its_module() -> None:
-    assert docstrings.shown() >= {
-        ("stickslip.engine.simulation", "simulate"),
-        ("stickslip.friction.base", "FrictionLaw.break_away"),
-        ("stickslip.friction.base", "FrictionLaw"),
-        ("stickslip.study.sweep.attractors", "basins"),
-    }
-    assert ("stickslip.engine.kernels.driver", "run") not in docstrings.shown()
-
-
 class Watched(list[float]):
     """A vector that tells the kernel at work which of its places are read and written."""
 
@@ -297,10 +287,7 @@ class Watch:
 
 BLOCK = {"mass": 1.0, "stiffness": 100.0, "drive": Pulse(level=10.0, duration=0.1)}
 RUNS = {
-    "linear": (
-        SpringBlock(**BLOCK),
-        Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
-    ),
+    "linear": (SpringBlock(**BLOCK), Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)),
     "stops": (
         SpringBlock(**BLOCK, upper_stop=0.03, restitution=0.5),
         Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
@@ -336,8 +323,7 @@ RUNS = {
 
 
 @pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, marks=[pytest.mark.slow] * ("contacts" in kind)) for kind in RUNS],
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * ("contacts" in kind)) for kind in RUNS]
 )
 def test_kernels_touch_no_slot_but_those_that_they_list(
     kind: str, monkeypatch: pytest.MonkeyPatch
@@ -354,12 +340,3 @@ def test_kernels_touch_no_slot_but_those_that_they_list(
         assert watch.writes[name] <= watch.told(name, listed.writes), f"{name} writes"
     own = "decide" if several else "handle_event"
     assert {"run", "advance", "finish_step", "sense", own} <= watch.reads.keys()
-
-
-def test_every_kernel_is_found() -> None:
-    from stickslip.engine.kernels import driver, steppers
-
-    for module in (driver, steppers):
-        for name, function in inspect.getmembers(module, inspect.isfunction):
-            if function.__module__ == module.__name__:
-                assert name in slots.kernels()

@@ -67,17 +67,8 @@ def test_a_public_module_lists_its_public_names_only(name):
     assert dir(door) == sorted(door.__all__)
 
 
-def test_a_name_that_is_nowhere_is_an_ordinary_attribute_error():
-    assert not hasattr(stickslip, "Sine")
-    assert not hasattr(stickslip, "lawz")
-
-
 def test_few_names_but_those_of_laws_stand_at_the_top():
     assert len({*stickslip.__all__} - {*LAW_MODULES}) <= 39
-
-
-def test_public_names_are_listed_once():
-    assert len(stickslip.__all__) == len(set(stickslip.__all__))
 
 
 def test_a_module_that_is_imported_by_name_loads_no_others():

@@ -338,10 +338,7 @@ def reported(
     if (ROOT / ".mypy_cache").is_dir():
         shutil.copytree(ROOT / ".mypy_cache", cache, dirs_exist_ok=True)
     done = subprocess.run(
-        [
-            *(sys.executable, "-m", "mypy", f"--cache-dir={cache}", "--no-error-summary"),
-            ".",
-        ],
+        [*(sys.executable, "-m", "mypy", f"--cache-dir={cache}", "--no-error-summary"), "."],
         cwd=folder,
         env={**os.environ, "MYPYPATH": str(ROOT / "src")},
         capture_output=True,
@@ -408,9 +405,7 @@ def test_the_stub_of_a_package_is_in_order_and_has_what_is_registered(package: s
     assert path.read_text(encoding="utf-8") == stubs.stub(package), "run `make stubs`"
 
 
-def test_a_law_that_is_registered_no_more_leaves_the_stub(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_law_that_is_registered_no_more_leaves_the_stub(monkeypatch: pytest.MonkeyPatch) -> None:
     known = Door("stickslip.friction")
     known.homes["Gone"], known.public = "stickslip.friction.named", [*known.public, "Gone"]
     monkeypatch.setattr("stickslip.lazy.Door", lambda _: known)

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from benchmarks import (
     belt,
-    calls,
-    compiling,
     decay,
     engines,
     ensembles,
@@ -23,7 +21,7 @@ from benchmarks import (
 from benchmarks.block import by_scipy
 from benchmarks.block.problem import LIGHT, TRAVEL
 from benchmarks.kernel import Kernel
-from benchmarks.measuring import KERNEL, Entry, Missing, Target
+from benchmarks.measuring import KERNEL, Entry, Missing
 from benchmarks.several import by_scipy as several_by_scipy
 from benchmarks.several import by_stickslip as several_by_stickslip
 from benchmarks.several.problem import CASES
@@ -94,16 +92,6 @@ def test_the_kernel_alone_is_an_entry_of_its_own_and_what_targets_are_about():
     assert [target.goal for target in result.targets] == ["<= 12 us", ">= 200 x SciPy DOP853"]
 
 
-def test_the_belt_has_the_stated_number_of_changes():
-    assert len(belt.exact()) == 275
-
-
-def test_the_sampled_force_makes_the_axis_stop_and_start_some_25_times():
-    motion = sampled.by_hand(sampled.closed_slip, sampled.forces(sampled.SAMPLES))
-    assert len(motion.changes) == 26
-    assert motion.slipping == 17731
-
-
 def test_the_closed_form_and_the_matrix_exponential_move_the_axis_alike():
     u = sampled.forces(4000)
     ours, known = (
@@ -171,12 +159,6 @@ def test_heyoka_reaches_the_same_error_with_events_by_hand(results, case):
     assert "heyoka, modes and events by hand" in names
 
 
-def test_a_row_without_numbers_says_why(holding):
-    lines = tables.in_engines(holding)
-    assert any("SciPy RK45, sign(v)" in line and "gave up" in line for line in lines)
-    assert any("Siconos" in line and "not on PyPI" in line for line in lines)
-
-
 def test_the_kernel_alone_makes_the_run_of_a_whole_call_again_and_again():
     kernel = Kernel(decay.RIG, decay.LAW, decay.T_END, compiled=False)
     for _ in range(2):
@@ -213,13 +195,6 @@ def test_the_closed_form_of_the_ensemble_is_that_of_the_single_run():
     assert (stop[0], place[0]) == pytest.approx((last, rest), rel=1e-14)
 
 
-def test_memory_is_the_most_the_process_itself_has_had():
-    before = ensembles.peak()
-    held = np.ones(8_000_000)
-    assert ensembles.peak() >= before
-    assert ensembles.peak() > held.nbytes
-
-
 @pytest.mark.parametrize("case", sensitivities.CASES[:2], ids=lambda case: case.modes)
 def test_sensitivities_agree_with_their_reference(case):
     row, _, error = sensitivities.measured(case, repeats=1, compiled=False)
@@ -242,35 +217,6 @@ def test_references_of_sensitivities_are_the_differences_of_closed_forms():
         )
 
 
-def test_compile_times_stand_in_a_table_without_being_measured_here():
-    asked = []
-
-    def timed(folder, count):
-        asked.append(folder)
-        return [float(len(asked))] * count
-
-    found = compiling.run(2, timed)
-    assert len(set(asked)) == 1
-    assert [row[1:] for row in found.rows] == [("1.00", "2.00")] * 2
-
-
-def test_default_calls_stand_beside_lsoda_without_being_measured_here(monkeypatch):
-    monkeypatch.setattr(compiling, "in_child", lambda folder, count: None)
-    found = compiling.default_calls(
-        lambda folder, count: [[0.2, 0.01, 0.005, 0.02, 0.05, 0.1], [1e-6, 1e-5, 1e-6, 1e-7]]
-    )
-    assert found.rows[2] == ("call 3", "5", "1.0e-06")
-    assert found.rows[4][0].endswith("1e-09: 10.0 x the third call")
-
-
-def test_short_calls_have_targets_without_being_measured_here():
-    names = [*calls.TARGETS]
-    found = calls.run(lambda: dict(zip(names, (59e-6, 250e-6), strict=True)))
-    assert [target.met for target in found.targets] == [True, False]
-    assert [target.measured for target in found.targets] == ["59 us", "250 us"]
-    assert found.rows[0] == (names[0], "59")
-
-
 def entry(solver, seconds):
     return Entry(
         solver=solver, tolerance=1e-9, error=0.0, first=1.0, run=lambda: None, times=(seconds,)
@@ -287,11 +233,6 @@ def test_a_target_is_met_by_the_kernel_and_says_why_if_not():
     assert "too many steps" in first
     assert "10 us" in second
     assert "too many steps" not in second
-
-
-def test_a_reason_that_holds_for_several_targets_stands_once():
-    missed = Target(work="decay", goal="1", measured="2", met=False, reason="too many steps")
-    assert "\n".join(tables.targets([missed, missed])).count("too many steps") == 1
 
 
 @pytest.mark.parametrize("name", ["chain", "arm", "clutches"])

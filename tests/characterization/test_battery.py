@@ -5,15 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    Dahl,
-    DirectionDependent,
-    LuGre,
-    characterize,
-    simulate,
-)
+from stickslip import Axis, Coulomb, Dahl, DirectionDependent, LuGre, characterize, simulate
 from stickslip.cli.studies import _show
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law

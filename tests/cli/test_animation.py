@@ -85,23 +85,6 @@ def test_sweep_writes_a_row_for_each_point_and_a_figure(run, tmp_path):
     assert "--force" in err
 
 
-def test_sweep_prints_one_document(run):
-    code, out, _ = run(*SWEEP, "--vary", "frequency=1:2:2", "-o", "found.parquet", "--json")
-    assert code == 0
-    told = json.loads(out)
-    assert told["schema"] == "stickslip/sweep/1"
-    assert told["axes"] == {"mechanism.drive.frequency": [1.0, 2.0]}
-    assert len(told["velocity"]) == 2
-
-
-def test_sweep_takes_a_list_of_values(run):
-    grids = ("--vary", "frequency=[2.0, 1, 1.7]", "--vary", "amplitude = [30,20]")
-    code, out, _ = run(*SWEEP, *grids, "--json")
-    assert code == 0
-    axes = {"mechanism.drive.frequency": [1.0, 1.7, 2.0], "mechanism.drive.amplitude": [20.0, 30.0]}
-    assert json.loads(out)["axes"] == axes
-
-
 @pytest.mark.parametrize(
     "arguments",
     [(), ("--vary", "frequency"), ("--vary", "frequency=1:2"), ("--vary", "frequency=1:2:0")],

@@ -68,12 +68,6 @@ finally:
     assert done.stdout.splitlines()[-1] == "False"  # they take longer than the check
 
 
-def test_warnings_are_marked_and_no_failure(run, write):
-    code, out, _ = run(write(**good(q=1000 * TIME)), *COLUMNS, *SCALES)
-    assert code == 0
-    assert "! No reversals: the motion goes forward only" in out
-
-
 def test_an_error_is_marked_and_exits_with_two(run, write):
     code, out, err = run(write(**good(q=0 * TIME)), *COLUMNS)
     assert code == 2
@@ -100,13 +94,6 @@ def test_repairs_are_said(run, write):
     assert "data.csv; sorted by time (1 sample out of order); dropped 1 exact duplicate" in out
 
 
-def test_several_files_are_checked_as_trials(run, write):
-    files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
-    _, out, _ = run(*files, *COLUMNS, *SCALES)
-    assert "run1: 2,000 samples" in out
-    assert "run2: 2,000 samples" in out
-
-
 def test_trials_have_one_line_each_and_the_last_line_says_what_to_correct(run, write):
     files = [write(f"run{i}.csv", **good(q=1000 * i * TIME, u=0.01 * i * TIME)) for i in (1, 2)]
     _, out, _ = run(*files, *COLUMNS, *SCALES)
@@ -121,15 +108,6 @@ def test_trials_have_one_line_each_and_the_last_line_says_what_to_correct(run, w
         2,
         "To correct before a fit: a quantity that does not change.",
     )
-
-
-@pytest.mark.slow
-def test_each_of_several_files_has_an_overview(run, write, tmp_path):
-    files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
-    assert run(*files, *COLUMNS, *SCALES, "-o", "seen")[0] == 0
-    assert {path.name for path in (tmp_path / "seen").glob("[!.]*")} == {
-        "checks.json", "overview-1.svg", "overview-1.png", "overview-2.svg", "overview-2.png",
-    }  # fmt: skip
 
 
 @pytest.mark.slow
@@ -228,13 +206,6 @@ def test_files_beside_a_rig_are_read_as_it_says(run, rig, tmp_path):
     assert run(file, "second.csv")[:2] == run("second.csv", file)[:2]
     assert "Force is" not in run(file, "second.csv")[1]
     assert "Force is −1 times" in run(file, "second.csv", "--gain", "force=-10")[1]
-
-
-def test_a_file_is_named_as_data_too_as_for_select(run, rig, tmp_path):
-    file = rig()
-    (tmp_path / "data.csv").rename(tmp_path / "second.csv")
-    (tmp_path / "rig.toml").write_text(RIG.format(gain=10.0, file="").replace('file = ""', ""))
-    assert run(file, "--data", "second.csv")[:2] == run(file, "second.csv")[:2]
 
 
 def test_options_of_columns_need_a_file_of_data(run, rig):

@@ -12,8 +12,6 @@ import pytest
 from scipy.io import loadmat
 from tests.commands import commands
 
-from stickslip import load_rig
-from stickslip.errors import InputError
 from stickslip.friction import LAWS, PRINTED_FORMS
 
 
@@ -68,13 +66,6 @@ def test_an_existing_folder_is_refused_before_work_begins(run, tmp_path, monkeyp
         run("paper", "-o", "new")
 
 
-def test_models_shows_one_law_with_ranges_and_sources(run):
-    _, out, _ = run("models", "dahl")
-    assert "bristle_stiffness" in out
-    assert "above 0" in out
-    assert "Dahl. A solid friction model" in out
-
-
 def test_models_names_the_parameter_that_another_must_not_fall_below(run):
     _, out, _ = run("models", "stribeck", "--json")
     ranges = {name: about["range"] for name, about in json.loads(out)["parameters"].items()}
@@ -105,15 +96,6 @@ def test_models_published_names_defect_and_cure(run):
 def test_the_formula_of_a_law_is_text_and_not_latex(run, law):
     _, out, _ = run("models", law)
     assert re.findall(r"[\\{}$]", out) == []
-
-
-@pytest.mark.slow
-def test_simulate_shows_events_and_certificate(run):
-    code, out, _ = run("simulate", "demo", "--law", "coulomb")
-    assert code == 0
-    assert "block leaves the spring" in out
-    assert "0.203874" in out
-    assert "stick drift exactly 0" in out
 
 
 def test_simulate_prints_one_json_document(run):
@@ -153,64 +135,6 @@ def test_a_run_for_matlab_has_a_variable_for_each_column_and_their_units(run, tm
     assert content["x"][-1] == pytest.approx(0.203874, abs=1e-6)
 
 
-CAPSULE = """
-[mechanism]
-type = "capsule"
-capsule_mass = 0.08
-inner_mass = 0.02
-stiffness = 60.0
-damping = 0.03
-upper_stop = 0.002
-restitution = 0.6
-[mechanism.drive]
-type = "torque"
-drive = {type = "sine", amplitude = 0.2, frequency = 13.0}
-[friction.coulomb]
-kinetic_coefficient = 0.2
-static_coefficient = 0.25
-"""
-
-
-GUIDED = """
-[mechanism]
-type = "capsule"
-capsule_mass = 0.8
-inner_mass = 0.2
-[mechanism.drive]
-type = "prescribed"
-profile = {type = "three-phase", amplitude = 0.01, fast = 50.0, slow = 9.81, first = "slow"}
-limit = 100.0
-[friction.coulomb]
-kinetic_coefficient = 0.2
-"""
-
-
-def test_a_periodic_run_says_its_mean_velocity(run, tmp_path):
-    (tmp_path / "capsule.toml").write_text(CAPSULE)
-    code, out, _ = run("simulate", "capsule.toml", "--t-end", "4", "-q")
-    assert code == 0
-    # two independent codes give 16.679 mm/s
-    assert "Travel per cycle, once the motion has settled: 1.28 mm; mean velocity 16.68 mm/s" in out
-
-
-def test_a_sweep_says_where_and_why_it_has_no_velocity(run, tmp_path):
-    (tmp_path / "capsule.toml").write_text(GUIDED)
-    vary = "mechanism.drive.limit=1:100:3"
-    settings = ("--settle", "10", "--cycles", "2", "--force")
-    code, out, _ = run("sweep", "capsule.toml", "--vary", vary, *settings)
-    assert code == 0
-    sentence = "At 1 of 3 points (limit 1 N m) the run stopped: The mechanism reached"
-    assert sentence in out
-    table = pd.read_csv(tmp_path / "stickslip-sweep.csv")
-    assert table["reason"].notna().tolist() == [True, False, False]
-    assert "No value: The mechanism reached" in (tmp_path / "stickslip-sweep.svg").read_text()
-    _, out, _ = run("sweep", "capsule.toml", "--vary", vary, *settings, "--json")
-    content = json.loads(out)
-    assert content["velocity"][0] is None
-    assert content["status"] == ["LIMIT", "END_TIME", "END_TIME"]
-    assert content["early_ends"][0].startswith(sentence)
-
-
 def test_an_export_is_never_overwritten_without_force(run, tmp_path):
     (tmp_path / "run.csv").write_text("mine")
     assert "--force" in complaint(run, "simulate", "demo", "-o", "run.csv")
@@ -218,14 +142,6 @@ def test_an_export_is_never_overwritten_without_force(run, tmp_path):
     code, _, _ = run("simulate", "demo", "-o", "run.csv", "--force")
     assert code == 0
     assert (tmp_path / "run.csv").read_text() != "mine"
-
-
-def test_a_fixed_step_run_is_shown_with_what_it_lacks(run):
-    code, out, _ = run(
-        "simulate", "demo", "--fixed-step", "0.01", "--no-stick-rule", "--t-end", "1"
-    )
-    assert code == 0
-    assert "Not certified" in out
 
 
 def test_a_fixed_step_run_claims_no_check_that_was_not_made(run):
@@ -329,55 +245,10 @@ def test_select_writes_a_report_and_refuses_to_overwrite_it(run, rig, tmp_path):
     assert "--force" in complaint(run, "select", "rig.toml", "--laws", "coulomb")
 
 
-@pytest.mark.slow
-def test_select_takes_trials_from_a_table(run, tmp_path):
-    (tmp_path / "trials.csv").write_text(
-        "name,travel [mm],uncertainty [mm],mechanism.compression [mm]\n"
-        "short,73.4,0.5,60\nmiddle,203.9,0.5,100\nlong,458.7,0.5,150\n"
-    )
-    code, out, _ = run(
-        "select", "demo", "--data", "trials.csv", "--laws", "coulomb,viscous", "--json"
-    )
-    assert code == 0
-    content = json.loads(out)
-    assert content["ranked"] is True
-    assert content["best"] == "coulomb"
-    # the table is k x0^2 / (2 mu m g) with mu = .25, rounded to .1 mm
-    (found,) = content["candidates"][0]["fit"]["estimates"]
-    assert found["value"] == pytest.approx(0.25, rel=2e-3)
-
-
-@pytest.mark.slow
-def test_select_weighs_a_law_with_parameters_that_nobody_gave(run, tmp_path):
-    """They are drawn, and widen what travels tell of the others."""
-    table = tmp_path / "travels.csv"
-    table.write_text(
-        "travel [mm],uncertainty [mm],mechanism.compression [mm]\n67,1,60\n117,1,80\n181,1,100\n"
-    )
-    rig = tmp_path / "rig.toml"
-    rig.write_text(
-        '[mechanism]\ntype = "spring-block"\nmass = 1.0\nstiffness = 100.0\n'
-        "[friction.coulomb]\nkinetic_coefficient = 0.25\n"
-    )
-    code, out, _ = run("select", str(rig), "--data", str(table), "--laws", "coulomb,stribeck")
-    assert code == 0
-    assert "Use Coulomb friction; these travels do not distinguish it from Stribeck." in out
-    (row,) = (line for line in out.splitlines() if line.startswith("Stribeck "))
-    *_, error, share, _ = row.split()
-    assert float(error) > 0.0
-    assert 0 < int(share) < 100
-    assert "mu_s" not in row
-
-
 def test_cite_prints_the_sources_of_the_laws_asked_for(run):
     _, out, _ = run("cite", "lugre")
     assert "Canudas de Wit" in out
     assert "Dahl" not in out
-
-
-def test_schema_is_json(run):
-    _, out, _ = run("schema")
-    assert "properties" in json.loads(out)
 
 
 BAD = [
@@ -445,11 +316,6 @@ def test_a_broken_rig_file_is_named(run, tmp_path, content):
     assert "rig.toml" in complaint(run, "select", "rig.toml")
 
 
-def test_a_folder_is_no_rig_file(run, tmp_path):
-    (tmp_path / "folder").mkdir()
-    assert "folder" in complaint(run, "select", "folder")
-
-
 def test_a_report_cannot_replace_a_file(run, tmp_path):
     (tmp_path / "taken").write_text("mine")
     assert "taken" in complaint(
@@ -498,12 +364,6 @@ def rig(tmp_path):
     return write
 
 
-def test_a_title_that_looks_like_markup_is_printed_as_it_is(run, rig):
-    code, out, _ = run("simulate", rig())
-    assert code == 0
-    assert "[/b] :smile: x, Coulomb friction" in out
-
-
 def test_a_reason_that_looks_like_markup_is_printed_as_it_is(capsys):
     from stickslip.cli.console import note, show_table
 
@@ -514,14 +374,6 @@ def test_a_reason_that_looks_like_markup_is_printed_as_it_is(capsys):
     assert "[/i] head" in seen.out
     assert "[/b] cell" in seen.out
     assert seen.err == "[/b] reason\n"
-
-
-def test_one_printed_equation_is_shown_as_text_like_the_others(run):
-    _, out, _ = run("models", "printed-1")
-    assert out.startswith("(1) Coulomb, of [6] (printed-1)")
-    assert "sgn 0 = 0" in out
-    _, out, _ = run("models", "printed-1", "--json")
-    assert json.loads(out)["name"] == "printed-1"
 
 
 def test_the_schema_has_the_head_of_every_document(run):
@@ -546,26 +398,12 @@ def test_simulate_starts_as_the_first_trial_does(run, rig):
     assert content["final"]["x"] == pytest.approx(9.0 / (2 * 0.25 * 9.81), rel=1e-9)
 
 
-def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
-    # the travel of Coulomb friction is v^2 / (2 mu g)
-    slow = rig(stiffness=0.0, compression=0.0, v=6.2642e-3, travel=8e-6, uncertainty=1e-7)
-    code, out, _ = run("select", slow, "--laws", "coulomb")
-    assert code == 0
-    assert "8.00 µm" in out
-
-
 def test_a_rig_with_values_for_several_laws_says_which_one_is_run(run):
     _, out, err = run("simulate", "demo", "--t-end", "0.1")
     assert "Coulomb" in out
     assert "has values for several laws; coulomb is used" in " ".join(err.split())
     _, _, err = run("simulate", "demo", "--t-end", "0.1", "--law", "stribeck")
     assert "several laws" not in err
-
-
-def test_nothing_to_measure_next_has_no_heading(run, rig):
-    _, out, _ = run("select", rig(), "--laws", "coulomb")
-    assert "Limitations" in out
-    assert not out.partition("Measure next\n")[1] or out.partition("Measure next\n")[2].strip()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
@@ -606,30 +444,6 @@ def test_a_reader_that_leaves_early_is_no_error(buffered):
     assert unread("schema", "--nonsense", both=True, PYTHONUNBUFFERED=buffered) == (2, None)
 
 
-def test_a_command_whose_output_nobody_reads_writes_its_file(tmp_path):
-    rows = "".join(f"{0.01 * k},{0.001 * k * k},{1 + k % 3}\n" for k in range(200))
-    (tmp_path / "log.csv").write_text("time (s),position (m),force (N)\n" + rows)
-    assert unread("init", "log.csv", folder=tmp_path) == (0, "")
-    assert load_rig(tmp_path / "log.toml").measurement is not None
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("command", "file"),
-    [
-        (["simulate", "demo", "-o", "run.csv"], "run.csv"),
-        (["fit", "demo", "--law", "coulomb", "-o", "law.toml"], "law.toml"),
-        (["check", "demo", "-o", "check"], "check/index.html"),
-        (["sweep", "capsule.toml", "--vary", "drive.frequency=2:3:3", "-o", "new.csv"], "new.csv"),
-    ],
-)
-def test_commands_whose_output_nobody_reads_end_as_others_do(tmp_path, command, file):
-    (tmp_path / "capsule.toml").write_text(CAPSULE)
-    code, told = unread(*command, "-q", folder=tmp_path)
-    assert (code, "Traceback" in told) == (0, False), told
-    assert (tmp_path / file).stat().st_size > 0
-
-
 UNWRITABLE = ["taken/report", *(["/proc/report"] if Path("/proc/self").exists() else [])]
 
 
@@ -650,42 +464,6 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     assert "cannot be written" in complaint(run, command, "-o", output)
     assert "cannot be written" in complaint(run, "simulate", "demo", "-o", f"{output}/run.csv")
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
-
-
-def test_trying_a_folder_leaves_nothing_behind(tmp_path):
-    from stickslip.cli.console import refuse_overwriting
-
-    new = tmp_path / "one" / "two"
-    refuse_overwriting(new, new, force=False)
-    assert list(tmp_path.iterdir()) == []
-    new.mkdir(parents=True)
-    refuse_overwriting(new, new, force=True)
-    assert list(new.iterdir()) == []
-
-
-def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_path):
-    from stickslip.show.documents import write_file, write_folder
-
-    (tmp_path / "a.txt").write_text("old")
-    (tmp_path / "folder").mkdir()
-    with pytest.raises(InputError, match="cannot be written"):
-        write_file(tmp_path / "folder", b"new")
-    with pytest.raises(InputError, match="cannot be written"):
-        write_folder(tmp_path, {"c.txt": "new", "missing/b.txt": "new"})
-    assert (tmp_path / "a.txt").read_text() == "old"
-    assert {path.name for path in tmp_path.iterdir()} == {"a.txt", "folder"}
-
-
-@pytest.mark.slow
-def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
-    def module(*arguments):
-        command = [sys.executable, "-m", "stickslip", *arguments]
-        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
-
-    good, bad = module("--version"), module("fit", "no-such-rig.toml")
-    assert (good.returncode, bad.returncode) == (0, 2)
-    assert good.stdout.startswith("stickslip ")
-    assert bad.stderr.startswith("stickslip: ")
 
 
 @pytest.mark.slow

@@ -50,15 +50,6 @@ def test_list_as_json_has_every_record_in_full(run):
     assert axis["files"]["train"]["where"] == "to download"
 
 
-def test_list_says_what_is_local(run, monkeypatch, tmp_path):
-    (tmp_path / "reciprocating_tribometer").mkdir()
-    (tmp_path / "reciprocating_tribometer" / "train.parquet").touch()
-    monkeypatch.setenv("STICKSLIP_DATA", str(tmp_path))
-    _, out, _ = run("list")
-    line = next(line for line in out.splitlines() if line.startswith("reciprocating"))
-    assert line.rstrip().endswith("local, to download")
-
-
 def test_show_has_licence_columns_checksums_and_results(run):
     record = catalogue.dataset("emps")
     code, out, _ = run("show", "emps")
@@ -80,12 +71,6 @@ def test_show_as_json_has_gains_and_what_is_known_of_a_file(run):
     # weight of the slider: 0.0307 kg times 9.81 m/s2
     assert found["columns"][1]["gain"] == pytest.approx(0.0307 * 9.81, rel=1e-15)
     assert found["files"]["k168_v42"]["known"]["stiffness_N_per_m"] == 168.0
-
-
-@pytest.mark.parametrize("name", catalogue.names())
-def test_every_record_can_be_shown(run, name):
-    assert run("show", name)[0] == 0
-    assert json.loads(run("show", name, "--json")[1])["name"] == name
 
 
 def test_path_prints_nothing_but_the_path_and_says_on_stderr_what_is_downloaded(run, slide):

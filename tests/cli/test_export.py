@@ -1,8 +1,6 @@
 """``stickslip export``: files, remarks, and one message for what cannot be done."""
 
 import json
-import shutil
-import zipfile
 
 import pytest
 from tests.commands import commands
@@ -93,11 +91,6 @@ def test_an_existing_folder_is_refused_before_work_begins(called, tmp_path, monk
     assert "old already exists; give --force to replace files in it, or another -o" in err
 
 
-def test_files_are_replaced_with_force(called):
-    codes = [called("law.toml", "--to", "json", *more)[0] for more in ([], [], ["--force"])]
-    assert codes == [0, 2, 0]
-
-
 def test_a_selection_that_named_no_law_says_so(called, tmp_path):
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "verdict.json").write_text("{}", encoding="utf-8")
@@ -121,15 +114,6 @@ viscous_temperature_decay = 0.03
 """
 
 
-def test_a_joint_has_the_friction_at_the_input_of_the_rig_or_at_a_stated_one(called, tmp_path):
-    (tmp_path / "warm.toml").write_text(WARM, encoding="utf-8")
-    wanted = ("warm.toml", "--to", "urdf", "--largest-speed", "1 m/s", "--force")
-    _, out, _ = called(*wanted)
-    assert "the joint has the friction at temperature 30 °C." in out
-    _, out, _ = called(*wanted, "--at", "temperature=300 K")
-    assert "the joint has the friction at temperature 26.9 °C." in out
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -145,29 +129,6 @@ def test_values_of_inputs_that_do_not_fit_are_refused(called, tmp_path, options,
     code, _, err = called("warm.toml", *options)
     assert code == 2
     assert words in err
-
-
-@pytest.mark.skipif(shutil.which("cc") is None, reason="an FMU is linked by a C compiler")
-@pytest.mark.slow
-def test_an_fmu_is_of_the_rig_that_is_named_with_the_law_of_the_file(called, tmp_path):
-    rig = '[mechanism]\ntype = "axis"\ninertia = "3 kg"\n[friction]\n'
-    (tmp_path / "axis.toml").write_text(rig, encoding="utf-8")
-    (tmp_path / "law.toml").write_text(LAW + "[friction.viscous]\nviscous_coefficient = 7\n")
-    found = []
-    for law in ("stribeck", "viscous"):
-        of = ("--rig", "axis.toml", "--law", law, "--force")
-        code, out, err = called("law.toml", "--to", "fmu", *of)
-        assert code == 0, err
-        assert "stickslip-export/axis.fmu" in out
-        with zipfile.ZipFile(tmp_path / "stickslip-export" / "axis.fmu") as files:
-            found.append(files.read("modelDescription.xml").decode())
-    assert all("mechanism.inertia" in text and "mechanism.mass" not in text for text in found)
-    assert "friction.stribeck_velocity" in found[0]
-    assert 'name="friction.viscous_coefficient"' in found[1]
-    assert "friction.kinetic_coefficient" not in found[1]
-    code, _, err = called("law.toml", "--to", "fmu", "--rig", "axis.toml", "--force")
-    assert code == 2
-    assert "several laws" in err
 
 
 def test_a_file_with_laws_alone_is_exported(called, tmp_path):

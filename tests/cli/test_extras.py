@@ -93,10 +93,7 @@ def adapter(name: str) -> Callable[[], None]:
     return imported
 
 
-IN_PYTHON = {
-    "gym": adapter("gym"),
-    "xarray": to_xarray,
-}
+IN_PYTHON = {"gym": adapter("gym"), "xarray": to_xarray}
 
 
 def packages(extra: str) -> list[str]:

@@ -57,16 +57,6 @@ def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):
 
 
 @pytest.mark.slow
-def test_fit_as_json_says_that_features_were_fitted(run, tmp_path, table):
-    np.savetxt(tmp_path / "later.csv", table[1000:], delimiter=",", header="t,F", comments="")
-    _, out, _ = run("fit", "slider.toml", "--law", "coulomb", "--json", "--validate", "later.csv")
-    told = json.loads(out)
-    assert told["route"] == "features"
-    assert {e["symbol"] for e in told["estimates"]} == {"m", "k", "mu_k", "mu_s"}
-    assert set(told["second_record"]) == {"frequency", "mean", "standard_deviation"}
-
-
-@pytest.mark.slow
 def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
     code, out, _ = run("select", "slider.toml", "--laws", "coulomb,stribeck")
     assert code == 0
@@ -78,13 +68,6 @@ def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
     assert content["schema"].startswith("stickslip/select/")
     assert "limit cycle" in (report / "index.html").read_text(encoding="utf-8")
     assert load_rig(report / "law.toml").mechanism.mass == pytest.approx(0.021, rel=0.2)
-
-
-def test_a_mass_that_cannot_oscillate_so_fast_leaves_no_law_beyond_objection(run):
-    code, out, err = run("select", "held.toml", "--laws", "coulomb", "--json")
-    assert code == 3
-    assert "No candidate" in json.loads(out)["verdict"]
-    assert "No law is recommended" in err
 
 
 def test_options_for_records_of_motion_are_refused(run):

@@ -1,6 +1,5 @@
 """From a selection to another mechanism: a law from a file, its band, and the page of the run."""
 
-import dataclasses
 import json
 import math
 import re
@@ -12,53 +11,18 @@ import pytest
 from tests.commands import commands
 from tests.support import exported
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    CoulombViscous,
-    Dahl,
-    LuGre,
-    Pendulum,
-    SpringBlock,
-    load_rig,
-    select,
-    simulate,
-)
+from stickslip import Axis, Coulomb, Dahl, LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli import main
-from stickslip.cli.console import plain
-from stickslip.cli.judge import show_verdict
-from stickslip.cli.simulate import _cells, _event_rows
-from stickslip.data import LawEstimates, bristle_remark, carried, extrapolations
+from stickslip.data import LawEstimates
 from stickslip.data.rigs.rig_writer import rig_toml
-from stickslip.engine.trajectory import Event
 from stickslip.friction import law
 from stickslip.mechanisms.drives import Sine, Sum, ThreePhase
 from stickslip.show.documents import write_folder
-from stickslip.study.sweep import Spread
 
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
 """Of the swing of that file [s]."""
-SIX = ("coulomb", "coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl", "lugre")
-LONG = {"coulomb", "coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl"}
-"""Of these, models whose pages take long to draw."""
 
-BLOCK = """
-title = "Own block"
-[mechanism]
-type = "spring-block"
-mass = "0.82 kg"
-stiffness = "145 N/m"
-compression = "60 mm"
-"""
-TRAVELS = ((60, 105), (80, 188), (100, 292))
-"""Compression and travel [mm], as Coulomb friction of 0.308 gives them to a millimetre."""
-TRIAL = """
-[[trial]]
-travel = "{travel} mm"
-uncertainty = "1 mm"
-set = {{ "mechanism.compression" = "{compression} mm" }}
-"""
 KNOWN = LawEstimates(
     law="coulomb", intervals={"kinetic_coefficient": (0.19, 0.21)}, largest_speed=2.0
 )
@@ -90,36 +54,6 @@ def test_the_cart_runs_with_the_law_of_a_file_as_with_its_own(walk):
     assert "normal force of 9.81 N" in err  # here it is less, and that is said
 
 
-@pytest.mark.slow
-def test_an_author_walks_from_three_travels_to_a_page_of_his_cart(walk):
-    text = BLOCK + "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
-    Path("block.toml").write_text(text)
-    assert walk("select", "block.toml")[0] == 0
-    law = Path("stickslip-report/law.toml")
-    assert load_rig(law).estimates.covariance_of
-    code, out, _ = walk("simulate", CART, "--law", law, "--report")
-    assert code == 0
-    assert "Report: stickslip-run/index.html" in out
-    page = Path("stickslip-run/index.html").read_text()
-    assert "could not be made" not in page
-    assert "<script" not in page
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in SIX]
-)
-def test_each_of_the_six_models_gets_to_the_page(walk, name):
-    text = BLOCK + "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
-    Path("block.toml").write_text(text)
-    assert walk("fit", "block.toml", "--law", name, "-o", "law.toml")[0] == 0
-    code, _, err = walk("simulate", CART, "--law", "law.toml", "--report", "--t-end", 2.2)
-    assert (code, "could not" in err) == (0, False)
-    page = Path("stickslip-run/index.html").read_text()
-    assert "could not be made" not in page
-    assert load_rig("law.toml").laws[name].title in page
-
-
 def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
     # the block without a static surplus: travel k x0^2 / (2 mu m g), which falls with mu
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -141,11 +75,6 @@ def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
     assert again == band
 
 
-def test_the_unit_of_a_band_is_that_of_its_widest_end():
-    around_zero = Spread(low=-5.1e-3, median=2e-6, high=4.9e-3)
-    assert _cells(around_zero, "m") == ["0", "−5 to 5", "mm"]
-
-
 @pytest.mark.slow
 def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
     law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3)
@@ -164,38 +93,6 @@ def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
     )
     remarks = json.loads(walk(*asked, "--json")[1])["remarks"]
     assert any(said in line for line in remarks)
-
-
-@pytest.mark.parametrize(
-    ("law", "known"),
-    [
-        (LAW, None),
-        (Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e8), None),  # a give of 5 nm
-        (
-            Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3),
-            LawEstimates(law="dahl", intervals={"bristle_stiffness": (900.0, 1100.0)}),
-        ),
-    ],
-    ids=["no bristles", "too stiff to matter", "fitted"],
-)
-def test_bristles_that_were_fitted_or_do_not_matter_are_not_mentioned(law, known):
-    block = SpringBlock(mass=1.0)
-    assert bristle_remark(law, known, {"back-slip": 1e-3}, block) == ""
-    assert bristle_remark(law, known, {"back-slip": 0.0}, block) == ""
-
-
-def test_bristles_of_a_pivot_are_in_radians():
-    law = LuGre(
-        kinetic_coefficient=0.2,
-        static_coefficient=0.3,
-        stribeck_velocity=0.1,
-        bristle_stiffness=100.0,
-        bristle_damping=0.5,
-    )
-    said = bristle_remark(law, None, {"travel": 1e-3}, Pendulum(mass=1.0, length=0.5))
-    assert "travel of 1 mrad depends on" in said
-    assert "= 100 N m/rad and" in said  # as on the page: its load is 1
-    assert said.endswith("= 0.5 N m s/rad.")
 
 
 def test_levels_that_are_forces_need_the_load_at_which_they_were_fitted(walk):
@@ -311,29 +208,6 @@ def test_a_page_that_is_not_drawn_costs_nothing_else_and_is_not_listed(
     assert document["final"]["x"] > 0.0
 
 
-def test_a_run_that_ends_early_says_so_by_its_code_also_where_its_page_fails(walk, monkeypatch):
-    from stickslip.show.report import runs
-
-    monkeypatch.setattr(runs, "run_page", lambda _: 1 / 0)
-    faster = ("--set", "mechanism.pendulum.profile.slow=300", "--report")
-    assert walk("simulate", CART, *faster)[0] == 3
-
-
-def test_of_many_events_the_terminal_shows_the_first_and_the_last_and_json_all(walk):
-    asked = ("simulate", CART, "--t-end", 30)
-    out = walk(*asked)[1]
-    events = json.loads(walk(*asked, "--json")[1])["events"]
-    times = re.findall(r"^ *(\d+\.\d{6}) ", out, flags=re.MULTILINE)
-    shown = [*events[:12], *events[-4:]]
-    assert times == [f"{event['t']:.6f}" for event in shown]
-    assert f"… {len(events) - 16} further events; --json lists all" in out
-    # a note that would stand for one event leaves the place to that event
-    for count in (16, 17, 18):
-        rows = _event_rows([Event(**event) for event in events[:count]])
-        assert any("further" in row[1] for row in rows) is (count > 17)
-        assert len(rows) == min(count, 17)
-
-
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
@@ -386,50 +260,6 @@ def test_an_ensemble_of_overridden_parameters_is_refused_with_their_names(walk):
     assert "given or assumed" not in page
 
 
-def test_python_gets_the_remarks_of_the_command(walk):
-    known = LawEstimates(
-        law="coulomb", intervals={"kinetic_coefficient": (0.19, 0.21)}, largest_speed=0.05
-    )
-    write("law.toml", SpringBlock(mass=1.0), LAW, known)
-    said = json.loads(walk("simulate", CART, "--law", "law.toml", "--json")[1])["remarks"]
-    cart = load_rig(CART)
-    law = carried(load_rig("law.toml"), cart.mechanism)
-    run = simulate(cart.mechanism, law.law, t_end=cart.t_end)
-    assert said == [
-        plain(remark) for remark in (*law.remarks, *extrapolations(law, cart.mechanism, run))
-    ]
-    assert len(said) == 3
-
-
-def test_a_law_on_its_own_mechanism_is_extrapolated_beyond_its_speed(walk):
-    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-    write("law.toml", block, LAW, dataclasses.replace(KNOWN, largest_speed=0.5))
-    remarks = json.loads(walk("simulate", "law.toml", "--json")[1])["remarks"]
-    # sqrt(k / m) (x0 - mu m g / k) = 0.804 m/s, where the pull of the spring equals friction
-    assert len(remarks) == 1
-    assert "reaches 0.804 m/s" in remarks[0]
-
-
-def test_a_page_is_not_replaced_unasked(walk):
-    Path("stickslip-run").mkdir()
-    Path("stickslip-run/index.html").write_text("mine")
-    code, _, err = walk("simulate", CART, "--report")
-    assert (code, "--force" in err) == (2, True)
-    assert Path("stickslip-run/index.html").read_text() == "mine"
-
-
-def test_a_sweep_and_an_animation_take_the_same_file(walk):
-    law = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.1)
-    write("law.toml", SpringBlock(mass=1.0), law)
-    options = ("--law", "law.toml", "--json")
-    code, out, err = walk("animate", CART, *options, "--t-end", 0.3, "--fps", 5, "-o", "a.gif")
-    assert (code, json.loads(out)["law_file"]["file"]) == (0, "law.toml")
-    assert "sigma_2 = 0.1 N s/m applies to the contact" in err
-    vary = ("--vary", "mechanism.pendulum.profile.slow=25:30:2", "--cycles", 2, "--settle", 2)
-    code, out, _ = walk("sweep", CART, *options, *vary)
-    assert (code, json.loads(out)["law"]) == (0, "coulomb-viscous")
-
-
 def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     write("law.toml", block, LAW, KNOWN)
@@ -458,33 +288,6 @@ def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(wa
     code, _, err = walk("simulate", CART, "--t-end", 0.1, "--report")
     assert code == 2
     assert "give --force to replace it, or another --report-to FOLDER" in err
-
-
-@pytest.mark.slow
-def test_a_mass_in_the_wrong_unit_shows_in_the_coefficient(walk):
-    slip = BLOCK.replace("0.82 kg", "0.82 g")
-    for name, text, far in (("slip", slip, True), ("right", BLOCK, False)):
-        trials = "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
-        Path(f"{name}.toml").write_text(text + trials)
-        for command in (("select", "--laws", "coulomb", "-o", name), ("fit", "--law", "coulomb")):
-            code, out, err = walk(command[0], f"{name}.toml", *command[1:])
-            said = " ".join(f"{out} {err}".split())
-            assert code == 0
-            assert ("is far above what dry contacts have (below about 2)" in said) is far
-
-
-def test_what_was_read_stands_beside_the_travel(walk, capsys):
-    per_cycle = '[[trial]]\ntravel_per_cycle = "63.5 mm"\nuncertainty = "0.5 mm"\n'
-    Path("cart.toml").write_text(CART.read_text() + per_cycle)
-    rig = load_rig("cart.toml")
-    show_verdict(select(rig.mechanism, "coulomb", rig.measurement, t_end=rig.t_end))
-    selected = capsys.readouterr().out
-    assert "travel per cycle" in selected
-    assert "63.5 mm" in selected
-    code, fitted, err = walk("fit", "cart.toml", "--law", "coulomb")
-    assert code == 0, err
-    assert "measured travel per cycle" in fitted
-    assert "63.5 mm" in fitted
 
 
 COMPOSITION = "dahl(both_ways[levels](level + stribeck)) + both_ways[levels](power)"

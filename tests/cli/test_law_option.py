@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from stickslip import load_rig
 from stickslip.cli import main
 
 MECHANISM = """
@@ -44,18 +43,6 @@ def test_the_only_law_of_a_file_is_the_one_that_runs(simulated):
     assert end == simulated(ONE, "--law", "coulomb-viscous")[2]
 
 
-def test_the_only_table_counts_where_shared_values_make_another_law_known(simulated):
-    text = MECHANISM + (
-        "[friction]\nkinetic_coefficient = 0.4\n"
-        "[friction.coulomb-viscous]\nviscous_coefficient = 2\n"
-    )
-    assert simulated(text)[1] == "coulomb-viscous"
-
-
-def test_shared_values_that_make_one_law_are_that_law(simulated):
-    assert simulated(MECHANISM + "[friction]\nviscous_coefficient = 2\n")[1] == "viscous"
-
-
 def test_of_several_laws_coulomb_is_the_usual_one(simulated):
     code, law, _, err = simulated(ONE + "[friction.coulomb]\nkinetic_coefficient = 0.4\n")
     assert (code, law) == (0, "coulomb")
@@ -66,12 +53,6 @@ def test_several_laws_without_the_usual_one_are_asked_for(simulated):
     code, _, _, err = simulated(ONE + "[friction.viscous]\nviscous_coefficient = 4\n")
     assert code == 2
     assert "several laws, viscous, coulomb-viscous: choose one with --law" in err
-
-
-def test_ordinary_values_are_said(simulated):
-    code, law, _, err = simulated(MECHANISM)
-    assert (code, law) == (0, "coulomb")
-    assert "has no values for coulomb; default values are used: Coulomb(" in err
 
 
 @pytest.mark.parametrize(
@@ -90,29 +71,6 @@ def test_an_override_of_friction_counts_wherever_the_file_has_the_value(simulate
     code, law, end, err = simulated(text, "--set", "friction.kinetic_coefficient=0.2")
     assert (code, law, end, err) == (*wanted[:3], "")
     assert end > simulated(text)[2]
-
-
-@pytest.mark.parametrize("table", ["floor", "coulomb-viscous"])
-def test_an_override_takes_the_table_of_a_composition_by_its_own_name_or_the_law(simulated, table):
-    written = MECHANISM + (
-        '[friction.floor]\nlaw = "level + viscous"\n'
-        "kinetic_coefficient = 0.4\nviscous_coefficient = 2\n"
-    )
-    code, law, end, err = simulated(written, "--set", f"friction.{table}.viscous_coefficient=3")
-    assert (code, law, err) == (0, "coulomb-viscous", "")
-    assert end == simulated(written.replace("= 2\n", "= 3\n"))[2]
-
-
-def test_of_an_overridden_value_of_a_composition_no_interval_is_left(tmp_path):
-    path = tmp_path / "law.toml"
-    path.write_text(
-        MECHANISM + '[friction.composed]\nlaw = "level + power + drag"\n'
-        "kinetic_coefficient = 0.4\nviscous_coefficient = 2\nviscous_exponent = 0.6\n"
-        'quadratic_coefficient = 0.1\n[estimates]\nlaw = "level + power + drag"\n'
-        "[estimates.intervals]\nkinetic_coefficient = [0.3, 0.5]\nviscous_coefficient = [1, 3]\n"
-    )
-    rig = load_rig(path, overrides={"friction.composed.viscous_coefficient": 5.0})
-    assert list(rig.estimates.intervals) == ["kinetic_coefficient"]
 
 
 COMPOSED = "level + power + drag"

@@ -41,13 +41,6 @@ def test_writes_a_rig_that_simulates_a_figure_and_the_numbers(run, capsys):
     assert "--force" in err
 
 
-def test_json_is_one_document_and_nothing_is_written(run):
-    code, out, _ = run(*VARY, *QUICK, "--json")
-    assert code == 0
-    assert json.loads(out)["goals"] == {"speed": "m/s"}
-    assert list(Path().iterdir()) == []
-
-
 def test_two_goals_list_the_front(run):
     pytest.importorskip("pymoo")
     code, out, _ = run(*VARY, *QUICK, "--goal", "speed", "--goal", "energy")

@@ -1,6 +1,5 @@
 """`stickslip orbits`: branches, table, figure; one message for bad input."""
 
-import json
 import re
 from pathlib import Path
 
@@ -62,23 +61,6 @@ def test_orbits_are_summed_up_by_where_they_are_stable_and_how_fast_they_go(call
     ways = table["mean velocity x [m/s]"]
     assert ways.to_numpy() == pytest.approx(table["advance x [m]"] / table["period [s]"])
     assert ways[table["stable"]].max() == pytest.approx(0.0304, abs=2e-4)
-
-
-def test_orbits_as_json_have_branches_with_events(called):
-    code, shown, _ = called("axis.toml", "--vary", "drive.frequency=0.55:1.0", *QUICK, "--json")
-    assert code == 0
-    content = json.loads(shown)
-    (branch, *_) = content["branches"]
-    assert {event["kind"] for event in branch["events"]} >= {"sticking"}
-    assert len(branch["values"]) == len(branch["stable"])
-    assert content["branch_cycles"] < content["brute_cycles"] * 100
-
-
-def test_a_list_gives_the_range_and_the_values_at_which_runs_settle(called):
-    code, shown, _ = called("axis.toml", "--vary", "drive.frequency=[0.9, 0.8]", *QUICK, "--json")
-    assert code == 0
-    values = [value for branch in json.loads(shown)["branches"] for value in branch["values"]]
-    assert (min(values), max(values)) == pytest.approx((0.8, 0.9))
 
 
 @pytest.mark.parametrize(

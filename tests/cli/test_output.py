@@ -2,7 +2,6 @@
 
 import io
 import os
-import shlex
 import subprocess
 import sys
 
@@ -10,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from stickslip.cli import console as output
-from stickslip.cli.console import command_line, show_table
+from stickslip.cli.console import show_table
 
 ROW = ["friction.kinetic_coefficient", "mu_k", "3.859 × 10⁻⁶", "N s/m", "−0.00029 to 0.00026"]
 HEADS = ["parameter", "", "value", "unit", "range (95 %)"]
@@ -40,26 +39,11 @@ def test_a_pipe_gets_whole_rows_however_wide_a_terminal_would_be(monkeypatch):
     assert lines[1].split("  ")[0] == ROW[0]
 
 
-def test_on_a_narrow_terminal_paths_are_folded(monkeypatch):
-    text = shown(monkeypatch, terminal=True, width=70)
-    assert ROW[0] not in text
-    assert max(map(len, text.splitlines())) <= 70
-
-
-def test_the_command_can_be_pasted_into_a_shell(monkeypatch):
-    arguments = ["select", "my rig.toml", "-o", "emps a", "--set", "title=it's"]
-    monkeypatch.setattr(sys, "argv", ["/somewhere/stickslip", *arguments])
-    assert shlex.split(command_line()) == ["stickslip", *arguments]
-
-
-@pytest.mark.parametrize("setting", ["PYTHONIOENCODING=ascii", "PYTHONIOENCODING=latin-1"])
-def test_output_is_written_in_any_encoding(tmp_path, setting):
+def test_output_is_written_in_the_poorest_encoding(tmp_path):
     rows = [f"{k / 100},{k % 7 * 1e-6}" for k in range(100)]
     (tmp_path / "a.csv").write_text("\n".join(["time,position", *rows]) + "\n")
-    name, _, value = setting.partition("=")
     command = [sys.executable, "-m", "stickslip", "check", str(tmp_path / "a.csv")]
-    done = subprocess.run(
-        command, capture_output=True, env=os.environ | {name: value}, check=False, timeout=120
-    )
+    poorest = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(command, capture_output=True, env=poorest, check=False, timeout=120)
     assert b"Traceback" not in done.stderr
     assert b"100 samples" in done.stdout

@@ -41,26 +41,6 @@ def run(folder, capsys):
     return one
 
 
-@pytest.mark.slow
-def test_a_plan_is_printed(run, folder):
-    code, out, _ = run("plan", "rig.toml", *LAWS, "--uncertainty", "2mm")
-    assert code == 0
-    text = re.sub(r"\s+", " ", out)
-    assert "Set the compression to 32, 48, 64 and 80 mm, 4 runs each" in text
-    assert "16 travels, each measured to 2 mm. They distinguish 3 of 3 pairs of laws." in text
-    assert re.search(r"The travel is known least with the compression \d+ mm: ± \d+ mm", text)
-    assert "Hang 1.18 kg on the spring" in text
-    assert "name,mechanism.compression [mm],travel [mm]" in text
-    assert "is assumed" not in text
-    assert "the settings span 0.4 to 1 times that value, 32 to 80 mm." in text
-
-
-def test_an_uncertainty_that_nobody_stated_is_said_to_be_assumed(run, folder):
-    code, out, _ = run("plan", "rig.toml", "--law", "coulomb")
-    assert code == 0
-    assert "2 % of the longest travel is an assumption" in out
-
-
 def test_one_json_document_is_printed(run, folder):
     options = ("--law", "coulomb", "--between", "50mm..80mm", "--settings", "3")
     code, out, _ = run("plan", "rig.toml", *options, "--json")
@@ -143,38 +123,6 @@ def test_a_rig_with_records_is_told_what_a_plan_is_for(run, folder):
     code, _, err = run("plan", "axis.toml")
     assert code == 2
     assert "plan needs a body" in err
-
-
-TABLE = re.compile(r"\S {2,}\S")
-"""Rows of a table have gaps between their cells; sentences have none."""
-
-
-@pytest.mark.parametrize(
-    ("laws", "settings"),
-    [
-        ("coulomb,coulomb-viscous", 3),
-        pytest.param(
-            "coulomb,viscous,coulomb-viscous,coulomb-viscous-static", 12, marks=pytest.mark.slow
-        ),
-    ],
-)
-def test_tables_fit_eighty_columns(run, folder, laws, settings):
-    """Also with twelve settings, an incline and a law of a long name."""
-    change = ("--set", "mechanism.incline=0.05")
-    code, out, _ = run("plan", "rig.toml", "--laws", laws, "--settings", str(settings), *change)
-    assert code == 0
-    rows = [line for line in out.splitlines() if TABLE.search(line)]
-    assert len(rows) > 8 + settings
-    assert max(map(len, rows)) <= 80
-
-
-def test_angles_are_printed_in_degrees(run, folder):
-    text = RIG + 'incline = { value = "6 deg", uncertainty = "0.5 deg" }\n'
-    (folder / "rig.toml").write_text(text)
-    code, out, _ = run("plan", "rig.toml", "--law", "coulomb")
-    assert code == 0
-    assert re.search(r"incline beta +6° +\S+° +0.5°, too large", out)
-    assert not re.search(r"\brad\b", out)
 
 
 def test_settings_of_trials_give_the_range(run, folder):

@@ -88,8 +88,3 @@ def test_workers_end_with_the_process_that_waits_for_them(start, cause):
         os.killpg(process.pid, signal.SIGINT)
     process.wait()
     assert ended(worker)
-
-
-def test_one_job_needs_no_process():
-    with workers(1) as executor:
-        assert executor is None

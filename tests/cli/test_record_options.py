@@ -105,28 +105,10 @@ def test_a_value_that_is_fitted_all_the_same_is_said(run):
     assert "including viscous_coefficient = 30" in err
 
 
-@pytest.mark.slow
-def test_a_saved_fit_is_fitted_again_by_the_law_it_names(run, tmp_path):
-    (tmp_path / "law.toml").write_text(RIG + "[friction.coulomb]\nkinetic_coefficient = 12\n")
-    data = ("--data", "axis.csv", "--columns", "time=t,position=q,force=u")
-    code, out, err = run("fit", "law.toml", *data, "--json")
-    assert code == 0, err
-    assert json.loads(out)["law"] == "coulomb"
-
-
 def test_what_nobody_gives_is_still_asked_for(run):
     code, _, err = run("fit", "axis.toml", "--vary", "kinetic_coefficient")
     assert code == 2
     assert "viscous_coefficient (sigma_2) is neither varied nor fixed" in err
-
-
-@pytest.mark.slow
-def test_the_command_in_a_report_is_quoted(run, monkeypatch, tmp_path):
-    command = ["select", "axis.toml", "--laws", "coulomb", "-o", "emps a"]
-    monkeypatch.setattr("sys.argv", ["stickslip", *command])
-    assert run(*command)[0] in (0, 3)
-    page = (tmp_path / "emps a" / "index.html").read_text(encoding="utf-8")
-    assert "-o &#39;emps a&#39;" in page
 
 
 def test_notices_of_the_library_reach_a_pipe(run, monkeypatch):

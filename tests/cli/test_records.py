@@ -90,25 +90,6 @@ def test_options_say_what_a_rig_without_data_does_not(run, volts):
     assert values[0] == pytest.approx(values[1], rel=1e-4)
 
 
-@pytest.mark.slow
-def test_options_tell_a_selection_what_a_rig_without_data_does_not(run, volts):
-    _, out, _ = run("select", "bare.toml", "--data", volts, *COLUMNS, *SAID, *FAST, "--json")
-    told = json.loads(out)
-    _, out, _ = run("select", "bare.toml", "--data", "axis.csv", *COLUMNS, *FAST, "--json")
-    plain = json.loads(out)
-    assert told["best"] == plain["best"] == "coulomb-viscous"
-    scores = [[c["leaves"] for c in entry["candidates"]] for entry in (told, plain)]
-    assert scores[0] == pytest.approx(scores[1], rel=1e-4)  # as above
-
-
-@pytest.mark.slow
-def test_a_second_record_judges_a_selection(run, write):
-    write("second.csv", rows=slice(600, None))
-    code, out, _ = run("select", "axis.toml", "--validate", "second.csv", *FAST)
-    assert code == 0
-    assert "readings of the second measurement lie in the band" in out
-
-
 def test_a_second_record_is_only_judged_by(run, write):
     write("second.csv", rows=slice(600, None))
     code, out, _ = run("fit", "axis.toml", "--validate", "second.csv")
@@ -116,22 +97,6 @@ def test_a_second_record_is_only_judged_by(run, write):
     assert re.search(r"On the second record \d+ % of the \d+ readings lie in the band", out)
     asked = ("fit", "axis.toml", "--validate", "second.csv", "--route", "shooting")
     assert re.search(r"On the second record: [\d.]+ \S+, in segments of [\d.]+ s", run(*asked)[1])
-
-
-@pytest.mark.slow
-def test_measured_friction_of_a_second_record_is_predicted_along_its_motion(run, tmp_path):
-    t = np.arange(400) / 100.0
-    v = np.sin(3.0 * t)
-    friction = 2.0 * np.sign(v) + 0.5 * v
-    table = np.stack([t, (1.0 - np.cos(3.0 * t)) / 3.0, friction], axis=1)
-    for name in ("first.csv", "second.csv"):
-        np.savetxt(tmp_path / name, table, delimiter=",", header="t,q,F", comments="")
-        table = table[:320]
-    columns = ("--columns", "time=t,position=q,friction=F")
-    asked = ("--law", "coulomb-viscous", "--data", "first.csv", "--validate", "second.csv")
-    code, out, _ = run("fit", "bare.toml", *asked, *columns)
-    assert code == 0
-    assert re.search(r"On the second record \d+ % of the \d+ readings lie in the band", out)
 
 
 @pytest.mark.parametrize("command", [("select", *FAST), ("fit", "--law", "coulomb")])
@@ -162,23 +127,6 @@ def test_a_rig_or_an_option_says_that_a_force_was_joined(run, write, tmp_path):
     assert residual("joined.toml", "--hold", "zero") == held  # the option wins
 
 
-@pytest.mark.slow
-def test_fit_prints_intervals_and_restarts(run, write):
-    write(rows=slice(600))
-    code, out, _ = run("fit", "axis.toml", *LAW, "--route", "shooting", "--starts", "2")
-    assert code == 0
-    assert "friction.viscous_coefficient" in out
-    assert "95 %" in out
-    assert "Restarts: 2 of 2 starts reached the smallest residual" in out
-    _, out, _ = run("fit", "axis.toml", "--law", "coulomb", "--route", "shooting", "--json")
-    content = json.loads(out)
-    assert content["schema"] == "stickslip/fit/1"
-    assert [entry["parameter"] for entry in content["estimates"]] == [
-        "friction.kinetic_coefficient", "mechanism.offset", "mechanism.inertia",
-    ]  # fmt: skip
-    assert content["checks"]["worst"] in ("info", "warning")
-
-
 def test_a_fitted_law_is_a_rig_file_that_simulate_takes(run, tmp_path):
     code, _, _ = run("fit", "axis.toml", "-o", "law.toml")
     assert code == 0
@@ -206,13 +154,6 @@ def test_what_a_command_reads_is_not_replaced(run, tmp_path, output, command):
         assert code == 2
         assert f"{output} is read by this command, so it is not replaced" in err
     assert (tmp_path / output).read_bytes() == before
-
-
-def test_fit_takes_travels_too(run):
-    code, out, _ = run("fit", "demo", "--law", "coulomb", "-o", "law.toml")
-    assert code == 0
-    assert "0.255" in out  # k x0^2 / (2 m g s) of the bundled rig
-    assert run("simulate", "law.toml", "--law", "coulomb")[0] == 0
 
 
 @pytest.mark.slow
@@ -271,18 +212,6 @@ def test_fit_prints_what_limits_an_interval(run, tmp_path, stiffness, said):
     code, out, _ = run("fit", "block.toml", "--law", "coulomb")
     assert code == 0
     assert f"friction.kinetic_coefficient: {said}" in " ".join(out.split())
-
-
-def test_fit_prints_what_limits_an_interval_from_simulated_segments(run, tmp_path):
-    text = (tmp_path / "axis.toml").read_text()
-    exact = '{ value = "5 kg", vary = true }'
-    assert exact in text
-    (tmp_path / "known.toml").write_text(
-        text.replace(exact, '{ value = "5 kg", uncertainty = "1 kg" }')
-    )
-    code, out, _ = run("fit", "known.toml", *LAW, "--route", "shooting")
-    assert code == 0
-    assert "friction.kinetic_coefficient: The inertia (20 %) contributes more to" in out
 
 
 @pytest.mark.parametrize("command", [("fit", "--law"), ("select", "--laws"), ("plan", "--laws")])
@@ -385,16 +314,6 @@ def test_what_is_no_record_is_one_message(run, tmp_path, command, text, said):
     assert len(err) < 500
 
 
-@pytest.mark.slow
-def test_motion_in_one_direction_works_and_says_so(run, write, axis_record):
-    time = axis_record["t"]
-    forward = {"q": 0.1 * time + 0.01 * np.sin(4 * time), "u": 13.0 + 1.0 * np.cos(4 * time)}
-    write("forward.csv", rows=slice(600), **forward)
-    code, out, _ = run("fit", "bare.toml", "--data", "forward.csv", *COLUMNS)
-    assert code == 0
-    assert "! No reversals: the motion goes forward only" in out
-
-
 def test_millimetres_read_as_metres_are_refused(run, write, axis_record):
     write("mm.csv", q=1e3 * axis_record["q"])
     code, _, err = run("fit", "bare.toml", "--data", "mm.csv", *COLUMNS)
@@ -409,13 +328,6 @@ def test_a_typo_in_columns_is_named_and_drops_nothing(run):
     code, _, err = run("check", "axis.csv", "--columns", "current=u,time=t")
     assert code == 2
     assert "a force with a gain" in err
-
-
-@pytest.mark.slow
-def test_a_force_that_was_cut_off_is_warned_of(run, write, axis_record):
-    write("cut.csv", rows=slice(600), u=np.clip(axis_record["u"], -40.0, 40.0))
-    _, out, _ = run("fit", "bare.toml", "--data", "cut.csv", *COLUMNS)
-    assert "! Force stays at its largest value, 40 N" in out
 
 
 def test_interrupts_are_as_ever_afterwards():
@@ -437,13 +349,6 @@ def test_lengths_in_the_wrong_unit_are_doubted_before_a_law_is_named(run, write,
     assert "Use " not in out
 
 
-@pytest.mark.slow
-def test_lengths_in_a_smaller_unit_are_warned_of(run, write, axis_record):
-    write("wrong.csv", q=0.1 * axis_record["q"])
-    _, out, _ = run("select", "bare.toml", "--data", "wrong.csv", *COLUMNS, *FAST)
-    assert "! Force is 10 times the force that this motion of the mechanism requires" in out
-
-
 @pytest.fixture
 def pendulum(run, tmp_path):
     """Write the free decay of a pendulum, whose friction is a torque."""
@@ -459,17 +364,6 @@ def pendulum(run, tmp_path):
         'columns = { time = "t", position = "q" }\nunits = { position = "rad" }\n'
     )
     return run
-
-
-def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
-    asked = ("fit", "swing.toml", *LAW, "--route", "shooting", "--starts", "2")
-    code, out, _ = pendulum(*asked)
-    assert code == 0
-    assert "2 of 2 starts reached the smallest residual within 1 %, in short segments" in out
-    content = json.loads(pendulum(*asked, "--json")[1])
-    assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
-    _, out, _ = pendulum(*asked[:-1], "1")
-    assert "Restarts" not in out
 
 
 @pytest.mark.slow

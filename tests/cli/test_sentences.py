@@ -89,12 +89,3 @@ def test_every_branch_says_how_it_ends_also_at_the_range(called):
     assert code == 0
     (branch,) = json.loads(out)["branches"]
     assert branch["ends"] == ["It reaches 1.9 Hz.", "It reaches 2.4 Hz."]
-
-
-def test_what_never_moves_did_not_come_to_rest(called):
-    code, out, _ = called("simulate", "still.toml")
-    assert code == 0
-    assert "It stayed at rest" in out
-    code, out, _ = called("simulate", "still.toml", "--set", "friction.kinetic_coefficient=0.001")
-    assert code == 0
-    assert "stayed" not in out

@@ -38,16 +38,6 @@ kinetic_coefficient = 0.2
 bristle_stiffness = 1e4
 """
 SHARED = FEET.partition("[friction.rear]")[0].replace("[friction.front]", "[friction]")
-PAD = """
-[mechanism]
-type = "benchmarks.several.brakes:DiscBrake"
-inertia = "0.5 kg m^2"
-pads = [{ radius = "10 cm", load = "100 N" }]
-[friction.coulomb]
-kinetic_coefficient = 0.4
-[run]
-initial = { omega = 20 }
-"""
 
 
 @pytest.fixture
@@ -100,12 +90,6 @@ def test_an_override_changes_the_law_of_one_contact(called):
     assert changed == same
 
 
-def test_a_shared_law_is_named_once(called):
-    code, out, _ = called(SHARED, "simulate", "rig.toml", "--json")
-    assert code == 0
-    assert json.loads(out)["law"] == "coulomb"
-
-
 def test_the_page_has_the_figures_and_tables_of_the_contacts(called):
     code, _, _ = called(FEET, "simulate", "rig.toml", "--report-to", "page")
     text = Path("page/index.html").read_text(encoding="utf-8")
@@ -113,28 +97,6 @@ def test_the_page_has_the_figures_and_tables_of_the_contacts(called):
     for words in ("6 events at 2 contacts", "Friction at each contact", "The run is certified"):
         assert words in text
     assert "could not be made" not in text
-
-
-def test_one_pad_at_a_radius_is_simulated_too(called):
-    code, out, _ = called(
-        PAD, "simulate", "rig.toml", "--allow-import", "--report-to", "page", "-o", "run.csv"
-    )
-    assert code == 0
-    assert "Came to rest" in out
-    assert "could not be made" not in Path("page/index.html").read_text(encoding="utf-8")
-    assert list(pd.read_csv("run.csv").columns[1:4]) == [
-        "phi [rad]",
-        "omega [rad/s]",
-        "friction [N]",  # at the radius
-    ]
-
-
-def test_several_contacts_are_animated(called):
-    small = ("--fps", "4", "--size", "440x320", "--json")
-    code, out, _ = called(FEET, "animate", "rig.toml", "-o", "run.gif", *small)
-    assert code == 0
-    assert json.loads(out)["laws"] == {"front": "coulomb", "rear": "coulomb"}
-    assert Path("run.gif").stat().st_size > 1000
 
 
 REFUSED = {
@@ -153,34 +115,7 @@ def test_what_takes_one_contact_names_those_there_are_and_writes_nothing(called,
     assert [path.name for path in Path().iterdir()] == ["rig.toml"]
 
 
-DRIVEN = FEET.replace(
-    'stiffness = "50 N/m"',
-    'stiffness = "50 N/m"\ndrive = { type = "sine", amplitude = "30 N", frequency = "2 Hz" }',
-)
 OTHER = FEET.replace("kinetic_coefficient = 0.6", "kinetic_coefficient = 0.5")
-
-
-def test_a_map_of_contacts_along_one_coordinate_is_computed(called):
-    asked = ("--vary", "friction.front.kinetic_coefficient=0.5:0.6:2", "--settle", "1")
-    written = ("--cycles", "2", "-o", "map.csv", "--json")
-    code, out, err = called(DRIVEN, "sweep", "rig.toml", *asked, *written)
-    assert (code, json.loads(out)["laws"]) == (0, {"front": "coulomb", "rear": "coulomb"}), err
-    assert len(exported("map.csv")) == 2
-    other = ("--coordinate", "y", "--force", *written)
-    code, _, err = called(DRIVEN, "sweep", "rig.toml", *asked, *other)
-    assert code == 2
-    assert "unknown coordinate 'y'" in err
-
-
-def test_fixed_steps_are_taken_and_are_not_certified(called):
-    asked = ("--fixed-step", "0.005", "--t-end", "0.1", "-o", "run.csv", "--samples", "3")
-    code, out, _ = called(FEET, "simulate", "rig.toml", *asked)
-    assert code == 0
-    assert "Not certified: fixed step" in out
-    assert "mode:rear" in exported("run.csv")
-    code, _, err = called(FEET, "simulate", "rig.toml", "--fixed-step", "0.01", "--ensemble", "3")
-    assert code == 2
-    assert "leave --fixed-step out" in err
 
 
 def test_laws_by_contact_are_taken_from_another_file(called):
@@ -308,13 +243,6 @@ def test_laws_by_contact_need_tables_of_contacts(called):
     assert "no tables of contacts" in err
 
 
-def test_models_lists_the_contacts_of_mechanisms(called):
-    out = called("", "models")[1]
-    assert "block-1, block-2, ..." in out
-    found = json.loads(called("", "models", "--json")[1])
-    assert found["mechanisms"]["two-feet"] == "front, rear"
-
-
 ARM_RIG = """
 title = "Arm"
 [mechanism]
@@ -347,39 +275,6 @@ def arm_record(tmp_path):
     columns = {"t": t, "q1": places["shoulder"], "q2": places["elbow"]}
     columns |= {"u1": forces["shoulder"], "u2": forces["elbow"]}
     pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
-
-
-TABLES = """
-[friction.shoulder.coulomb-viscous]
-kinetic_coefficient = 0.2
-viscous_coefficient = 0.01
-[friction.elbow.coulomb]
-kinetic_coefficient = 0.1
-"""
-OWN = {"shoulder": "coulomb-viscous", "elbow": "coulomb"}
-FITTED = {
-    "as the file has them": (TABLES, (), OWN),
-    "as asked": ("", ("--law", "shoulder=coulomb-viscous,elbow=coulomb"), OWN),
-    "as asked, else as the file has them": (
-        TABLES, ("--law", "elbow=viscous"), OWN | {"elbow": "viscous"},
-    ),
-    "nothing that rubs": (
-        TABLES.partition("[friction.elbow")[0] + "[friction]\nelbow = \"none\"\n", (),
-        {"shoulder": "coulomb-viscous"},
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("arm_record")
-@pytest.mark.parametrize(("tables", "asked", "laws"), FITTED.values(), ids=FITTED)
-def test_the_laws_of_the_joints_are_fitted(called, tables, asked, laws):
-    code, _, said = called(
-        ARM_RIG + tables, "fit", "rig.toml", *asked, "--starts", "1", "-o", "law.toml"
-    )
-    assert code == 0, said
-    found = load_rig("law.toml").law_by_contact()
-    assert {joint: law.name for joint, law in found.items() if law is not None} == laws
 
 
 @pytest.mark.slow

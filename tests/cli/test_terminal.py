@@ -1,10 +1,7 @@
 """Help, completion, quiet, the first steps from a data file, and progress without a terminal."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,7 +13,7 @@ from stickslip import load_rig
 from stickslip.cli import main
 from stickslip.cli.app import app
 from stickslip.cli.help import PANELS
-from stickslip.cli.progress import Compiling, Drawing, Searching, Watching
+from stickslip.cli.progress import Drawing, Searching
 
 
 @pytest.fixture
@@ -149,23 +146,6 @@ def test_a_data_file_in_place_of_a_rig_is_offered_init_in_one_line(run, name):
     assert err.count("\n") == 1
 
 
-def test_demo_selects_for_the_bundled_rig(run, tmp_path):
-    code, out, _ = run("demo", "--laws", "coulomb", "--json")
-    assert code == 0
-    assert "with mu_k = 0.255" in json.loads(out)["verdict"]  # k x0^2 / (2 m g s)
-    (tmp_path / "stickslip-report").mkdir()
-    assert "already exists" in run("demo")[2]  # without --force
-
-
-def test_quiet_leaves_the_result_and_nothing_else(run):
-    loud = run("fit", "demo", "--law", "coulomb")
-    quiet = run("fit", "demo", "--law", "coulomb", "-q")
-    assert loud[2] != ""
-    assert quiet == (0, loud[1], "")
-    assert run("fit", "nowhere.toml", "-q")[2].startswith("stickslip: nowhere.toml")
-    assert run("fit", "demo", "--law", "coulomb")[2] != ""  # not for ever
-
-
 def test_a_value_is_set_by_its_last_name_where_it_is_the_only_one(run):
     code, out, _ = run("simulate", "demo", "--law", "coulomb", "--set", "mass=2 kg", "--json")
     same = run("simulate", "demo", "--law", "coulomb", "--set", "mechanism.mass=2 kg", "--json")
@@ -184,13 +164,6 @@ def test_a_last_name_that_several_have_lists_them(run):
     assert len(paths) > 1
     assert all(path.endswith(".viscous_coefficient") for path in paths)
     assert load_rig(overrides={paths[0]: 0.2}).laws
-
-
-def test_a_last_name_with_a_slip_of_the_pen_is_offered(run):
-    code, _, err = run("simulate", "demo", "--set", "masss=2")
-    assert code == 2
-    assert "Did you mean 'mass' (m)?" in err
-    assert "compression (x_0)" in run("simulate", "demo", "--set", "colour=2")[2]
 
 
 N = 1500
@@ -284,17 +257,6 @@ def test_init_overwrites_nothing_and_takes_what_is_known(run, tmp_path, measured
     assert (code, "does not exist" in err) == (2, True)
 
 
-@pytest.mark.slow
-def test_completion_is_offered_by_the_shell():
-    environment = {**os.environ, "_STICKSLIP_COMPLETE": "complete_bash"}
-    line = {"COMP_WORDS": "stickslip sweep --wo", "COMP_CWORD": "2"}
-    done = subprocess.run(
-        [sys.executable, "-c", "from stickslip.cli import main; main()"],
-        env={**environment, **line}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.stdout.split() == ["--workers"]
-
-
 class Clock:
     """A clock that is set by hand."""
 
@@ -347,24 +309,6 @@ def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(cap
     ]
 
 
-def test_a_law_that_is_run_again_after_others_is_not_said_to_be_fitted(capsys, monkeypatch):
-    """Bands are drawn after the fits, and figures after the bar is gone."""
-    clock = Clock()
-    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
-    with Watching(["coulomb", "viscous"], "Fitting") as watch:
-        for now, name in ((0, "coulomb"), (1, "viscous"), (30, "viscous"), (60, "coulomb")):
-            clock.now = float(now)
-            watch(name, 7)
-    clock.now = 400.0
-    watch("coulomb", 8)
-    assert capsys.readouterr().err.splitlines() == [
-        "Fitting coulomb (law 1 of 2) ...",
-        "Fitting viscous (law 2 of 2) ...",
-        "Fitting viscous (law 2 of 2, 30 s) ...",
-        "Simulating coulomb (law 1 of 2, 1 min 0 s) ...",
-    ]
-
-
 def test_the_time_left_leaves_out_what_compiling_took(capsys, monkeypatch):
     clock = Clock()
     monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
@@ -377,30 +321,8 @@ def test_the_time_left_leaves_out_what_compiling_took(capsys, monkeypatch):
     assert "about 1 min 20 s left" in late
 
 
-def test_compiling_without_a_terminal_does_not_tell_the_time_left(capsys, monkeypatch):
-    """The solver, which is first, takes as long as a hundred equations."""
-    clock = Clock()
-    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
-    with Compiling() as report:
-        for done in range(51):
-            clock.now = 8.0 * (done > 0) + 0.5 * done
-            report(done, 50, f"part {done}")
-    lines = capsys.readouterr().err.splitlines()
-    assert lines == [
-        "Compiling, once: part 0 ...",
-        "Compiling, once: equations (1 of 50 done, 8 s) ...",
-        "Compiling, once: equations (41 of 50 done, 28 s) ...",
-    ]
-
-
 def test_init_of_a_place_without_a_name_is_one_sentence(run):
     for place in ("/", ".", ".."):
         code, out, err = run("init", place)
         assert (code, out) == (2, "")
         assert len(err.splitlines()) == 1, err
-
-
-def test_the_next_command_can_be_pasted_whatever_the_file_is_called(run, tmp_path, measured):
-    (tmp_path / "messung.csv").rename(tmp_path / "lauf 1.csv")
-    _, out, _ = run("init", "lauf 1.csv")
-    assert "stickslip check 'lauf 1.toml'; stickslip select 'lauf 1.toml'" in out

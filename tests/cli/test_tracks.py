@@ -149,38 +149,8 @@ def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(fil
     assert told["values"] == pytest.approx([2.7, 3.0, 4.5, 4.65, 6.0, 6.6])
 
 
-def test_a_film_with_another_frequency_than_its_name_says_is_doubted(filmed, tmp_path):
-    (tmp_path / "capsule_6Hz.txt").rename(tmp_path / "capsule_7.5Hz.txt")
-    code, out, _ = filmed("init", "capsule_3Hz.txt", "capsule_7.5Hz.txt")
-    assert code == 0
-    assert "! capsule_7.5Hz.txt oscillates with 6 Hz, and its name says 7.5 Hz" in " ".join(
-        out.split()
-    )
-    assert 'frequency = "6 Hz"' in (tmp_path / "capsule.toml").read_text()
-
-
-def test_repeats_of_a_film_get_names_of_their_own(filmed, tmp_path):
-    film = (tmp_path / "capsule_3Hz.txt").read_text()
-    (tmp_path / "capsule_3Hz_b.txt").write_text(film.replace("20.", "21."))
-    assert filmed("init", "capsule_3Hz.txt", "capsule_3Hz_b.txt", "capsule_6Hz.txt")[0] == 0
-    text = (tmp_path / "capsule.toml").read_text()
-    assert re.findall('^name = "(.*)"', text, re.MULTILINE) == ["3 Hz", "3 Hz, 2", "6 Hz"]
-    assert text.count('frequency = "3 Hz" }  # by its name') == 2
-    (tmp_path / "capsule.toml").write_text(with_values(text))
-    assert filmed("check", "capsule.toml")[0] == 0
-
-
 def test_a_file_that_is_no_film_is_refused_among_films(filmed, tmp_path):
     (tmp_path / "axis.csv").write_text("time,x,force\n0,1,2\n1,2,3\n2,3,4\n3,4,5\n")
     code, _, err = filmed("init", "capsule_3Hz.txt", "axis.csv")
     assert code == 2
     assert "axis.csv" in err
-
-
-def test_films_may_have_any_names(filmed, tmp_path):
-    odd = 'ca"psule\\ 3Hz.txt'
-    (tmp_path / "capsule_3Hz.txt").rename(tmp_path / odd)
-    assert filmed("init", odd, "capsule_6Hz.txt")[0] == 0
-    text = (tmp_path / "capsule.toml").read_text()
-    (tmp_path / "capsule.toml").write_text(with_values(text))
-    assert filmed("check", "capsule.toml")[0] == 0

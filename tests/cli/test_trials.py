@@ -61,21 +61,6 @@ def test_fit_names_the_condition_that_explains_it(folder):
     ]
 
 
-@pytest.mark.slow
-def test_an_option_names_conditions_of_files(folder):
-    files = [part for i in (1, 3) for part in ("--data", f"run{i}.csv")]
-    said = run("fit", "rig.toml", *files, "--conditions", "temperature", "--law", "coulomb-viscous")
-    assert re.search(r"at 20 °C to 6\.[12]\S* N at 60 °C", said)
-
-
-@pytest.mark.slow
-def test_select_says_it_of_the_law_that_it_names(folder):
-    said = run("select", "rig.toml", "--laws", "coulomb,coulomb-viscous", "-o", "report")
-    assert "The trials do not share one law (p < 0.001)" in said
-    written = json.loads((folder / "report/verdict.json").read_text())
-    assert written["trials"]["share_one_law"] is False
-
-
 def test_one_record_says_nothing_of_trials(folder):
     said = run("fit", "rig.toml", "--data", "run1.csv", "--law", "coulomb-viscous")
     assert "Trials" not in said

@@ -54,23 +54,6 @@ def test_a_carried_law_is_compared_with_the_record_and_refitted(walk, cart):
 
 
 @pytest.mark.slow
-def test_json_and_page_say_what_the_screen_says(walk, cart):
-    rig = cart(0.24)
-    asked = ("simulate", rig, "--law", "law.toml", "--ensemble", 50, "--refit", "--t-end", 1.0)
-    code, out, _ = walk(*asked, "--json", "--report-to", "page")
-    found = json.loads(out)
-    assert code == 0
-    assert found["validation"]["agrees"] is False
-    (record,) = found["validation"]["records"]
-    assert record["samples"] == 290
-    assert record["residual_rms"] > 1e-3
-    assert found["refit"]["parameters"][0]["agrees"] is False
-    page = Path("page/index.html").read_text(encoding="utf-8")
-    assert "What was measured does not agree with the prediction" in page
-    assert "do not agree" in page
-
-
-@pytest.mark.slow
 def test_a_travel_per_cycle_was_measured(walk, cart):
     rig = cart()
     trial = '[[trial]]\ntravel_per_cycle = "56 mm"\nuncertainty = "1 mm"\n'

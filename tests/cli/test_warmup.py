@@ -12,8 +12,6 @@ from tests.commands import commands
 import stickslip.cli.warmup as command
 from stickslip.engine.solver import WarmUp
 from stickslip.errors import CompilationError
-from stickslip.friction import listed
-from stickslip.mechanisms import mechanisms
 
 RIG = """
 [mechanism]
@@ -79,26 +77,6 @@ def test_the_result_is_one_line(run, asked):
     )
 
 
-def test_by_default_it_takes_every_mechanism_and_every_law_that_is_tried_unasked(run, asked):
-    run("warmup")
-    seen = {(rig.name, law.name) for rig, law in asked["pairs"]}
-    parts = {"robot", "serial-arm", "two-mass-capsule"}
-    plain = set(mechanisms()) - parts
-    usual = [name for name, one in listed().items() if not one.on_request]
-    assert seen == {(rig, law) for rig in plain for law in usual}
-    driven = {rig.name for rig, _ in asked["pairs"] if rig.drives()}
-    assert driven == plain - {"towed-block", "block-chain"}
-    moved = {type(rig.drive).__name__ for rig, _ in asked["pairs"] if rig.name == "capsule"}
-    assert moved == {"Torque", "Prescribed"}
-
-
-def test_a_rig_without_values_brings_the_laws_that_select_would_try(run, asked, tmp_path):
-    (tmp_path / "rig.toml").write_text(RIG.partition("[friction]")[0])
-    run("warmup", "--rig", "rig.toml")
-    six = {"coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"}
-    assert {law.name for _, law in asked["pairs"]} == six
-
-
 @pytest.mark.parametrize(
     ("table", "name"),
     [
@@ -140,14 +118,6 @@ def test_bad_input_gives_one_message(run, arguments, fragment):
     assert fragment in err
 
 
-def test_a_cache_that_cannot_be_written_to_is_refused(run, monkeypatch, tmp_path):
-    (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
-    code, out, err = run("warmup", "--laws", "coulomb")
-    assert (code, out) == (2, "")
-    assert "would be lost" in err
-
-
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [(CompilationError("too large"), 3, "too large"), (KeyboardInterrupt(), 130, "Canc")],
@@ -160,3 +130,11 @@ def test_a_failure_and_an_interrupt_have_their_exit_codes(run, monkeypatch, erro
     left, out, err = run("warmup")
     assert (left, out) == (code, "")
     assert words in err
+
+
+def test_a_cache_that_cannot_be_written_to_is_refused(run, monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
+    code, out, err = run("warmup", "--laws", "coulomb")
+    assert (code, out) == (2, "")
+    assert "would be lost" in err

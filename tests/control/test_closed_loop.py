@@ -13,7 +13,6 @@ from stickslip import (
     FixedStep,
     LuGre,
     PendulumCart,
-    SpringBlock,
     TowedBlock,
     Viscous,
     simulate,
@@ -21,9 +20,9 @@ from stickslip import (
 from stickslip.engine import Status
 from stickslip.engine.solver import incremental
 from stickslip.engine.solver.run import Work
-from stickslip.errors import InputError, SimulationError, UnknownNameError
+from stickslip.errors import InputError, SimulationError
 from stickslip.friction import PRINTED_FORMS
-from stickslip.mechanisms import Prescribed, Torque
+from stickslip.mechanisms import Prescribed
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.study.control import PID, closed_loop
 
@@ -225,19 +224,6 @@ def test_a_cart_that_tips_in_closed_loop_is_refused_with_the_name_of_the_limit()
         closed_loop(cart, STICTION, lambda t, seen: 5.0, period=1e-2, t_end=1.0, y0={"theta": 0.1})
 
 
-@pytest.mark.slow
-def test_both_tiers_give_the_same_bits():
-    runs = [
-        closed_loop(
-            Axis(inertia=1.0), STICTION, pd, period=1e-2, t_end=2.0, delay=4e-3,
-            solver=EventDriven(tier=tier),
-        ).run
-        for tier in ("python", "compiled")
-    ]  # fmt: skip
-    np.testing.assert_array_equal(runs[0].t, runs[1].t)
-    np.testing.assert_array_equal(runs[0]["x"], runs[1]["x"])
-
-
 def test_a_long_loop_goes_on_in_machine_code_with_the_same_bits(monkeypatch):
     begun = []
 
@@ -297,17 +283,3 @@ def test_printed_forms_are_refused():
     names = [f.name for f in dataclasses.fields(form) if f.default is dataclasses.MISSING]
     with pytest.raises(InputError, match="cannot solve"):
         closed_loop(AXIS, form(**dict.fromkeys(names, 0.5)), pd, period=0.01, t_end=0.1)
-
-
-def test_drives_are_found_where_they_are():
-    cart = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
-    for name in (None, "pendulum", "pendulum.drive", "mechanism.pendulum.drive", "drive"):
-        loop = closed_loop(
-            cart, STICTION, lambda t, seen: 0.0, period=0.1, t_end=0.2, drive=name
-        )  # fmt: skip
-        assert isinstance(loop.mechanism.pendulum, Torque)
-        assert loop.mechanism.pendulum.drive.times == (0.0, 0.1)
-    with pytest.raises(UnknownNameError):
-        closed_loop(
-            SpringBlock(mass=1.0), STICTION, lambda t, seen: 0.0, period=0.1, t_end=0.2, drive="d"
-        )

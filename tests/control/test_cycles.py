@@ -64,9 +64,7 @@ ZETA = K_D / (2.0 * MASS * OMEGA)
 
 def compensated(factor, t_end=20.0):
     pid = PID(
-        proportional=K_P,
-        derivative=K_D,
-        feedforward=compensation(PLAIN, width=1e-3, factor=factor),
+        proportional=K_P, derivative=K_D, feedforward=compensation(PLAIN, width=1e-3, factor=factor)
     )
     return closed_loop(
         Axis(inertia=MASS), PLAIN, pid, period=5e-4, t_end=t_end, y0={"x": START}

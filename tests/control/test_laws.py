@@ -5,16 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    DirectionDependent,
-    LuGre,
-    PendulumCart,
-    Stribeck,
-    simulate,
-)
+from stickslip import Capsule, Coulomb, DirectionDependent, LuGre, PendulumCart, Stribeck, simulate
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import bound
 from stickslip.friction import law as law_of
@@ -72,11 +63,6 @@ def test_a_rate_that_is_not_measured_is_estimated():
     smooth = PID(proportional=0.0, derivative=1.0, rate=None, filter_time=0.1)
     found = [smooth(0.1 * k, {"x": 0.3 * 0.1 * k}) for k in range(4)]
     np.testing.assert_allclose(found, [-0.3 * (1.0 - 0.5**k) for k in range(4)], rtol=1e-12)
-
-
-def test_a_reference_may_move():
-    pid = PID(proportional=2.0, derivative=3.0, reference=math.sin, reference_rate=math.cos)
-    assert pid(1.0, {"x": 0.0, "v": 0.0}) == 2.0 * math.sin(1.0) + 3.0 * math.cos(1.0)
 
 
 def test_what_pid_cannot_use_is_refused():
@@ -150,11 +136,6 @@ def test_the_equations_of_the_cart_are_those_on_paper():
     _, turning = here.accelerations(friction, torque)
     normal = (M + BALL) * G - ML * (s * turning + c * omega**2)
     assert here.normal_force(friction, torque) == pytest.approx(normal, rel=1e-12)
-
-
-def test_drives_that_are_not_commanded_are_forces():
-    here = dynamics_at(Axis(inertia=2.0, damping=3.0, stiffness=5.0), q={"x": 1.0}, q_dot={"v": 1})
-    assert (here.mass.tolist(), here.forces.tolist(), here.normal) == ([[2.0]], [-8.0], 1.0)
 
 
 def test_mechanisms_whose_motion_is_told_have_no_command():

@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from tests.contact_cases import Plain
 from tests.pair_cases import LAW, LAWS, OTHER, Pair, axis
 
@@ -14,7 +13,6 @@ from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError, ParameterError
 from stickslip.mechanisms import Contact, Link
 from stickslip.mechanisms.drives import Drive
-from stickslip.show import plots
 from stickslip.study.control import closed_loop, dynamics_at, limit_cycle
 
 PLAIN = EventDriven(tier="python")
@@ -125,12 +123,6 @@ def test_friction_of_feet_moves_load_from_one_to_the_other():
     # moments about the front foot: of the weight, and of friction at the ground, 0.15 m below
     np.testing.assert_allclose(here.normal, [19.62 * 0.4, 19.62 * 0.6], rtol=1e-12)
     np.testing.assert_allclose(here.normal_force([1.0, 2.0]) - here.normal, [0.9, -0.9], rtol=1e-12)
-
-
-def test_the_figure_shows_all_commands_and_rests_of_the_contact():
-    loop = closed_loop(Pair(), LAWS, of_both, drive=BOTH, **HOW)
-    _, below = plots.plot_closed_loop(loop, Figure(), state="b", reference=0.1)
-    assert {text.get_text() for text in below.texts} >= set(BOTH)
 
 
 def test_limit_cycles_are_asked_of_one_contact():

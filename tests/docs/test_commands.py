@@ -3,7 +3,6 @@
 import importlib.util
 import os
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -43,24 +42,6 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shell]:
 def test_a_command_reads_and_writes_in_the_folder_of_its_example(shell: Shell) -> None:
     code, out, _ = shell("stickslip simulate rig.toml -o run.csv > seen.txt && ls")
     assert (code, out.split()) == (0, ["rig.toml", "run.csv", "seen.txt"])
-
-
-@pytest.mark.slow
-def test_codes_and_messages_are_those_of_a_process_of_its_own(shell: Shell) -> None:
-    alone = f"{sys.executable} -m stickslip"
-    for arguments in ("fit nowhere.toml", "models coulomb", "nonsense"):
-        assert shell(f"stickslip {arguments}") == shell(f"{alone} {arguments}")
-
-
-def test_the_environment_is_that_of_the_example_and_not_of_the_last_one(shell: Shell) -> None:
-    wide, narrow = (shell(f"COLUMNS={n} stickslip -h")[1] for n in (150, 60))
-    assert wide != narrow
-    assert shell("COLUMNS=150 stickslip -h")[1] == wide
-
-
-@pytest.mark.slow
-def test_a_reader_that_has_seen_enough_is_no_error(shell: Shell) -> None:
-    assert shell("stickslip schema | head -1") == (0, "{\n", "")
 
 
 def runs(number: int) -> bool:

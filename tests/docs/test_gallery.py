@@ -36,21 +36,6 @@ def test_the_page_of_a_law_says_what_it_does_and_links_to_its_figures(gallery):
     assert all(text.startswith("<svg") for name, text in files.items() if name.endswith("svg"))
 
 
-def test_a_page_says_that_a_formula_was_not_compared_with_its_source(gallery):
-    page = gallery.written("hess-soom")["hess-soom.md"]
-    assert "**Note:** formula not compared with its source." in page
-
-
-def test_a_page_is_kept_until_the_law_or_the_code_changes(gallery, tmp_path, monkeypatch):
-    made = []
-    monkeypatch.setattr(gallery, "KEPT", tmp_path)
-    monkeypatch.setattr(gallery, "written", lambda name: made.append(name) or {"a.md": name})
-    for code in ("1", "1", "2"):
-        assert gallery.kept("coulomb", code) == {"a.md": "coulomb"}
-    assert made == ["coulomb", "coulomb"]
-    assert len([*tmp_path.iterdir()]) == 1
-
-
 def test_the_guide_names_tests_and_laws_that_exist(gallery):
     assert {test for *_, test in gallery.SYMPTOMS} <= set(TESTS)
     for _, _, names, _ in gallery.SYMPTOMS:
@@ -71,9 +56,3 @@ def test_the_figures_of_a_law_show_what_tells_its_directions_and_inputs_apart(ga
         for x in gallery.INPUTS["position"]
     )
     assert at_gap < 0.6 * at_tooth
-
-
-def test_each_equation_of_a_formula_stands_on_a_line_of_its_own(gallery):
-    text = gallery.written("stribeck")["stribeck.md"]
-    assert text.count("$$") == 2 * 3
-    assert ", \\quad" not in text

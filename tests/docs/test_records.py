@@ -16,10 +16,6 @@ def records() -> ModuleType:
     return module_at(DOCS / "_ext/records.py")
 
 
-def test_there_are_pages_on_records() -> None:
-    assert PAGES
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_whose_record_is_missing_is_not_run_and_says_so(
     page: Path, records: ModuleType, monkeypatch: pytest.MonkeyPatch
@@ -54,9 +50,3 @@ def test_the_records_of_a_page_are_in_the_catalogue(
     monkeypatch.setattr(records, "is_here", lambda record: asked.append(record) or known(record))
     records.without_results(page.read_text(encoding="utf-8"))  # raises for unknown names
     assert asked
-
-
-def test_other_pages_are_left_alone(records: ModuleType) -> None:
-    text = "---\nfile_format: mystnb\n---\n\n# Other\n"
-    assert records.without_results(text) == text
-    assert records.without_results("# No head\n") == "# No head\n"

@@ -8,7 +8,7 @@ import pytest
 from tests.exports.fmus import made, need_tools
 from tests.exports.test_fmu import compare
 
-from stickslip import Axis, Capsule, Coulomb, EventDriven, FixedStep, ensemble, simulate
+from stickslip import Axis, Capsule, Coulomb, EventDriven, ensemble, simulate
 from stickslip.data import load_rig
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Torque
@@ -88,16 +88,6 @@ def test_ensembles_and_slopes_by_its_parameters():
         difference = (ends[1] - ends[0]) / (2e-5 * value)
         slope = run.sensitivity("x", f"mechanism.drive.{name}")[-1]
         assert slope == pytest.approx(difference, rel=1e-5)
-
-
-def test_fixed_steps_come_closer_to_the_exact_run_as_they_are_shortened():
-    axis = Axis(inertia=1.0, drive=BLOWS)
-    exact = simulate(axis, ROUGH, t_end=1.0)["x"][-1]
-    coarse, fine = (
-        abs(simulate(axis, ROUGH, t_end=1.0, solver=FixedStep(dt=dt))["x"][-1] - exact)
-        for dt in (2e-3, 2e-4)
-    )
-    assert fine < 0.2 * coarse < 1e-3
 
 
 def test_a_capsule_has_the_period_of_the_pulses():

@@ -9,8 +9,7 @@ import pytest
 from stickslip import Axis, Capsule, Coulomb, EventDriven, SpringBlock, ensemble, simulate
 from stickslip.engine import Status
 from stickslip.mechanisms import Torque
-from stickslip.mechanisms.drives import Sine, Square
-from stickslip.study.sweep import average_velocity
+from stickslip.mechanisms.drives import Square
 
 G = 9.81
 PLAIN = EventDriven(tier="python")
@@ -140,14 +139,6 @@ def test_runs_of_an_ensemble_have_their_own_periods_and_duties():
         assert found["x"][row] == pytest.approx(run["x"][-1], rel=1e-12, abs=1e-15)
 
 
-def test_maps_of_mean_velocity_know_the_cycle_of_a_square_wave():
-    found = average_velocity(
-        driven(), Coulomb(kinetic_coefficient=MU),
-        {"mechanism.drive.drive.period": [0.4, 0.5]}, cycles=4, settle=2, solver=PLAIN,
-    )  # fmt: skip
-    np.testing.assert_allclose(found.velocity, [kicked(F1, D, 0.4) / 0.4, kicked(F1, D, T) / T])
-
-
 def test_a_block_that_the_next_cycle_would_move_is_not_at_rest_at_the_end():
     push = Square(high=5.0, period=1.0, duty=0.2)
     block = SpringBlock(mass=1.0, drive=push)
@@ -155,9 +146,3 @@ def test_a_block_that_the_next_cycle_would_move_is_not_at_rest_at_the_end():
     assert simulate(block, law, t_end=2.9).status is Status.END_TIME
     weak = replace(block, drive=replace(push, high=2.9))
     assert simulate(weak, law, t_end=2.9).status is Status.AT_REST
-
-
-def test_many_cycles_are_run_one_after_the_other():
-    wave = Square(high=F1, low=-1.5, period=0.01, duty=D) + Sine(amplitude=0.1, frequency=3.0)
-    run = simulate(Axis(inertia=1.0, drive=wave), Coulomb(kinetic_coefficient=0.0), t_end=20.0)
-    assert run["v"][-1] == pytest.approx(0.0, abs=1e-9)  # whole cycles of both have no mean

@@ -1,6 +1,5 @@
 """Files of instruments are read as their programs write them: every channel, with its unit."""
 
-import sys
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -307,15 +306,6 @@ def test_a_cell_far_away_is_no_reason_to_take_memory(tmp_path):
     book.save(tmp_path / "a.xlsx")
     with pytest.raises(InputError, match=r"no sheet has|cells exceed the limit"):
         guess_data(tmp_path / "a.xlsx")
-
-
-@pytest.mark.parametrize(("package", "ending"), [("nptdms", ".tdms"), ("openpyxl", ".xlsx")])
-def test_a_package_that_is_missing_is_named(tmp_path, monkeypatch, package, ending):
-    monkeypatch.setitem(sys.modules, package, None)
-    path = tmp_path / f"a{ending}"
-    path.write_bytes(b"PK")
-    with pytest.raises(InputError, match=rf"stickslip\[{ending[1:]}\]"):
-        guess_data(path)
 
 
 # --- tribometers

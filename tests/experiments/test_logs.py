@@ -318,16 +318,6 @@ def test_messages_of_another_encoding_are_named(tmp_path):
             load_measurement(file)
 
 
-def test_the_packages_that_are_missing_are_named(tmp_path, monkeypatch):
-    bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, ARM)})
-    file = write_mcap(tmp_path / "a.mcap", {TOPIC: states(TIME, ARM)})
-    for name in ("rosbags.highlevel", "mcap.reader"):
-        monkeypatch.setitem(sys.modules, name, None)
-    for path in (bag, file):
-        with pytest.raises(InputError, match=r"pip install.*'stickslip\[logs\]'"):
-            load_measurement(path)
-
-
 def test_a_log_of_another_robot_is_refused_by_name(tmp_path, urdf):
     bag = write_bag(tmp_path / "bag", {TOPIC: states(TIME, {"a1": ELBOW, "a2": SHOULDER})})
     with pytest.raises(InputError, match=r"the joints a1 and a2.*turret, shoulder and elbow"):

@@ -80,11 +80,7 @@ BAD = {
     "time alone": ({"time": T}, InputError, "at least one quantity"),
     "both": ({"travel": 0.1, "trials": (ONE,)}, InputError, "travel is given beside trials"),
     "settings beside trials": ({"trials": (ONE,), "offset": {"x": 1.0}}, InputError, "offset"),
-    "nested trials": (
-        {"trials": (Measurement(trials=(ONE,)),)},
-        InputError,
-        "must be one record",
-    ),
+    "nested trials": ({"trials": (Measurement(trials=(ONE,)),)}, InputError, "must be one record"),
     "trial of another type": ({"trials": (0.2,)}, InputError, "must be one record, got 0.2"),
     "mixed kinds": (
         {"trials": (ONE, Measurement(time=T, position=X))},

@@ -416,12 +416,7 @@ def struct_array(rows):
 
 
 EITHER = pytest.mark.parametrize(
-    "save",
-    [
-        savemat,
-        lambda name, content: newer(Path(name), content),
-    ],
-    ids=["v5", "v7.3"],
+    "save", [savemat, lambda name, content: newer(Path(name), content)], ids=["v5", "v7.3"]
 )
 
 

@@ -100,10 +100,7 @@ def test_without_tables_of_contacts_all_of_them_share_a_law(read):
 def test_parts_and_their_drives_are_tables(read):
     press = Pulse(level=20.0, duration=10.0, start=0.4) + Sine(amplitude=1.0, frequency=1.0)
     assert read(CLUTCHES).mechanism == ClutchTrain(
-        rotors=(
-            Rotor(inertia=1.0, torque=Sine(amplitude=10.0, frequency=5.0)),
-            Rotor(inertia=1.0),
-        ),
+        rotors=(Rotor(inertia=1.0, torque=Sine(amplitude=10.0, frequency=5.0)), Rotor(inertia=1.0)),
         clutches=(Lining(radius=1.0, press=press),),
         brake=Lining(radius=0.2, load=5.0),
     )

@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Measurement
-from stickslip.data.differentiation import (
-    acceleration_of,
-    noise_of,
-    smooth,
-    step_of,
-    velocity_of,
-)
+from stickslip.data.differentiation import acceleration_of, noise_of, smooth, step_of, velocity_of
 from stickslip.errors import InputError
 
 RATE = 1000.0

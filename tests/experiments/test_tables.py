@@ -130,13 +130,6 @@ def test_what_is_no_mdf_file_is_refused_in_one_line(tmp_path):
     assert "\n" not in str(caught.value)
 
 
-def test_without_its_package_an_mdf_file_names_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "asammdf", None)
-    (tmp_path / "log.mf4").write_bytes(b"any")
-    with pytest.raises(InputError, match=r"pip install 'stickslip\[mdf\]'"):
-        load_measurement(tmp_path / "log.mf4")
-
-
 # --- our own exports
 
 

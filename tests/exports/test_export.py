@@ -33,10 +33,7 @@ from stickslip.quantities import Quantity
 LAW = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
 KNOWN = LawEstimates(
     law={"elbow": "coulomb", "shoulder": "coulomb-viscous"},
-    intervals={
-        "elbow.kinetic_coefficient": (0.9, 1.1),
-        "shoulder.kinetic_coefficient": (1.9, 2.1),
-    },
+    intervals={"elbow.kinetic_coefficient": (0.9, 1.1), "shoulder.kinetic_coefficient": (1.9, 2.1)},
     covariance_of=("elbow.kinetic_coefficient", "shoulder.kinetic_coefficient"),
     covariance=((1.0, 0.2), (0.2, 4.0)),
     not_identified={"shoulder.viscous_coefficient": "too slow"},

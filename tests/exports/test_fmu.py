@@ -47,13 +47,7 @@ from stickslip.cli import main
 from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import export_fmu
-from stickslip.exports.fmu.export import (
-    BASES,
-    base_units,
-    per_second,
-    variables_of,
-    with_inputs,
-)
+from stickslip.exports.fmu.export import BASES, base_units, per_second, variables_of, with_inputs
 from stickslip.friction import LAWS
 from stickslip.maths import sqrt
 from stickslip.mechanisms import (

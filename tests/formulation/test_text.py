@@ -18,7 +18,6 @@ from typing_extensions import override
 from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
 from stickslip.engine.formulation import formulate
 from stickslip.engine.formulation.infix import program
-from stickslip.engine.formulation.trace import rebuilt
 from stickslip.errors import InputError, TracingError
 from stickslip.friction import LAWS, SetValuedLaw
 from stickslip.maths import exp, where
@@ -101,18 +100,6 @@ def test_a_side_of_a_switch_that_is_not_taken_is_not_worked_out_beforehand():
     assert constants == 1
     assert "math.sqrt" in text.partition("def constants")[0]
     assert text.partition("def constants")[2].count("math.") == 1
-
-
-def test_parameters_are_listed_in_the_order_of_their_vector():
-    law = Coulomb(kinetic_coefficient=0.1, static_coefficient=0.2)
-    model = formulate(Axis(inertia=1.0, drive=Pulse(level=1.0, duration=1.0)), law)
-    assert model.parameter_paths[0] == "mechanism.inertia"
-    assert model.parameter_paths[-2:] == (
-        "friction.kinetic_coefficient",
-        "friction.static_coefficient",
-    )
-    assert "mechanism.drive.level" in model.parameter_paths
-    assert model.drives == ("drive",)
 
 
 Plain = Annotated[float, Quantity("q", above=0)]
@@ -309,13 +296,3 @@ def test_contacts_that_are_missing_or_have_no_names_are_refused_in_words(feet, s
 def test_a_mechanism_without_potential_or_forces_runs():
     run = simulate(Footed(feet=1), Coulomb(kinetic_coefficient=0.5), t_end=5.0, y0={"v": 1.0})
     assert abs(run["x"][-1] - 1.0) <= 1e-12  # v^2 / (2 mu), within the solver's tolerance
-
-
-def test_shared_parts_of_an_expression_are_searched_for_switches_once():
-    """Each square has the one before twice: a walk along all branches would not end."""
-    x = se.Symbol("x")
-    e = x + 1
-    for i in range(60):
-        e = se.sin(e) * se.cos(e) + i
-    assert rebuilt(e, lambda _: se.Integer(0)) is e
-    assert rebuilt(e + se.Piecewise((x, x > 0), (-x, True)), lambda _: x) == e + x

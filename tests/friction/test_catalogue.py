@@ -3,8 +3,6 @@
 import doctest
 import inspect
 import pickle
-import subprocess
-import sys
 
 import pytest
 
@@ -13,34 +11,6 @@ from stickslip.friction import LAWS, FrictionLaw, law, listed, said_of
 from stickslip.friction.notation import canonical, without_optional
 
 each_law = pytest.mark.parametrize("name", LAWS)
-
-LAZY = """
-import io, contextlib
-from stickslip.friction.classes import CATALOGUE
-from stickslip.friction import LAWS, law, laws, listed
-made = lambda: sorted(name for name, entry in CATALOGUE.items() if "law" in vars(entry))
-assert len(LAWS) == len(laws()) == len(listed()) and "lugre" in LAWS and list(LAWS)[0] == "coulomb"
-assert [one.title and one.sources and str(one.composition) for one in listed().values()]
-assert made() == [], made()
-from stickslip import Stribeck
-assert made() == ["stribeck"], made()
-assert law("viscous + level") is LAWS["coulomb-viscous"]
-assert made() == ["coulomb-viscous", "stribeck"], made()
-assert [one.law for one in LAWS["direction-dependent"].contained] == ["coulomb-viscous"]
-assert made() == ["coulomb", "coulomb-viscous", "direction-dependent", "stribeck", "viscous"]
-from stickslip.cli import main
-with contextlib.redirect_stdout(io.StringIO()):
-    try:
-        main(["models"])  # beside laws, it knows printed equations, which name six laws
-    except SystemExit as leaving:
-        assert not leaving.code
-assert {one for one in made() if listed()[one].on_request} == {"direction-dependent"}, made()
-"""
-
-
-def test_classes_of_laws_are_made_when_they_are_asked_for_and_not_by_lists():
-    done = subprocess.run([sys.executable, "-c", LAZY], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
 
 
 def within(kind):

@@ -13,7 +13,7 @@ from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import bound, law
 from stickslip.mechanisms import given_inputs
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
-from stickslip.mechanisms.drives import PiecewiseLinear, Ramp, Sampled, Sine
+from stickslip.mechanisms.drives import Ramp, Sampled, Sine
 from stickslip.quantities import Quantity
 
 WARM = law("level + viscous * exponential[temperature]")(
@@ -160,40 +160,6 @@ def test_runs_are_certified_and_sensitivities_agree_with_differences(name):
     assert slope == pytest.approx((ends[0] - ends[1]) / (2.0 * h), rel=2e-4)
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_rows_of_an_ensemble_equal_runs_to_the_bit(name):
-    one, path = LAWS[name], VARIED[name]
-    values = getattr(one, path) * np.array([0.5, 1.0, 1.7])
-    runs = ensemble(LIFTING, one, {path: values}, t_end=2.0)
-    for value, end in zip(values, runs["theta"], strict=True):
-        alone = simulate(LIFTING, replace(one, **{path: float(value)}), t_end=2.0)
-        assert end == alone["theta"][-1]
-
-
-def errors_of_fixed_steps(rig, one, t_end, column, **more):
-    """Return errors at the end with a step and with half of it, relative to the value."""
-    exact = simulate(rig, one, t_end=t_end, **more)[column][-1]
-    return [
-        abs(
-            simulate(rig, one, t_end=t_end, solver=FixedStep(dt=dt), **more)[column][-1] / exact - 1
-        )
-        for dt in (4e-4, 2e-4)
-    ]
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_fixed_steps_see_the_inputs_too(name):
-    coarse, fine = errors_of_fixed_steps(LIFTING, LAWS[name], 1.0, "theta")
-    assert fine < 0.6 * coarse < 5e-3  # of first order
-
-
-def test_fixed_steps_follow_a_temperature_in_time():
-    ramp = PiecewiseLinear(times=(0.0, 0.3), values=(0.0, 60.0))
-    rig = given_inputs(Axis(inertia=2.0), {"temperature": ramp})
-    coarse, fine = errors_of_fixed_steps(rig, WARM, 0.3, "v", y0={"v": 1.0})
-    assert fine < 0.6 * coarse < 2e-3
-
-
 def test_a_constant_input_is_a_parameter_that_ensembles_vary():
     rig = given_inputs(Axis(inertia=2.0), {"temperature": 20.0})
     runs = ensemble(rig, WARM, {"contact_temperature": [0.0, 20.0, 60.0]}, t_end=0.2, y0={"v": 1.0})
@@ -296,13 +262,6 @@ def test_an_input_of_a_rig_file_that_cannot_be_used_is_named(tmp_path, text, sai
     path.write_text(RIG.replace("temperature = {temperature}", text), encoding="utf-8")
     with pytest.raises((InputError, UnknownNameError), match=said):
         load_rig(path)
-
-
-def test_an_override_gives_an_input_that_the_file_does_not(tmp_path):
-    path = tmp_path / "rig.toml"
-    path.write_text(RIG.replace("[contact]\ntemperature = {temperature}\n", ""), encoding="utf-8")
-    rig = load_rig(path, overrides={"contact.temperature": "35 degC"})
-    assert rig.mechanism.contact_temperature == 35.0
 
 
 def test_a_parameter_in_the_unit_of_an_input_is_looked_for_at_the_inputs_size():

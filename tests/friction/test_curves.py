@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from stickslip import Axis, EventDriven, TwoMassAxis, export, load_rig, simulate
+from stickslip import Axis, EventDriven, TwoMassAxis, load_rig, simulate
 from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.friction.parts.levels import MOST_POINTS
-from stickslip.identify.fits import starting_law
 
 POINTS = [(0.0, 2.0), (0.01, 1.5), (0.05, 1.2), (0.08, 1.25), (0.3, 1.1)]
 TEXT = "table[0: 2, 0.01: 1.5, 0.05: 1.2, 0.08: 1.25, 0.3: 1.1]"
@@ -193,10 +192,3 @@ def test_a_rig_file_names_curves_beside_it_and_several_contacts_have_their_own(
     run = simulate(belt, laws, t_end=3.0, y0={"v": 0.4}, solver=EventDriven(tier="compiled"))
     assert run.certificate.certified
     assert {event.contact for event in run.events} == {"load", "motor"}
-
-
-def test_exported_programs_and_started_laws_have_the_curve():
-    kind = law(f"{TEXT} + viscous")
-    text = export(kind(viscous_coefficient=0.5), "c", name="axis").files["axis.h"]
-    assert "axis_friction" in text
-    assert starting_law(kind).curve_factor == 1.0

@@ -134,9 +134,3 @@ def test_at_a_stop_the_level_of_the_way_back_is_what_a_pull_must_overcome():
     assert run.at(2.9)["mode"][0] == 2  # pulled with 0.8 N
     assert run.events[-1].to_mode == -1
     assert math.isclose(run.events[-1].t, 1.0 + (3.0 + BACK) / 2.0, rel_tol=EXACT)
-
-
-def test_plain_numbers_and_arrays_give_the_force_of_their_direction():
-    assert (LAW.force(0.1, 3.0), LAW.force(-0.1, 3.0), LAW.force(0.0, 3.0)) == (3.0, -6.0, 0.0)
-    np.testing.assert_array_equal(LAW.force(np.array([0.1, -0.1, 0.0]), 3.0), [3.0, -6.0, 0.0])
-    assert LAW.break_away(3.0) == 3.0  # what is held whichever way the force points

@@ -124,10 +124,7 @@ def test_friction_of_a_gear_that_turns_both_ways_stays_within_its_level_and_take
     friction, v = seen["friction"], seen["omega"]
     external = -WEIGHT * np.sin(seen["theta"])
     motor = np.array([push.value(float(moment)) for moment in t])
-    told = bound(
-        law,
-        {"motor": motor, "external": external, "transmitted": motor - external},
-    )
+    told = bound(law, {"motor": motor, "external": external, "transmitted": motor - external})
     held = seen["mode"] == 0
     assert held.any() == (name not in ("bam-m1", "bam-m2"))  # the loaded gears stick on the way
     assert np.all(friction * v >= 0.0)

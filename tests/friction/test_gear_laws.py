@@ -8,10 +8,7 @@ import pytest
 from stickslip.friction import LAWS, bound
 
 PUBLISHED = {
-    "bam-m1": {
-        "friction_base": 0.01821167858833861,
-        "friction_viscous": 0.005902005392322235,
-    },
+    "bam-m1": {"friction_base": 0.01821167858833861, "friction_viscous": 0.005902005392322235},
     "bam-m2": {
         "friction_base": 0.018601492795417476,
         "friction_stribeck": 0.0011012778060184916,

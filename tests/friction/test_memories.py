@@ -10,19 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from tests.pair_cases import PUSH, Pair, axis
-from tests.support import quick
 
-from stickslip import (
-    Axis,
-    Dahl,
-    EventDriven,
-    FixedStep,
-    Measurement,
-    RecordSettings,
-    ensemble,
-    fit,
-    simulate,
-)
+from stickslip import Axis, Dahl, FixedStep, Measurement, RecordSettings, fit, simulate
 from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.identify.fits.estimation.bristle_integration import Path, follow
@@ -136,26 +125,6 @@ def test_runs_agree_with_an_integration_that_locates_each_slip(own, rates, margi
 
 
 @pytest.mark.parametrize("own", SWITCHED.values(), ids=SWITCHED)
-def test_both_tiers_give_the_same_bits(own):
-    plain, fast = (
-        simulate(RIG, own, t_end=1.5, solver=EventDriven(tier=tier))
-        for tier in ("python", "compiled")
-    )
-    for name in plain.names:
-        np.testing.assert_array_equal(fast[name], plain[name])
-    assert fast.certificate == plain.certificate
-
-
-def test_runs_of_an_ensemble_are_those_of_simulate():
-    values = np.linspace(1.1, 2.0, 40)
-    found = ensemble(RIG, GMS, {"static_coefficient": values}, t_end=1.5)
-    assert found.certified.all()
-    for i in (0, 17, 39):
-        alone = simulate(RIG, replace(GMS, static_coefficient=float(values[i])), t_end=1.5)
-        assert found["x"][i] == alone["x"][-1]
-
-
-@pytest.mark.parametrize("own", SWITCHED.values(), ids=SWITCHED)
 def test_sensitivities_through_switches_are_those_of_differences(own):
     run = simulate(RIG, own, t_end=1.5)
     for name in ("kinetic_coefficient", "bristle_stiffness", "attraction", "sticking_surplus"):
@@ -171,19 +140,6 @@ def test_sensitivities_through_switches_are_those_of_differences(own):
         assert run.sensitivity("x", name)[-1] == pytest.approx(
             difference, rel=1e-5, abs=2e-6 / value
         )
-
-
-@pytest.mark.parametrize("name", quick(SWITCHED, "maxwell", "reset"))
-def test_a_contact_of_two_does_what_it_does_alone(name):
-    own = SWITCHED[name]
-    alone = simulate(axis(PUSH), own, t_end=1.5)
-    other = Sine(amplitude=3.0, frequency=0.7)
-    both = simulate(
-        Pair(left_drive=PUSH, right_drive=other), {"left": own, "right": GMS}, t_end=1.5
-    )
-    assert both.certificate.certified
-    assert both["a"][-1] == pytest.approx(alone["x"][-1], abs=1e-8)
-    assert both["b"][-1] == pytest.approx(simulate(axis(other), GMS, t_end=1.5)["x"][-1], abs=1e-8)
 
 
 @pytest.mark.parametrize("own", LATCHED.values(), ids=LATCHED)

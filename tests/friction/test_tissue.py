@@ -11,16 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    Dahl,
-    EventDriven,
-    FixedStep,
-    ensemble,
-    simulate,
-)
+from stickslip import Axis, Capsule, Coulomb, Dahl, simulate
 from stickslip.friction import SOURCES, TISSUES, bound, law
 from stickslip.mechanisms import SoftStop, Torque, given_inputs
 from stickslip.mechanisms.drives import Sine
@@ -117,25 +108,6 @@ def test_a_run_agrees_with_an_integration_of_its_equations():
     np.testing.assert_allclose([run[name][-1] for name in names], known, rtol=1e-6, atol=1e-9)
 
 
-def test_both_tiers_give_the_same_bits():
-    plain, fast = (
-        simulate(RIG, OWN, t_end=1.5, solver=EventDriven(tier=tier))
-        for tier in ("python", "compiled")
-    )
-    for name in plain.names:
-        np.testing.assert_array_equal(fast[name], plain[name])
-    assert fast.certificate == plain.certificate
-
-
-def test_runs_of_an_ensemble_are_those_of_simulate():
-    values = np.linspace(100.0, 600.0, 12)
-    found = ensemble(RIG, OWN, {"relaxing_stiffness_1": values}, t_end=1.5)
-    assert found.certified.all()
-    for i in (0, 5, 11):
-        alone = simulate(RIG, replace(OWN, relaxing_stiffness_1=float(values[i])), t_end=1.5)
-        assert found["x"][i] == alone["x"][-1]
-
-
 def test_the_mirror_image_of_a_run_is_a_run():
     back = replace(RIG, drive=replace(PUSH, amplitude=-1.5))
     run, image = (simulate(one, OWN, t_end=3.0) for one in (RIG, back))
@@ -156,15 +128,6 @@ def test_sensitivities_are_those_of_differences(name):
     found = simulate(RIG, OWN, t_end=1.5).sensitivity("x", name)[-1]
     # differences of second order have errors of 1e-8, runs of 1e-10 of the place over 1e-4
     assert found == pytest.approx(difference, rel=1e-4, abs=1e-7 / value)
-
-
-def test_fixed_steps_come_closer_to_the_exact_run_as_they_are_shortened():
-    exact = simulate(RIG, OWN, t_end=0.5)["x"][-1]
-    coarse, fine = (
-        abs(simulate(RIG, OWN, t_end=0.5, solver=FixedStep(dt=dt))["x"][-1] - exact)
-        for dt in (4e-4, 1e-4)
-    )
-    assert fine < 0.4 * coarse < 1e-3
 
 
 # -- passivity

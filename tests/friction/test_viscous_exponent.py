@@ -11,7 +11,6 @@ from stickslip.errors import ParameterError
 from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms.drives import PiecewiseLinear, Sine
 from stickslip.quantities import parameters, structure
-from stickslip.study.testing import check_friction
 
 DAHL = Dahl(kinetic_coefficient=0.4, bristle_stiffness=200.0, viscous_coefficient=0.7)
 LUGRE = LuGre(
@@ -88,12 +87,6 @@ def test_a_run_through_reversals_keeps_the_energy_balance(law):
     near, plain = (simulate(rig, thinned(law, p), t_end=3.0) for p in (1.0 - 1e-9, 1.0))
     t = np.linspace(0.0, 3.0, 31)
     np.testing.assert_allclose(near.at(t)["x"], plain.at(t)["x"], rtol=0, atol=1e-6)
-
-
-@each
-def test_it_passes_the_suite_for_laws(law):
-    report = check_friction(thinned(law, 0.5), load=1.0)
-    assert report.ok, report
 
 
 def test_forces_and_copies_carry_it():

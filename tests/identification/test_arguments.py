@@ -14,7 +14,7 @@ from stickslip import (
     load_rig,
     select,
 )
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 
 AXIS = Axis(inertia=5.0)
 SPEED = np.concatenate([-np.linspace(0.1, 1.0, 40), np.linspace(0.1, 1.0, 40)])
@@ -62,22 +62,10 @@ def test_a_single_name_needs_no_list_around_it():
     assert paths == ["friction.kinetic_coefficient"]
 
 
-@pytest.mark.parametrize("law", ["coulomb", Coulomb, Coulomb(kinetic_coefficient=2.0)])
-def test_a_single_law_may_be_selected_from(law):
-    found = {candidate.name for candidate in select(AXIS, law, MAP).candidates}
-    assert found == {"coulomb", "coulomb + offset"}  # the rig may have an offset
-    with pytest.raises(UnknownNameError, match="unknown friction law 'coulom'"):
-        select(AXIS, "coulom", MAP)
-
-
 @pytest.mark.parametrize("verb", [fit, select])
 @pytest.mark.parametrize(
     "unused",
-    [
-        {"route": "shooting"},
-        {"route": "features"},
-        {"settings": RecordSettings(starts=2)},
-    ],
+    [{"route": "shooting"}, {"route": "features"}, {"settings": RecordSettings(starts=2)}],
     ids=lambda given: "-".join(map(str, given)),
 )
 def test_travels_refuse_what_only_records_use(verb, unused):

@@ -325,10 +325,7 @@ def gears():
     from stickslip import TwoLinkArm
 
     t = np.arange(0.0, 16.0, 0.005)
-    push = {
-        "shoulder_drive": [(2.0, 0.31), (1.1, 0.83)],
-        "elbow_drive": [(0.8, 0.43), (0.5, 1.07)],
-    }
+    push = {"shoulder_drive": [(2.0, 0.31), (1.1, 0.83)], "elbow_drive": [(0.8, 0.43), (0.5, 1.07)]}
     torques = {
         name: sum(a * np.sin(2.0 * np.pi * f * t) for a, f in parts) for name, parts in push.items()
     }

@@ -6,7 +6,6 @@ import pytest
 
 from stickslip.identify import Estimate
 from stickslip.quantities import Quantity
-from stickslip.show.formatting import interval
 
 MASS = Quantity("J", "kg")
 
@@ -40,9 +39,3 @@ def test_value_and_interval_end_at_the_same_digit(value, low, high, said):
     # no minus but the true one, and no space that a search does not find
     assert "-" not in str(estimate(value, low, high))
     assert "\N{NO-BREAK SPACE}" not in str(estimate(value, low, high))
-
-
-def test_the_range_is_that_of_the_command():
-    found = estimate(4.999965, 4.99985, 5.00008)
-    assert found.range == interval(found.low, found.high)
-    assert str(estimate(0.5, 0.4, 0.6, Quantity("mu_k"))) == "mu_k = 0.50 (0.40 to 0.60)"

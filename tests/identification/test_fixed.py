@@ -47,13 +47,6 @@ def test_a_name_that_the_law_does_not_have_is_refused():
         fit(BLOCK, Viscous, READING, fixed={"viscos_coefficient": 1.0})
 
 
-def test_a_fixed_value_replaces_that_of_an_instance():
-    law = CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=2.0)
-    result = fit(BLOCK, law, READING, fixed={"viscous_coefficient": 0.0})
-    expected = 0.5 * 100.0 * 0.1**2 / (9.81 * 0.2)  # as for the type, above
-    assert result.law.kinetic_coefficient == pytest.approx(expected, rel=1e-6)
-
-
 def test_all_of_a_law_fixed_leaves_nothing_to_fit():
     with pytest.raises(InputError, match="there is nothing to fit"):
         fit(BLOCK, Viscous, READING, fixed={"viscous_coefficient": 1.0})

@@ -21,12 +21,11 @@ from stickslip import (
     Measurement,
     PowerViscous,
     QuadraticDrag,
-    SpringBlock,
     Stribeck,
     Viscous,
     load_measurement,
 )
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw
 from stickslip.identify.fits.estimation.bristle_integration import Path as Motion
 from stickslip.identify.fits.estimation.bristle_integration import follow
@@ -219,34 +218,6 @@ def test_slip_in_one_direction_has_no_offset_of_its_own():
     found = stickslip.fit(AXIS, CoulombViscous, table)
     assert "offset" not in values_of(found)
     assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-3)
-
-
-def test_the_load_is_the_weight_where_none_was_measured():
-    v = np.sin(np.linspace(0.0, 20.0, 200))
-    table = Measurement(velocity=v, friction=0.25 * 2.0 * 9.81 * np.sign(v))
-    found = stickslip.fit(SpringBlock(mass=2.0), Coulomb, table)
-    assert found.law.kinetic_coefficient == pytest.approx(0.25, rel=1e-6)
-
-
-def test_velocity_comes_from_positions_where_it_was_not_measured():
-    without = replace(record_of(TRUE["coulomb-viscous"]), velocity=None)
-    found = stickslip.fit(AXIS, CoulombViscous, without)
-    # parabolas over 16 ms of a motion whose fastest part takes 0.9 s
-    assert found.law.kinetic_coefficient == pytest.approx(0.3, rel=1e-2)
-    assert found.law.viscous_coefficient == pytest.approx(8.0, rel=1e-2)
-
-
-def test_held_parameters_stay():
-    record = record_of(TRUE["coulomb-viscous"], rate=100.0)
-    fixed = {"viscous_coefficient": 8.0}
-    found = stickslip.fit(AXIS, CoulombViscous, record, fixed=fixed)
-    assert {*values_of(found)} == {"friction.kinetic_coefficient", "offset"}
-    both = stickslip.fit(AXIS, CoulombViscous, record, fixed={**fixed, "offset": OFFSET})
-    assert {*values_of(both)} == {"friction.kinetic_coefficient"}
-    with pytest.raises(UnknownNameError, match="stiffness"):
-        stickslip.fit(AXIS, CoulombViscous, record, fixed={"friction.stiffness": 1.0})
-    with pytest.raises(InputError, match="there is nothing to fit"):
-        stickslip.fit(AXIS, Coulomb, record, fixed={"kinetic_coefficient": 1.0, "offset": 0.0})
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,14 @@
 """Friction levels by linear least squares of forces: exact motions, and what is refused."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, SpringBlock
+from stickslip import Axis, Measurement
 from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError
-from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics, mass_of
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.identify.fits.series.start_values import inertia_of
 
 T = np.arange(0.0, 20.0, 1e-3)
@@ -79,11 +78,6 @@ def test_outliers_move_the_robust_estimates_less():
     assert robust["level"] == pytest.approx(F_C, rel=0.02)
 
 
-def test_robust_regression_hardly_weighs_what_the_filter_spoils_at_the_end():
-    found = inverse_dynamics(Axis(inertia=1.0), record_of(), robust=True)
-    np.testing.assert_allclose(found.values, [J, F_V, F_C, OFFSET], rtol=1e-4)
-
-
 def test_slip_in_one_direction_shares_level_and_offset_evenly():
     x = 0.5 * T + 0.05 * np.sin(3.0 * T)
     v = 0.5 + 0.15 * np.cos(3.0 * T)
@@ -106,11 +100,6 @@ def test_standard_deviations_are_those_of_independent_errors():
     # of a regression on two nearly orthogonal columns: at least s / sqrt(n) for a column of ones
     least = np.sqrt(np.mean(found.residual**2) / n)
     assert least < found.deviations[1] < 3.0 * least
-
-
-def test_the_mass_of_a_mechanism_is_what_its_coordinate_moves():
-    assert mass_of(Axis(inertia=3.0)) == pytest.approx(3.0)
-    assert mass_of(SpringBlock(mass=0.7)) == pytest.approx(0.7)
 
 
 def test_a_mass_is_looked_for_by_its_name_only():
@@ -140,13 +129,6 @@ def test_forces_of_the_wrong_sign_have_no_mass():
 def test_a_record_without_enough_positions_is_refused(record, message):
     with pytest.raises(InputError, match=message):
         inverse_dynamics(Axis(inertia=1.0), record)
-
-
-def test_decimated_rows_end_with_the_last_sample():
-    found = inverse_dynamics(Axis(inertia=1.0), record_of(), decimate=10)
-    assert found.time[-1] == T[-1]
-    assert np.diff(found.time) == pytest.approx(10e-3)
-    assert math.isfinite(found.relative_error)
 
 
 def test_what_lies_on_either_side_of_a_gap_is_filtered_as_two_records():

@@ -21,7 +21,6 @@ from stickslip import (
 from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import Laws
-from stickslip.show import plots
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
 
@@ -75,20 +74,6 @@ def test_the_saved_laws_of_joints_keep_their_intervals(found, measured, tmp_path
         assert 0.8 * fastest < known.largest_speed[contact] < 1.01 * fastest
     text = export(rig, "csv", contact="elbow").files["coulomb_viscous.csv"]
     assert f"Fitted at speeds up to {known.largest_speed['elbow']:.6g} rad/s" in text
-
-
-@pytest.mark.slow
-def test_estimates_are_named_by_joint_and_levels_are_torques(found):
-    elbow = found.estimate("friction.elbow.kinetic_coefficient")
-    assert elbow.quantity.unit == "N m"
-    assert elbow.value == pytest.approx(0.1, rel=0.05)
-    assert found.estimate("friction.shoulder.viscous_coefficient").quantity.unit == "N m s/rad"
-    assert found.estimate("upper_inertia").value == pytest.approx(0.025, rel=0.01)
-    assert isinstance(found.law, Laws)
-    assert found.law["elbow"].kinetic_coefficient == elbow.value
-    assert found.mechanism.upper_centre == found.estimate("upper_centre").value
-    assert found.verdict.route == "joints"
-    assert "elbow: Coulomb + viscous" in str(found)
 
 
 def test_torques_of_another_record_are_predicted_to_their_noise(found):
@@ -283,24 +268,7 @@ def test_the_fitted_laws_are_written_and_read_by_contact(found, tmp_path):
         assert getattr(rig.mechanism, name) == getattr(found.mechanism, name)
 
 
-def test_a_name_or_a_type_alone_stands_for_each_joint(measured):
-    named, typed = (fit(ARM, law, measured, settings=QUICK) for law in ("coulomb", Coulomb))
-    assert named.estimates == typed.estimates
-    assert [type(law) for _, law in named.law.members] == [Coulomb, Coulomb]
-
-
 def test_the_check_speaks_of_each_joint_and_once_of_what_they_share(measured):
     sentences = check(measured).sentences
     assert sum("samples at 500 Hz" in line for line in sentences) == 1
     assert any(line.startswith("elbow: The direction changes") for line in sentences)
-
-
-def test_the_plot_has_a_panel_for_each_joint(found):
-    from matplotlib.figure import Figure
-
-    panels = plots.plot_joints(found, Figure())
-    assert [axes.get_ylabel().partition(":")[0] for axes in panels] == list(JOINTS)
-    assert all("N m" in axes.get_ylabel() for axes in panels)
-    for plot in (plots.plot_friction_map, plots.plot_residuals):
-        with pytest.raises(InputError, match="fit must be a RecordFit"):
-            plot(found, Figure())

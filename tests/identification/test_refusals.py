@@ -19,7 +19,7 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.mechanisms import TwoMassAxis
 from stickslip.mechanisms.drives import Sampled
@@ -47,13 +47,6 @@ def found(parts):
 @pytest.fixture(scope="module")
 def simulated(parts):
     return fit(AXIS, "coulomb-viscous", Measurement(**parts), route="shooting", settings=QUICK)
-
-
-def test_a_law_may_be_given_by_its_name(found):
-    # the filter of the balance takes part of each reversal: half a percent, as its interval says
-    assert found.law.kinetic_coefficient == pytest.approx(10.0, rel=5e-3)
-    with pytest.raises(UnknownNameError, match="coulomb-viscous"):
-        fit(AXIS, "coulomb-viscos", found.measurement)
 
 
 # --- what select refuses, fit refuses
@@ -134,11 +127,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
     axis = Axis(inertia=1.0)
     assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
     found = fit(
-        axis,
-        CoulombViscous,
-        record,
-        vary=["friction.*", "mechanism.inertia"],
-        route="balance",
+        axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"], route="balance"
     )
     # without accelerations, a dead zone of the drive is not told from the level
     level = found.estimate("kinetic_coefficient")
@@ -166,13 +155,7 @@ def test_a_reversed_force_is_refused_beside_a_weight_and_late_positions(weight, 
     record = Measurement(time=time, position=position(time - late), force=-force)
     unknown = ["friction.*", "mechanism.inertia"]
     with pytest.raises(InputError, match=r"sign of the force|against the motion"):
-        fit(
-            Axis(inertia=inertia),
-            CoulombViscous,
-            record,
-            vary=unknown,
-            route="balance",
-        )
+        fit(Axis(inertia=inertia), CoulombViscous, record, vary=unknown, route="balance")
 
 
 # --- settings without effect
@@ -225,18 +208,6 @@ def test_a_second_record_must_have_what_the_first_has(parts, found, simulated):
     speed = np.gradient(parts["position"], TIME)
     with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
         simulated.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
-
-
-def test_a_fit_to_velocities_is_scored_in_velocities(parts):
-    speed = np.gradient(parts["position"], TIME)
-    own = fit(
-        AXIS,
-        CoulombViscous,
-        Measurement(time=TIME, velocity=speed, force=parts["force"]),
-        route="shooting",
-        settings=QUICK,
-    )
-    assert own.score(Measurement(**parts, velocity=speed)).unit == "m/s"
 
 
 # --- loads

@@ -7,10 +7,9 @@ import pytest
 from tests.arm_cases import ARM, JOINTS, QUICK, TRUTH, motion, parts, record
 from tests.support import quick
 
-from stickslip import CoulombViscous, Measurement, check, fit, select, write_report
+from stickslip import CoulombViscous, Measurement, check, fit
 from stickslip.engine.formulation import JointTorques
 from stickslip.identify.fits.force_map.joint_balance import joint_pieces
-from stickslip.show import plots
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
 COUNT = 2.0 * np.pi / 4096.0
@@ -121,18 +120,6 @@ def test_the_error_on_a_record_in_which_a_joint_rests_is_finite(rest):
     assert ("elbow" in seen) == ("drift" in rest)
     assert np.isfinite(seen["shoulder"].error)
     assert all(np.isfinite(one.error) for one in seen.values())
-
-
-@pytest.mark.slow
-def test_a_selection_and_its_page_name_the_joint_that_rests(tmp_path, sketches):
-    names = ["coulomb", "coulomb-viscous"]
-    verdict = select(ARM, names, resting("shoulder", "constant"), settings=QUICK)
-    assert list(verdict.joints) == ["elbow"]
-    assert "Shoulder: at rest, so nothing tells its friction." in verdict.sentence
-    plots.plot_joints(verdict.closest.fit)
-    page = write_report(verdict, tmp_path / "page").read_text(encoding="utf-8")
-    assert "could not be produced" not in page
-    assert "Shoulder: at rest, so nothing tells its friction." in page
 
 
 @pytest.mark.slow

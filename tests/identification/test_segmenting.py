@@ -60,10 +60,7 @@ def lines(drive, k):
     """Return the same of a straight piece."""
     length = drive.times[k + 1] - drive.times[k]
     value, slope = drive.values[k], drive.slopes[k]
-    return (
-        value * length + slope * length**2 / 2,
-        value * length**2 / 2 + slope * length**3 / 3,
-    )
+    return (value * length + slope * length**2 / 2, value * length**2 / 2 + slope * length**3 / 3)
 
 
 def test_a_jump_of_the_drive_has_its_impulse_and_its_moment():

@@ -13,13 +13,7 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import improve
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.identify.fits.records.problems import RouteChoice, simulated
 from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.initial_states import (
-    AGREE,
-    Known,
-    LocalState,
-    Ways,
-    followed,
-)
+from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Ways, followed
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 
@@ -49,13 +43,6 @@ def test_threads_change_no_digit(record, law, monkeypatch):
         again = problem.linearise(0.9 * problem.free_parameters.start, near)
         found.append(np.column_stack([again.residual, again.slopes]))
     assert np.array_equal(*found)
-
-
-@pytest.mark.parametrize("count", ["0", "two"])
-def test_a_number_of_threads_that_is_none_is_refused(record, count, monkeypatch):
-    monkeypatch.setenv("STICKSLIP_THREADS", count)
-    with pytest.raises(InputError, match=f"STICKSLIP_THREADS must be .* got '{count}'"):
-        fit(RIG, CoulombViscous, record, vary=["friction.*", "inertia"])
 
 
 def problem_of(record, law=CoulombViscous):
@@ -157,41 +144,12 @@ def test_residuals_have_next_to_nothing_left_that_an_initial_state_can_do(record
         assert np.max(np.abs(local.basis.T @ here.slopes[own])) < 1e-9 * np.abs(local.slopes).max()
 
 
-def test_some_segments_are_linearised_as_among_all(record):
-    at = problem_of(record).free_parameters.start
-    whole = problem_of(record).linearise(at)
-    part = problem_of(record).linearise(at, only=[1, 3])
-    rows = np.isin(whole.segment, [1, 3])
-    np.testing.assert_array_equal(part.residual, whole.residual[rows])
-    np.testing.assert_array_equal(part.slopes, whole.slopes[rows])
-
-
-def test_rows_times_and_spans_belong_together(record):
-    problem = problem_of(record)
-    here = problem.linearise(problem.free_parameters.start)
-    assert problem.times.shape == here.residual.shape
-    for k, (_, first, last) in enumerate(problem.spans):
-        own = problem.times[here.segment == k]
-        assert (own[0], own[-1]) == (first, last)
-
-
 def test_values_that_no_law_can_have_are_infinitely_wrong(record):
     problem = problem_of(record)
     here = problem.linearise(-problem.free_parameters.start)
     assert math.isinf(here.cost)
     with pytest.raises(ConvergenceError):
         improve(problem, np.full(4, math.nan))
-
-
-def test_parameters_that_are_not_free_stay_as_they_were_given(record):
-    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=8.0)
-    found = fit(
-        RIG, law, record, vary=["kinetic_coefficient"], route="shooting",
-        settings=RecordSettings(resolution=200, starts=1),
-    )  # fmt: skip
-    assert found.law.viscous_coefficient == 8.0
-    assert found.mechanism.inertia == 4.0
-    assert found.law.kinetic_coefficient == pytest.approx(3.0, rel=1e-5)
 
 
 @pytest.mark.slow

@@ -7,13 +7,7 @@ import math
 import numpy as np
 import pytest
 from benchmarks import rigs, synthetic_truth
-from benchmarks.synthetic_truth import (
-    KINDS,
-    coverage,
-    fitted,
-    run,
-    summary,
-)
+from benchmarks.synthetic_truth import KINDS, coverage, fitted, run, summary
 
 FAST_TRUTHS = ("coulomb-viscous", "direction-dependent")
 """Two fits of which compile in seconds."""

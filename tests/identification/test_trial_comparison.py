@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, CoulombViscous, Measurement, compare_trials, fit
+from stickslip import Axis, Coulomb, CoulombViscous, Measurement, compare_trials
 from stickslip import simulate as run_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import ElastoPlastic
@@ -246,12 +246,6 @@ def test_conditions_must_be_numbers_or_texts():
         Measurement(travel=0.1, conditions={"temperature": float("nan")})
     with pytest.raises(InputError, match="give it for each trial"):
         Measurement(trials=(Measurement(travel=0.1),), conditions={"run": 1})
-
-
-def test_the_joint_fit_is_that_of_fit():
-    measurement = made(13)
-    joint = fit(AXIS, Coulomb, measurement)
-    assert compared(measurement, Coulomb).fit.estimates == joint.estimates
 
 
 def test_a_law_by_simulated_segments_is_refused():

@@ -4,7 +4,6 @@ import math
 import pickle
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 
@@ -149,12 +148,6 @@ def test_a_joint_of_an_arm_that_holds_itself_carries_twice_its_weight():
     held = {f"{name}_drive": -weight["gravity"] for name, weight in weights.items()}
     for found in rig.contact_inputs(0.0, q, still, held).values():
         assert found["transmitted"] == pytest.approx(-2.0 * found["gravity"], rel=1e-14)
-
-
-def test_arrays_along_a_record_give_arrays():
-    x = np.linspace(0.0, 1.0, 5)
-    found = HOLDING["pendulum"][0].contact_inputs(x, {"theta": x}, {"theta": x}, {"drive": x})
-    assert found["external"][2] == -0.3 * 9.81 * 0.4 * np.sin(0.5)
 
 
 def test_a_capsule_tells_its_slope_but_no_motor_because_the_force_is_inside():

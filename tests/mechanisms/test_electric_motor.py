@@ -299,26 +299,9 @@ def test_a_motor_stands_alone_in_a_list_of_drives(tmp_path):
         load_rig(file)
 
 
-def test_a_rig_with_a_motor_is_written_and_read_again(tmp_path):
-    file = tmp_path / "servo.toml"
-    file.write_text(FILE)
-    rig = load_rig(file)
-    again = tmp_path / "again.toml"
-    again.write_text(rig_toml(rig.mechanism, rig.laws["bam-m1"]))
-    assert load_rig(again).mechanism == rig.mechanism
-
-
 def test_a_droop_without_a_supply_is_refused():
     with pytest.raises(ParameterError, match="supply"):
         DCMotor(resistance=1.0, torque_constant=1.0, supply_resistance=0.1)
-
-
-def test_an_animation_shows_the_torque_of_a_motor_and_not_its_voltage():
-    servo = Pendulum(mass=0.3, length=0.12, drive=replace(MOTOR, drive=constant(6.0)))
-    run = simulate(servo, LAW, t_end=0.1)
-    (moment,) = moments_of(run, servo, np.array([0.05]))
-    current = (6.0 - 0.021 * 20.0 * moment["omega"]) / 3.0
-    assert moment["drive"] == pytest.approx(20.0 * 0.02 * current, rel=1e-12)
 
 
 def test_commands_come_in_steps_within_the_limit():
@@ -416,13 +399,6 @@ def test_what_motors_of_an_arm_give_is_stored_and_dissipated():
 def test_a_rotor_of_a_link_is_given_once():
     with pytest.raises(ParameterError, match="leave those of the Link out"):
         replace(LINK, torque=JOINT_MOTOR, rotor_inertia=1e-5)
-
-
-def test_motors_of_joints_are_written_to_rig_files_and_read_again(tmp_path):
-    arm = SerialArm(links=(replace(LINK, torque=told(JOINT_MOTOR, 6.0)), LINK))
-    file = tmp_path / "arm.toml"
-    file.write_text(rig_toml(arm, Coulomb(kinetic_coefficient=0.1)))
-    assert load_rig(file).mechanism == arm
 
 
 def test_fits_of_several_joints_refuse_motors():

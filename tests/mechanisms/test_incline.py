@@ -9,16 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.support import examples
 
-from stickslip import (
-    Capsule,
-    Coulomb,
-    Measurement,
-    PendulumCart,
-    SpringBlock,
-    ensemble,
-    fit,
-    simulate,
-)
+from stickslip import Capsule, Coulomb, PendulumCart, SpringBlock, simulate
 from stickslip.engine import Status
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, static_normal_force
@@ -108,14 +99,6 @@ def test_a_spring_shoots_the_block_less_far_uphill_by_its_energy():
         assert run.certificate.energy_error < 1e-9
 
 
-def test_a_travel_uphill_is_fitted_as_one_on_level_ground_is():
-    beta, mu = 0.2, 0.25
-    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, incline=beta)
-    travel = 0.5 / (G * (mu * math.cos(beta) + math.sin(beta)))
-    found = fit(rig, Coulomb, Measurement(travel=travel, uncertainty=1e-4))
-    assert found.law.kinetic_coefficient == pytest.approx(mu, rel=1e-6)
-
-
 def test_a_cart_that_is_parked_on_an_incline_tips_downhill_over_its_wheels():
     b, h_p, h_c, M, m, l = 0.2, 0.1, 0.05, 0.5, 0.1, 0.3  # noqa: E741
     swing = ThreePhase(amplitude=1e-9, fast=1e-6, slow=1e-6)  # as good as at rest
@@ -135,24 +118,9 @@ def test_a_cart_that_is_parked_on_an_incline_tips_downhill_over_its_wheels():
         assert run.events[-1].reason == reason
 
 
-def test_the_incline_is_a_parameter_of_ensembles_and_of_sensitivities():
-    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, incline=0.1)
-    law = Coulomb(kinetic_coefficient=0.25)
-    angles = np.linspace(-0.1, 0.2, 5)
-    runs = ensemble(rig, law, {"mechanism.incline": angles}, t_end=5.0)
-    lost = G * (0.25 * np.cos(angles) + np.sin(angles))
-    np.testing.assert_allclose(runs["x"], 0.5 / lost, rtol=1e-9)
-    run = simulate(rig, law, t_end=5.0)
-    slope = run.at(5.0).sensitivity("x", "incline")[0]
-    lost = G * (0.25 * math.cos(0.1) + math.sin(0.1))
-    steeper = G * (math.cos(0.1) - 0.25 * math.sin(0.1))
-    assert slope == pytest.approx(-0.5 / lost**2 * steeper, rel=1e-8)
-
-
 @pytest.mark.parametrize("bad", [1.58, -1.58, math.pi / 2, math.nan, 30.0])
 def test_ground_steeper_than_a_wall_is_refused(bad):
     with pytest.raises(
-        ParameterError,
-        match=r"SpringBlock.incline \(beta\) must be (finite and )?at least -1.57",
+        ParameterError, match=r"SpringBlock.incline \(beta\) must be (finite and )?at least -1.57"
     ):
         SpringBlock(mass=1.0, incline=bad)

@@ -20,7 +20,6 @@ from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import (
     PiecewiseLinear,
-    Sampled,
     SevenStep,
     Sine,
     SineSwing,
@@ -366,16 +365,6 @@ def first_above(t, values, level):
     return t[k - 1], t[k]
 
 
-def test_a_motor_that_saturates_at_every_other_sample_does_so_without_end():
-    n = 300  # thrice as many as events at one instant that are taken for Zeno's
-    torques = np.where(np.arange(n) % 2, 0.02, 0.2)
-    held = Sampled(times=tuple(0.01 * np.arange(n)), values=tuple(torques))
-    cart = replace(LIGHT, cart_mass=5.0, pendulum=Torque(drive=held, limit=0.1))
-    run = simulate(cart, Coulomb(kinetic_coefficient=3.0), t_end=2.95, y0={"theta": 3.1})
-    turned = [event.t for event in run.events if "satura" in event.reason]
-    assert len(turned) == 294  # at each sample after the first
-
-
 def test_a_prescribed_swing_that_needs_more_than_the_motor_gives_ends_there():
     cart = replace(LIGHT, pendulum=Prescribed(profile=GENTLE))
     t = np.linspace(0.0, 1.8, 36001)
@@ -498,15 +487,6 @@ def test_sensitivities_to_profiles_are_those_of_differences(profile):
         slope = (ends[0] - ends[1]) / (2e-6 * own)
         # roundings of 1e-16 over a step of 1e-6, and what is beyond its square
         assert run.sensitivity("x", name)[-1] == pytest.approx(slope, rel=1e-4, abs=1e-8)
-
-
-def test_a_start_that_is_given_stays_where_it_is_as_the_profile_varies():
-    start = {"theta": -SWING.amplitude}  # that of the profile itself
-    found = ensemble(LIGHT, ROUGH, {"amplitude": [0.6, 0.7]}, t_end=1.0, y0=start, solver=PLAIN)
-    for amplitude, x in zip((0.6, 0.7), found["x"], strict=True):
-        motor = Prescribed(profile=replace(SWING, amplitude=amplitude))
-        run = simulate(replace(LIGHT, pendulum=motor), ROUGH, t_end=1.0, y0=start, solver=PLAIN)
-        assert float(x) == float(run["x"][-1])
 
 
 @pytest.mark.parametrize(

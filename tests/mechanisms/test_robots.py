@@ -136,16 +136,6 @@ def test_a_rotor_on_a_link_in_space_keeps_the_balance_of_energy(gear):
     np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
 
 
-def test_the_equations_of_six_links_stay_small():
-    """From energies they grow with the fourth power of the links, by recursion with the square.
-
-    With the slopes that stiff steps need, six links have 40,000 characters.
-    """
-    three, six = (len(formulate(SerialArm(links=(STICK,) * n), coulomb(0.1)).text) for n in (3, 6))
-    assert six < 50_000
-    assert six < 4.0 * three
-
-
 def test_a_description_gives_masses_friction_and_limits():
     found = read_urdf(DESK)
     arm = found.robot

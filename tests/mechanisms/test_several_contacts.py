@@ -9,8 +9,7 @@ import math
 import numpy as np
 import pytest
 from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
-from tests.contact_cases import belt, clutches, coulomb, decay
-from tests.support import SEVERAL
+from tests.contact_cases import clutches, coulomb
 
 from stickslip import (
     BlockChain,
@@ -19,11 +18,10 @@ from stickslip import (
     TowedBlock,
     TwoFeet,
     TwoMassAxis,
-    ensemble,
     simulate,
 )
 from stickslip.engine import Status
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError
 from stickslip.mechanisms import Contact, Link, Prescribed, SerialArm, Torque
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
 
@@ -35,11 +33,6 @@ def run_of(mechanism, laws, t_end, y0=None, **settings):
     return simulate(
         mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="compiled", **settings)
     )
-
-
-def renamed(laws, name):
-    """Return laws in order under the names of a mechanism's contacts."""
-    return {f"{name}-{i}": law for i, law in enumerate(laws.values(), 1)}
 
 
 def modelica_clutches():
@@ -55,33 +48,6 @@ def modelica_clutches():
         clutches=[Lining(radius=1.0, press=press) for press in presses],
     )
     return train, coulomb(0.5, 0.55), {"omega": 10.0, "psi1_dot": -10.0}
-
-
-def test_coupled_clutches_lock_and_slip_as_in_closed_form():
-    train, law, start = modelica_clutches()
-    run = run_of(train, law, 1.5, start, tolerance=1e-12)
-    expected = [
-        (0.4, "clutch-2", "closes"),
-        (0.70962147469374666, "clutch-2", "stop"),
-        (0.79166235915481601, "clutch-1", "stop"),
-        (0.83110850613765324, "clutch-1", "break-away"),
-        (0.9, "clutch-3", "closes"),
-        (0.90685019279787972, "clutch-1", "stop"),
-        (1.0002958598946387, "clutch-1", "break-away"),
-        (1.1439674924731660, "clutch-3", "stop"),
-        (1.25, "clutch-1", "opens"),
-    ]
-    assert [(e.contact, e.reason) for e in run.events] == [(c, why) for _, c, why in expected]
-    np.testing.assert_allclose([e.t for e in run.events], [t for t, _, _ in expected], atol=1e-11)
-    speeds = np.cumsum([run[name][-1] for name in train.rates])
-    angles = np.cumsum([run[name][-1] for name in train.coordinates])
-    locked = 2.463187166649595445
-    np.testing.assert_allclose(speeds, [3.2470582724187950, locked, locked, locked], rtol=1e-10)
-    np.testing.assert_allclose(
-        angles,
-        [7.4861190991143100, 4.1071374163294776, 2.7104644362313807, 1.1737438776005176],
-        rtol=1e-10,
-    )
 
 
 def test_a_clutch_train_moves_as_the_same_train_that_is_written_by_hand():
@@ -106,24 +72,6 @@ def test_a_brake_stops_the_first_rotor_and_what_is_clutched_to_it():
     assert not np.any(run["psi1"])
 
 
-@pytest.mark.parametrize(("n", "events", "rest"), [(2, 34, 3.4006953165259)])
-def test_blocks_on_the_ground_come_to_rest(n, events, rest):
-    _, laws, start = decay(n)
-    chain = BlockChain(blocks=n, mass=1.0, coupling=100.0, stiffness=10.0)
-    run = run_of(chain, renamed(laws, "block"), 10.0, start)
-    assert len(run.events) == events
-    assert run.events[-1].t == pytest.approx(rest, abs=5e-13)
-
-
-def test_ten_blocks_on_a_belt():
-    _, laws = belt(10)
-    chain = BlockChain(blocks=10, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
-    run = run_of(chain, renamed(laws, "block"), 40.0)
-    assert len(run.events) == 84
-    assert run["x1"][-1] == pytest.approx(-3.427310976699, abs=1e-12)
-    assert run["v1"][-1] == pytest.approx(-0.216300001243, abs=1e-12)
-
-
 def test_one_block_on_a_belt_is_a_towed_block_seen_from_the_belt():
     law = coulomb(0.7, 1.0)
     chain = BlockChain(blocks=1, mass=1.0, coupling=5.0, stiffness=2.0, speed=0.1)
@@ -144,12 +92,6 @@ def test_blocks_on_the_ground_rest_for_good_and_on_a_belt_that_stands_still_they
     still = run_of(dataclasses.replace(chain, speed=0.0), coulomb(0.5), 5.0)
     assert still.status is Status.END_TIME  # nothing says that the belt stays where it is
     assert not still.events
-
-
-def test_thirty_blocks_have_thirty_contacts():
-    chain = BlockChain(blocks=30, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
-    assert chain.contacts()[-1].name == "block-30"
-    assert len(chain.coordinates) == len(chain.rates) == len(chain.units) == 30
 
 
 def test_a_cart_whose_wheels_and_pivot_rub():
@@ -239,19 +181,6 @@ def test_a_disc_turns_on_while_its_pads_are_off():
     assert run["omega"][-1] == pytest.approx(15.0, rel=1e-12)
 
 
-def test_an_ensemble_varies_one_lining_and_one_law():
-    brake = SEVERAL["disc-brake"]
-    laws = {"pad-1": coulomb(0.4), "pad-2": coulomb(0.3)}
-    varied = {
-        "mechanism.pads.0.load": np.array([10.0, 20.0]),
-        "friction.pad-2.kinetic_coefficient": np.array([0.1, 0.3]),
-    }
-    runs = ensemble(brake, laws, varied, t_end=0.5, y0={"omega": 5.0}, solver=PLAIN)
-    pads = (dataclasses.replace(brake.pads[0], load=20.0), brake.pads[1])
-    alone = run_of(dataclasses.replace(brake, pads=pads), laws, 0.5, {"omega": 5.0})
-    assert runs["omega"][1] == alone["omega"][-1]
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -280,13 +209,6 @@ def test_an_ensemble_varies_one_lining_and_one_law():
 def test_what_no_such_mechanism_can_be_is_refused(make, message):
     with pytest.raises(ParameterError, match=message):
         make()
-
-
-def test_a_run_with_one_contact_knows_the_name_of_its_contact():
-    run = run_of(SEVERAL["disc-brake, one"], {"pad-1": coulomb(0.3)}, 1.0, {"omega": 5.0})
-    assert run.contact("pad-1") is run
-    with pytest.raises(UnknownNameError, match="pad-1"):
-        run.contact("pad")
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.contact_cases import Arm, coulomb
 
-from stickslip import Coulomb, TwoLinkArm, simulate
+from stickslip import TwoLinkArm, simulate
 from stickslip.engine.formulation import JointTorques
 
 LINEAR = [
@@ -72,10 +72,3 @@ def test_it_moves_as_the_arm_of_the_reference_numbers():
     run, reference = (simulate(one, laws, t_end=2.0, y0=bent) for one in (arm, known))
     for name in arm.coordinates:  # both within the tolerance of the solver
         assert run[name][-1] == pytest.approx(reference[name][-1], abs=1e-7)
-
-
-def test_a_joint_without_a_law_does_not_rub():
-    laws = {"shoulder": None, "elbow": Coulomb(kinetic_coefficient=0.1)}
-    run = simulate(SOME, laws, t_end=1.0, y0={"shoulder": 0.5})
-    assert "friction:elbow" in run.names
-    assert "friction:shoulder" not in run.names

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from stickslip import Capsule, Coulomb, EventDriven, PendulumCart, TwoMassCapsule, simulate
+from stickslip import Capsule, Coulomb, PendulumCart, TwoMassCapsule, simulate
 from stickslip.data import load_rig
 from stickslip.engine import Status
 from stickslip.errors import ParameterError
@@ -139,18 +139,6 @@ def test_small_friction_carries_it_as_averaging_says():
     # the next order is a share of mu of it
     assert quick / slow == pytest.approx(2.0, rel=5e-3)
     assert 0.0 < slow < 0.02 * largest
-
-
-def test_both_tiers_give_the_same_bits():
-    plain, fast = (
-        simulate(PAIR, ROUGH, t_end=0.5, solver=EventDriven(tier=tier))
-        for tier in ("python", "compiled")
-    )
-    assert fast.certificate == plain.certificate
-    assert fast.certificate.certified
-    for name in plain.names:
-        np.testing.assert_array_equal(fast[name], plain[name])
-    assert {"xi hits stop", "break-away"} & {event.reason for event in fast.events}
 
 
 def test_the_mirror_image_of_a_capsule_is_a_capsule():

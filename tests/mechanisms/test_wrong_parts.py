@@ -31,10 +31,7 @@ def swing(t: float) -> float:
         (lambda: Rotor(inertia=1.0, torque=swing), "Rotor.torque must be a drive"),
         (lambda: Torque(drive=swing), "Torque.drive must be a drive .* got a function"),
         (lambda: Torque(drive=MOTION), r"an acceleration: a motor takes it, as Prescribed\("),
-        (
-            lambda: Axis(inertia=1.0, drive=MOTION),
-            r"Axis.drive must .* as Prescribed\(",
-        ),
+        (lambda: Axis(inertia=1.0, drive=MOTION), r"Axis.drive must .* as Prescribed\("),
         (lambda: SINE + MOTION, r"Sum.parts must .* as Prescribed\(profile=...\)"),
         (lambda: Sum(parts=(3.0,)), r"Sum.parts must .* Sampled\(times=\[0.0\], values=\[3\]\)"),
         (lambda: Prescribed(profile=SINE), "must be a motion profile such as ThreePhase"),

@@ -1,6 +1,5 @@
 """The pendulum-driven cart of Figs 2 and 11: checked values, and what the backward motion is."""
 
-import json
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -14,7 +13,7 @@ from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
 from stickslip.paper import PaperValues, study_cart
 from stickslip.paper.rigs import CART, CYCLES, KINETIC, STEP, SWING
-from stickslip.paper.sections.cart import STROKE, cart_section, choice_section
+from stickslip.paper.sections.cart import cart_section, choice_section
 from stickslip.show.report import Page, render
 
 NAMED = Coulomb(kinetic_coefficient=0.255, static_coefficient=0.35)
@@ -261,14 +260,6 @@ def test_the_chosen_laws_hold_the_cart_against_the_swing(study):
     assert travels == sorted(travels, reverse=True)
 
 
-def test_the_study_is_a_json_document_with_all_runs(study):
-    told = json.loads(json.dumps(study.to_dict(), allow_nan=False))
-    assert [entry["run"] for entry in told["figure_2"]] == [run.key for run in study.runs]
-    assert [entry["law"] for entry in told["figure_11"]] == ["coulomb", "coulomb-viscous"]
-    assert told["figure_2"][-1]["travel"] == study.run("exact").travel
-    assert [entry["cause"] for entry in told["backward_motion"]] == [s.key for s in study.shares]
-
-
 @pytest.mark.slow
 def test_the_page_says_what_is_ours_and_shows_both_figures(page):
     assert "Fig. 2." in page
@@ -303,28 +294,6 @@ def test_causes_of_the_backward_motion_are_those_of_what_was_simulated(study, pa
     printed = study.run("printed-1")
     assert math.fsum(one.mean_return for one in rest) == pytest.approx(printed.mean_return)
     assert math.fsum(one.least_velocity for one in rest) == pytest.approx(printed.least_velocity)
-
-
-def test_figure_11_shows_a_whole_stroke_in_which_the_laws_differ(study, page):
-    period, end = study.period, study.choices[0].run.span[1]
-    first, last = (end - share * period for share in STROKE)
-    for choice in study.choices:
-        ends = choice.run.at([first, last])["v"]
-        assert list(ends) == [0.0, 0.0]  # at rest before and after
-        inside = choice.run.at(np.linspace(first, last, 500))["v"]
-        everywhere = choice.run.at(np.linspace(0.0, end, 20_000))["v"]
-        # the peak is a corner, which samples 0.7 ms apart miss by less than this
-        assert inside.max() == pytest.approx(everywhere.max(), rel=1e-2)
-    apart = [one.run.at(np.linspace(first, last, 500))["v"] for one in study.choices]
-    assert np.abs(apart[1] - apart[0]).max() > 0.01
-    assert "difference in velocity" in page
-
-
-def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):
-    alone = replace(study, choices=study.choices[-1:])
-    page = page_of(alone)
-    assert "names no law" in page
-    assert "by select" not in page
 
 
 @pytest.mark.slow

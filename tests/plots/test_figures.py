@@ -113,12 +113,7 @@ def figures(runs):
         "excitations": (
             draw_excitations(readings, chosen="B, released", band=(0.195, 0.205)),
             EXCITATION_SIZES,
-            [
-                "A, push: 0.154 m",
-                "B, released: 0.204 m",
-                "C, fixed: 0.098 m",
-                "dot: block at rest",
-            ],
+            ["A, push: 0.154 m", "B, released: 0.204 m", "C, fixed: 0.098 m", "dot: block at rest"],
         ),
         "cycles": (
             draw_cycles(readings, chosen="C, fixed", cycle=(0.1, 0.8)),
@@ -133,16 +128,7 @@ def figures(runs):
     }
 
 
-NAMES = (
-    "run",
-    "map",
-    "runs",
-    "laws",
-    "presliding",
-    "excitations",
-    "cycles",
-    "steps",
-)
+NAMES = ("run", "map", "runs", "laws", "presliding", "excitations", "cycles", "steps")
 
 
 def texts_of(svg, css_class):

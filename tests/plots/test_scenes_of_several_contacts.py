@@ -15,13 +15,7 @@ from tests.support import SEVERAL, SHOWN
 from stickslip import EventDriven, simulate
 from stickslip.mechanisms import MECHANISMS, Link, Robot, RobotJoint, SerialArm
 from stickslip.show.plots import draw_scene, standalone_svg
-from stickslip.show.plots.animations import (
-    MODE_COLOURS,
-    Stage,
-    artists_of,
-    frame_times,
-    moments_of,
-)
+from stickslip.show.plots.animations import MODE_COLOURS, Stage, artists_of, frame_times, moments_of
 from stickslip.show.plots.scenes import PICTURES, Ball, Box, Ground, bars, scene_of
 from stickslip.show.plots.theme import SLIP_BACK, STICK, house_style
 

@@ -250,16 +250,6 @@ def test_a_body_that_nothing_holds_may_come_to_rest_but_for_rounding():
     assert run.status is Status.END_TIME
 
 
-@pytest.mark.parametrize("share", [0.978, 0.981, 0.984, 0.987, 0.99, 0.993])
-def test_a_step_taken_again_up_to_a_stop_is_not_stretched_back_to_the_piece_for_ever(share):
-    law = Stribeck(kinetic_coefficient=2.0, static_coefficient=2.2, stribeck_velocity=10.0)
-    alone = simulate(Axis(inertia=1.0), law, t_end=1.0, y0={"v": 0.01})
-    (stop,) = (event.t for event in alone.events)
-    drive = Sampled(times=(0.0, stop / share, 1.0), values=(0.0, 0.0, 0.0))
-    run = simulate(Axis(inertia=1.0, drive=drive), law, t_end=1.0, y0={"v": 0.01})
-    assert run.events[0].t == pytest.approx(stop, rel=1e-9)
-
-
 def test_a_load_that_falls_to_zero_opens_what_nothing_pushes():
     pad = Lining(radius=1.0, load=1.0, press=Ramp(rate=-1.0))
     law = DirectionDependent(forward_kinetic_coefficient=0.3, backward_kinetic_coefficient=0.5)

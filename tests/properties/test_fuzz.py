@@ -11,14 +11,12 @@ from tests.properties.fuzzing.campaign import Campaign
 from tests.properties.fuzzing.cases import Case, run_case
 from tests.properties.fuzzing.checks import Evidence, holds_no_more_than_break_away, keeps_its_books
 from tests.properties.fuzzing.reports import reproducer
-from tests.properties.fuzzing.workers import outcomes
 
 from stickslip import Coulomb, Dahl, EventDriven, Pendulum, Viscous
 from stickslip.friction import Laws
 
 SEED = 5
 FEW = Campaign(seed=SEED, solver=EventDriven(max_steps=400, tier="python"))
-MANY = Campaign(seed=1, solver=EventDriven(max_steps=1000, tier="python"))
 SEVERAL = Campaign(
     seed=2, solver=EventDriven(max_steps=300, tier="compiled"), seconds=60.0, several=True, tiers=20
 )
@@ -81,20 +79,3 @@ def test_bristles_that_another_pad_holds_bent_beyond_their_level_are_no_fault():
     wrong = replace(held, law=Laws(members=(held.law.members[0], ("pad-2", other))))
     views = Evidence(wrong, run, FEW.solver).each
     assert [words for view in views for words in holds_no_more_than_break_away(view)]
-
-
-def test_the_cases_of_a_seed_are_the_same_each_time():
-    assert [FEW.case(i) for i in range(20)] == [FEW.case(i) for i in range(20)]
-
-
-def test_cases_of_few_structures_share_their_equations():
-    campaign = Campaign(seed=SEED, structures=3, solver=FEW.solver)
-    assert [campaign.order(7)] == [[0, 3, 6, 1, 4, 2, 5]]
-    kinds = {(type(case.mechanism), type(case.law)) for case in map(campaign.case, range(9))}
-    assert len(kinds) <= 3
-
-
-@pytest.mark.slow
-def test_twenty_thousand_random_cases_are_solved_or_say_why_not():
-    wrong = [outcome for outcome in outcomes(MANY, MANY.order(20_000)) if outcome.violations]
-    assert not wrong, "\n\n".join(trouble(MANY, one) for one in wrong[:5])

@@ -122,13 +122,6 @@ def test_no_peak_of_a_force_in_time_is_slept_through(cls, seed):
         assert missed(*draw(rng, cls)) == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 110))
-def test_no_peak_is_slept_through_in_many_runs(seed):
-    rng = np.random.default_rng(seed)
-    assert [k for k in range(60) if missed(*draw(rng, (Shaken, ShakenTwo)[k % 2]))] == []
-
-
 @dataclass(frozen=True, kw_only=True)
 class Blocks(Plain):
     """Blocks of which one is pushed; each carries a part of the next one's inertia."""

@@ -205,11 +205,7 @@ def _accelerations(
 
 
 def _friction(
-    law: FrictionLaw,
-    v: hy.expression,
-    z: list[hy.expression],
-    N: hy.expression,
-    tracing: Tracing,
+    law: FrictionLaw, v: hy.expression, z: list[hy.expression], N: hy.expression, tracing: Tracing
 ) -> tuple[hy.expression, list[hy.expression]]:
     """Return the friction of a slipping contact and the rates of the bristles."""
     velocity, load = Symbol(v, tracing), Symbol(N, tracing)

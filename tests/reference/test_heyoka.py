@@ -82,7 +82,7 @@ SETUPS: Mapping[str, Sequence[Setup]] = {
     "towed-block": [
         Setup(mechanism=EXAMPLES["towed-block"], t_end=12.0),
         Setup(  # sticks and slips again and again
-            mechanism=TowedBlock(mass=1.0, stiffness=200.0, speed=0.05, load=4.0),
+            mechanism=TowedBlock(mass=1.0, stiffness=200.0, speed=0.05, load=4.0)
         ),
         Setup(
             mechanism=TowedBlock(mass=0.5, stiffness=40.0, speed=0.3, damping=0.4),

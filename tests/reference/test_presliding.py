@@ -172,10 +172,7 @@ def test_the_classical_lugre_parameters_generate_energy_in_a_cycle():
     def work(z, v, duration):
         """Return the bristle deflection and the work done against friction."""
         run = solve_ivp(
-            lambda _, s: [
-                *LUGRE.rates(v, 1.0, (s[0],)),
-                LUGRE.force(v, 1.0, (s[0],)) * v,
-            ],
+            lambda _, s: [*LUGRE.rates(v, 1.0, (s[0],)), LUGRE.force(v, 1.0, (s[0],)) * v],
             (0.0, duration),
             [z, 0.0],
             method="Radau",

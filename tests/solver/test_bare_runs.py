@@ -1,14 +1,10 @@
 """Runs without a certificate, and drives that are kept between runs."""
 
-from dataclasses import dataclass, field
-from typing import final
-
 import numpy as np
-from typing_extensions import override
 
 from stickslip import Axis, CoulombViscous, LuGre, simulate
 from stickslip.engine.solver import EventDriven
-from stickslip.mechanisms.drives import Drive, Piece, Pulse, Sampled
+from stickslip.mechanisms.drives import Pulse, Sampled
 
 LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)
 BRISTLES = LuGre(
@@ -64,36 +60,3 @@ def test_a_parameter_of_a_drive_still_has_a_sensitivity():
     ]
     # central differences of 1e-5 of the level
     np.testing.assert_allclose(slope, (ends[1] - ends[0]) / 2e-4, rtol=1e-5)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Listed(Drive):
-    """A drive of one's own that cannot be hashed."""
-
-    data_fields = ("steps",)
-
-    steps: list[float] = field(default_factory=list)
-
-    @override
-    def smooth(self, t):
-        return 0.0
-
-    @override
-    def pieces(self, until=0.0):
-        return tuple(Piece(0.5 * k, value, 0.0) for k, value in enumerate(self.steps))
-
-    @override
-    def smooth_bound(self):
-        return 0.0, 0.0
-
-    @override
-    def time_scale(self):
-        return 0.5
-
-
-def test_a_drive_that_cannot_be_hashed_runs_as_one_that_can():
-    listed = simulate(Axis(inertia=2.0, drive=Listed(steps=[9.0, -7.0, 0.0])), LAW, t_end=1.5)
-    usual = simulate(pushed(9.0, -7.0, 0.0), LAW, t_end=1.5)
-    # the last drive has a straight part, which is 0 here, and rounds otherwise
-    np.testing.assert_allclose(listed.at(1.2)["x"], usual.at(1.2)["x"], rtol=1e-12)

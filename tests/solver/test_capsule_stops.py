@@ -271,17 +271,6 @@ def test_a_mirrored_capsule_moves_back_and_a_run_may_be_cut_in_two():
     assert run.certificate.work_friction > 0.0
 
 
-@pytest.mark.slow
-def test_both_tiers_give_the_same_bits_while_the_mass_rests():
-    runs = [
-        simulate(robot(6.0, 0.0, -0.0015), LAW, t_end=1.0, solver=EventDriven(tier=tier))
-        for tier in ("python", "compiled")
-    ]
-    for name in runs[0].names:
-        np.testing.assert_array_equal(runs[0][name], runs[1][name])
-    assert runs[0].events == runs[1].events
-
-
 @pytest.mark.parametrize(
     "name",
     [

@@ -7,7 +7,6 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 from tests.contact_cases import Plain, coulomb
-from tests.solver.test_contact_sensitivities import assert_slopes
 
 from stickslip import EventDriven, simulate
 from stickslip.engine import Status
@@ -132,11 +131,6 @@ def test_exact_series_book_the_work_of_a_guide():
     assert first["push"][0] == pytest.approx(4.0 * 6.0 + 2.0 + 2.0 - 16.0 * first["x"][0], rel=1e-9)
 
 
-def test_slopes_go_through_a_guided_motion():
-    paths = ("mechanism.ball", "mechanism.swing.amplitude", "friction.wheels.kinetic_coefficient")
-    assert_slopes(Swinging(), LAWS, 0.9, START, paths)
-
-
 def test_a_limit_ends_the_run_where_the_torque_reaches_it():
     run = simulate(Swinging(strongest=0.3), LAWS, t_end=3.0, y0=START, solver=PLAIN, throw=False)
     assert run.status is Status.LIMIT
@@ -152,15 +146,6 @@ def test_a_limit_ends_the_run_where_the_torque_reaches_it():
 def test_a_limit_that_is_passed_at_the_start_ends_the_run_there():
     with pytest.raises(SimulationError, match=r"Limit: motor \(torque .* ended at t = 0 s"):
         simulate(Swinging(strongest=-1.0), LAWS, t_end=1.0, y0=START, solver=PLAIN)
-
-
-def test_both_tiers_agree_to_the_last_bit():
-    run, other = (
-        simulate(Swinging(), LAWS, t_end=1.0, y0=START, solver=EventDriven(tier=tier))
-        for tier in ("python", "compiled")
-    )
-    for name in run.names:
-        np.testing.assert_array_equal(run[name], other[name])
 
 
 class GuidedSlip(Swinging):

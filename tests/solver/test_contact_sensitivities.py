@@ -115,13 +115,6 @@ def test_loads_and_groups(mechanism, contacts):
 
 
 @pytest.mark.slow
-def test_a_set_valued_joint_beside_one_with_bristles():
-    laws = {"shoulder": ARM["shoulder"], "elbow": BRISTLES}
-    paths = ("friction.shoulder.kinetic_coefficient", "friction.elbow.stribeck_velocity")
-    assert_slopes(Arm(), laws, 0.6, BENT, paths, by=1e-4, rel=1e-4)
-
-
-@pytest.mark.slow
 def test_bristles_with_a_rule_for_rest():
     law = replace(
         BRISTLES, static_switch=True, bristle_stiffness=1e3, bristle_damping=20.0,
@@ -194,10 +187,7 @@ class Stepped(SetValuedLaw):
 
 
 def test_the_moment_at_which_the_switch_of_a_law_turns():
-    law = {
-        "shoulder": Stepped(level=0.15, border=0.4),
-        "elbow": Stepped(level=0.1, border=0.6),
-    }
+    law = {"shoulder": Stepped(level=0.15, border=0.4), "elbow": Stepped(level=0.1, border=0.6)}
     paths = ("friction.shoulder.border", "friction.elbow.level", "mechanism.gravity")
     assert_slopes(Arm(), law, 0.8, BENT, paths)
 

@@ -26,15 +26,12 @@ from tests.support import UNAIDED, example_of
 
 from stickslip import EventDriven, LuGre, PowerViscous, Stribeck, ensemble, mechanisms, simulate
 from stickslip.engine import EventCount, EventTimes, Status
-from stickslip.engine.formulation import formulate
 from stickslip.engine.kernels import driver
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.contacts import assembly
 from stickslip.engine.kernels.contacts.assembly import determinant, refresh
 from stickslip.engine.kernels.guard_roots import NO_GUARD
-from stickslip.engine.solver.event_driven import status_of
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import Laws, assigned
 from stickslip.maths import where
 from stickslip.mechanisms import Contact
 from stickslip.mechanisms.drives import Drive, Pulse, Ramp, Sampled
@@ -262,22 +259,6 @@ def test_a_mirrored_chain_moves_as_its_mirror_image():
         assert run[name][-1] == pytest.approx(other[mirror][-1], abs=1e-12)
 
 
-def test_the_other_direction_is_the_negative_of_it():
-    run = run_of(Arm(), ARM, 3.0, BENT)
-    other = run_of(Arm(), ARM, 3.0, {name: -value for name, value in BENT.items()})
-    assert [e.t for e in run.events] == [e.t for e in other.events]
-    for name in run.states:
-        np.testing.assert_array_equal(run[name], -other[name])
-
-
-def test_a_run_that_is_cut_and_continued_ends_where_it_would_have():
-    whole = run_of(Arm(), ARM, 4.0, BENT)
-    first = run_of(Arm(), ARM, 1.7, BENT)
-    second = run_of(Arm(), ARM, 2.3, {name: first[name][-1] for name in first.states})
-    for name in whole.states:
-        assert second[name][-1] == pytest.approx(whole[name][-1], abs=1e-9)
-
-
 def test_friction_stays_within_its_levels_and_never_drives():
     run = run_of(Arm(), ARM, 6.0, BENT).sampled(2000)
     for name, law in ARM.items():
@@ -286,19 +267,6 @@ def test_friction_stays_within_its_levels_and_never_drives():
         assert np.all(friction * rate >= 0.0)
         held = run[f"mode:{name}"] == 0
         assert np.all(rate[held] == 0.0)
-
-
-def test_laws_with_a_stribeck_peak_and_a_shared_law():
-    law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.4, stribeck_velocity=0.1)
-    shared = run_of(Arm(), law, 3.0, BENT)
-    own = run_of(Arm(), {"shoulder": law, "elbow": law}, 3.0, BENT)
-    np.testing.assert_array_equal(shared["elbow"], own["elbow"])
-
-
-def test_a_contact_without_a_law_does_not_rub():
-    run = run_of(Arm(), {"shoulder": None, "elbow": coulomb(0.12, 0.2)}, 2.0, BENT)
-    assert "friction:shoulder" not in run.names
-    assert {e.contact for e in run.events} == {"elbow"}
 
 
 # Tiers and ensembles
@@ -391,16 +359,6 @@ def test_an_ensemble_varies_the_law_of_one_contact():
     for value, found in zip(levels, runs["shoulder"], strict=True):
         laws = ARM | {"elbow": coulomb(0.12, float(value))}
         assert found == run_of(Arm(), laws, 2.0, BENT)["shoulder"][-1]
-
-
-def test_an_ensemble_varies_a_law_that_contacts_share():
-    levels = np.array([0.2, 0.3])
-    runs = ensemble(
-        Arm(), coulomb(0.1, 0.4), {"friction.kinetic_coefficient": levels}, t_end=1.0, y0=BENT,
-        solver=EventDriven(tier="python"),
-    )  # fmt: skip
-    for value, found in zip(levels, runs["elbow"], strict=True):
-        assert found == run_of(Arm(), coulomb(float(value), 0.4), 1.0, BENT)["elbow"][-1]
 
 
 @pytest.mark.parametrize("tier", ["python", "compiled"])
@@ -670,12 +628,6 @@ def test_a_switch_of_the_mechanism_follows_a_rate_that_stops():
     assert run["x1"][-1] == pytest.approx(0.5 * 0.5 * 0.25 + 0.25**2 / (2 * 0.5), rel=1e-12)
 
 
-def test_laws_in_another_order_stay_with_their_contacts():
-    turned = Laws(members=(("elbow", ARM["elbow"]), ("shoulder", ARM["shoulder"])))
-    run, other = (run_of(Arm(), laws, 1.0, BENT) for laws in (ARM, turned))
-    np.testing.assert_array_equal(run["elbow"], other["elbow"])
-
-
 RESTING = LuGre(
     kinetic_coefficient=0.5, static_coefficient=0.7, stribeck_velocity=0.05,
     bristle_stiffness=1e3, bristle_damping=20.0, static_switch=True,
@@ -704,16 +656,6 @@ def test_a_rule_for_rest_beside_bristles_holds_as_it_does_alone(start, t_end, ri
     assert run.certificate.stick_drift == 0.0
 
 
-def test_bristles_that_do_not_move_report_no_reversals():
-    """They used to turn whenever something else changed, and at the start."""
-    law = dataclasses.replace(RESTING, static_switch=False)
-    laws = {"x1": coulomb(0.5), "x2": law}
-    still = run_of(chain(2)(stiffness=4.0), laws, 2.0, {"v1": 1.0})
-    assert [e for e in still.events if e.contact == "x2"] == []
-    pulled = run_of(chain(1)(stiffness=4.0), Laws(members=(("x1", law),)), 0.01, {"x1": 1.0})
-    assert pulled.events == ()
-
-
 def test_feet_at_different_heights_are_refused():
     class Uneven(TwoFeet):
         def contacts(self):
@@ -737,14 +679,6 @@ def assert_mixed(run, until, rel):
     """Compare with SciPy's Radau at 1e-13."""
     turns = [e.t for e in run.events if e.contact == "shoulder"]
     np.testing.assert_allclose(turns, [t for t in TURNS if t < until], rtol=rel)
-
-
-def test_a_joint_with_bristles_beside_a_set_valued_one():
-    settings = {"t_end": 2.0, "y0": BENT}
-    run = simulate(Arm(), MIXED, solver=EventDriven(tier="compiled"), **settings)
-    assert_mixed(run, 2.0, 1e-9)
-    assert run.certificate.certified
-    assert run.certificate.steps < 2_000  # DOP853 would take 8,500
 
 
 @pytest.mark.slow
@@ -795,12 +729,6 @@ def test_a_cart_that_starts_off_the_ground_ends_there():
     assert run.span == (0.0, 0.0)
     assert [event.reason for event in run.events] == ["lift-off"]
     assert run["normal_force:wheels"][-1] < 0.0
-
-
-def test_decisions_without_an_answer_have_a_status_in_any_mechanism():
-    model = formulate(chain(2)(), assigned(("x1", "x2"), coulomb(0.5)))
-    assert not model.limits
-    assert status_of(layout.LIMITED, model) is Status.PAINLEVE
 
 
 def test_reactions_that_nothing_determines_have_no_determinant():

@@ -1,11 +1,8 @@
 """Ensembles: the runs that `simulate` makes, whatever executes them."""
 
 import tracemalloc
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass
-from multiprocessing import get_context
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from threading import active_count
-from typing import Annotated, ClassVar, final
 
 import numpy as np
 import pytest
@@ -28,12 +25,12 @@ from stickslip import (
     simulate,
 )
 from stickslip.engine import EventCount, EventTimes, Final, Max, Mean, Samples, Sensitivity, Status
-from stickslip.engine.solver import ensembles, path_units
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.engine.solver import ensembles
+from stickslip.errors import InputError
 from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, given_inputs
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
-from stickslip.quantities import Quantity, vary
+from stickslip.quantities import vary
 from stickslip.study.testing.suites import ORDINARY
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
@@ -158,15 +155,6 @@ def test_every_law_runs_in_ensembles(name):
     assert runs["x"][0] == runs["x"][2]
 
 
-@pytest.mark.parametrize("case", [CASES["laws"], CASES["starts"]], ids=["exact", "smooth"])
-def test_both_tiers_give_the_same_bits(case):
-    rig, law, columns, t_end = case
-    assert_same(
-        ensemble(rig, law, columns, t_end=t_end, solver=PYTHON),
-        ensemble(rig, law, columns, t_end=t_end, solver=COMPILED),
-    )
-
-
 def test_rows_that_fail_say_how_and_do_not_disturb_the_others():
     solver = EventDriven(tier="python", max_steps=6)
     columns = {"initial.x": np.array([0.02, 9.0, 0.03, 5.0, 0.02])}
@@ -180,27 +168,6 @@ def test_rows_that_fail_say_how_and_do_not_disturb_the_others():
     assert runs.steps[1] == 6
 
 
-def test_a_cart_that_lifts_off_in_one_row_says_so_there():
-    from tests.mechanisms.test_pendulum_cart import LAW as CART_LAW
-    from tests.mechanisms.test_pendulum_cart import cart_with
-
-    cart = cart_with(cart_mass=1.0, ball_mass=1.0, length=1.0)
-    columns = {"initial.omega": np.array([0.1, 7.0, 0.2])}
-    runs = ensemble(cart, CART_LAW, columns, t_end=0.4, y0={"theta": -1.2}, solver=PYTHON)
-    assert [s is Status.LIFT_OFF for s in runs.status] == [False, True, False]
-    for row in range(3):
-        run = single(cart, CART_LAW, columns, row, t_end=0.4, y0={"theta": -1.2})
-        assert_row_is_run(runs, row, run, ("x", "theta", "v", "omega"))
-
-
-def test_the_start_beyond_all_numbers_fails_alone():
-    rig = TowedBlock(mass=1.0, stiffness=1e10, speed=1.0)
-    columns = {"initial.v": np.array([0.0, 1e308, 1.0])}
-    runs = ensemble(rig, LAW, columns, t_end=1e-4, solver=PYTHON)
-    assert [status.complete for status in runs.status] == [True, False, True]
-    assert not runs.certified[1]
-
-
 # Executors, chunks, progress, cancelling.
 
 
@@ -208,20 +175,6 @@ def test_the_start_beyond_all_numbers_fails_alone():
 def known():
     """Return an ensemble to compare with."""
     return ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON)
-
-
-@pytest.mark.parametrize("rows", [1, 4, 22, 23, 24])
-def test_the_size_of_the_chunks_changes_nothing(known, monkeypatch, rows):
-    monkeypatch.setattr(ensembles, "MOST_ROWS", rows)
-    assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON), known)
-
-
-@pytest.mark.parametrize("workers", [1, 2, 5])
-def test_the_number_of_threads_changes_nothing(known, monkeypatch, workers):
-    monkeypatch.setattr(ensembles, "MOST_ROWS", 3)
-    with ThreadPoolExecutor(workers) as pool:
-        assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=pool), known)
-        pool.submit(int).result()  # it is still the caller's
 
 
 def test_threads_of_the_compiled_tier_change_nothing(monkeypatch):
@@ -235,12 +188,6 @@ def test_threads_of_the_compiled_tier_change_nothing(monkeypatch):
 def test_any_executor_will_do(known, monkeypatch):
     monkeypatch.setattr(ensembles, "MOST_ROWS", 5)
     assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=Serial()), known)
-
-
-def test_processes_change_nothing(known, monkeypatch):
-    monkeypatch.setattr(ensembles, "MOST_ROWS", 8)
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=pool), known)
 
 
 def test_progress_counts_up_to_all_runs(monkeypatch):
@@ -284,14 +231,6 @@ def test_what_progress_raises_passes_through_and_leaves_no_threads(monkeypatch, 
     with pytest.raises(error):
         ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, progress=stop)
     assert active_count() == threads
-
-
-def test_progress_that_returns_nothing_or_zero_goes_on():
-    for answer in (None, 0, True):
-        runs = ensemble(
-            DECAY, LAW, {MU: MUS}, t_end=0.5, solver=PYTHON, progress=lambda *_, a=answer: a
-        )
-        assert Status.CANCELLED not in runs.status
 
 
 def test_memory_grows_by_the_results_and_not_by_the_runs():
@@ -372,22 +311,6 @@ def test_solvers_and_laws_without_exact_events_are_refused():
         ensemble(DECAY, printed, {MU: MUS}, t_end=1.0)
 
 
-def test_an_ensemble_shows_itself():
-    outputs = {"end": Final("x"), "way": Samples("x", [0.1, 0.2])}
-    runs = ensemble(DECAY, LAW, {MU: MUS}, t_end=1.0, outputs=outputs, solver=PYTHON)
-    frame = runs.to_dataframe()
-    full = f"friction.{MU}"
-    assert list(frame) == [full, "end", "way.0", "way.1", "status", "certified"]
-    assert len(runs) == len(frame) == 23
-    np.testing.assert_array_equal(frame["way.1"], runs["way"][:, 1])
-    np.testing.assert_array_equal(frame[full], MUS)
-    html = runs._repr_html_()
-    assert Status.AT_REST.value in html
-    assert "<td>23</td>" in html
-    with pytest.raises(UnknownNameError, match="Did you mean 'way'"):
-        runs["ways"]
-
-
 def test_numbers_of_a_motion_profile_vary_without_a_sensitivity_asked_for():
     swings = [ThreePhase(amplitude=a, fast=120.0, slow=30.0) for a in (0.5, 0.7)]
     carts = [
@@ -414,17 +337,6 @@ def test_rows_have_their_own_sines_of_an_incline():
     assert len(set(runs["x"])) == 3
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class Wheel(Axis):
-    """An axis that turns."""
-
-    name: ClassVar[str] = "wheel"
-    units: ClassVar[tuple[str, ...]] = ("rad",)
-    inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")] = 1.0
-    limit: Annotated[float, Quantity("tau", "N m", above=0, or_unit="N")] = 1.0
-
-
 def test_parameters_of_friction_about_an_axis_have_units_of_torques():
     law = CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=0.1)
     slope = Sensitivity("theta", "viscous_coefficient")
@@ -440,13 +352,6 @@ def test_parameters_of_friction_about_an_axis_have_units_of_torques():
     slope = Sensitivity("elbow", "mechanism.gravity")
     runs = ensemble(arm, {"shoulder": law, "elbow": law}, varied, t_end=0.01, outputs={"s": slope})
     assert runs.units["friction.elbow.viscous_coefficient"] == "N m s/rad"
-
-
-def test_parameters_of_a_rotary_mechanism_have_their_angular_units():
-    units = path_units(Wheel(), Coulomb(kinetic_coefficient=0.1))
-    assert units["mechanism.inertia"] == "kg m^2"
-    assert units["mechanism.stiffness"] == "N m/rad"
-    assert units["mechanism.limit"] == "N m"  # as it is: the other unit is that of a straight one
 
 
 def test_outputs_and_parameters_have_their_units():
@@ -489,24 +394,3 @@ def test_what_falls_without_friction_is_certified_though_its_energies_cancel(tie
         assert run.certificate.energy_error < 1e-12
         assert abs(run.certificate.energy_end) < 1e-12 * run["v"][-1] ** 2
         assert_row_is_run(runs, row, run, ("x", "v"))
-
-
-def test_runs_that_take_long_are_spread_over_threads(monkeypatch):
-    chunks = []
-
-    def counted(job, start, columns, arguments):
-        chunks.append((start, len(columns["friction.kinetic_coefficient"])))
-        return made(job, start, columns, arguments)
-
-    made = ensembles.run_chunk
-    monkeypatch.setattr(ensembles, "run_chunk", counted)
-    monkeypatch.setenv("STICKSLIP_THREADS", "3")
-    known = ensembles.work_of(ensembles.formulate(SWING, LAW))
-    rows = []
-    for pace in (0.0, 1.0):  # not known yet; a second a run
-        monkeypatch.setattr(known, "pace", pace)
-        chunks.clear()
-        found = ensemble(SWING, LAW, {MU: MUS}, t_end=1.0, outputs=["x"], solver=COMPILED)
-        rows.append(found["x"])
-        assert sorted(chunks) == ([(0, 8), (8, 8), (16, 7)] if pace else [(0, 23)])
-    assert np.array_equal(*rows)

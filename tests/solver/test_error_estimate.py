@@ -29,8 +29,3 @@ def test_exact_modes_have_no_error_that_a_tolerance_controls():
     law = Coulomb(kinetic_coefficient=0.2)
     run = simulate(rig, law, t_end=2.0, solver=EventDriven(estimate_error=True))
     assert run.certificate.error_estimate == 0.0
-
-
-def test_no_estimate_is_made_unless_asked_for():
-    run = simulate(BLOCK, Coulomb(kinetic_coefficient=0.2), t_end=1.0)
-    assert run.certificate.error_estimate is None

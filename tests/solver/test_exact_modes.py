@@ -297,24 +297,6 @@ def with_drive(axis, times, values):
 
 
 @SOME
-@given(axis=sampled_axes, law=linear_laws, y0=starts)
-def test_a_run_is_the_same_in_two_halves(axis, law, y0):
-    run = simulate(axis, law, t_end=4.0, y0=y0)
-    first = simulate(axis, law, t_end=2.0, y0=y0)
-    half = {"x": first["x"][-1], "v": first["v"][-1]}
-    later = [t - 2.0 for t in axis.drive.times[8:]]  # exact: all are quarters
-    second = simulate(with_drive(axis, later, axis.drive.values[8:]), law, t_end=2.0, y0=half)
-    t = np.linspace(0.0, 2.0, 41)
-    for name in ("x", "v"):
-        size = np.abs(run[name]).max() + 1e-3
-        for part, since in ((first, 0.0), (second, 2.0)):
-            here = part.at(np.minimum(t, part.span[1]))[name]
-            whole = run.at(np.minimum(t + since, run.span[1]))[name]
-            # steps end elsewhere, and stops move by what their slow approach magnifies
-            np.testing.assert_allclose(here, whole, rtol=0, atol=1e-12 * size)
-
-
-@SOME
 @given(
     axis=sampled_axes,
     law=linear_laws,

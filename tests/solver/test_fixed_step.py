@@ -7,18 +7,7 @@ import numpy as np
 import pytest
 from tests.support import UNAIDED, example_of
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    Dahl,
-    FixedStep,
-    PendulumCart,
-    SpringBlock,
-    Stribeck,
-    TowedBlock,
-    TwoFeet,
-    simulate,
-)
+from stickslip import Axis, Coulomb, Dahl, FixedStep, PendulumCart, SpringBlock, Stribeck, simulate
 from stickslip.engine import Status
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.friction import PRINTED_FORMS
@@ -26,7 +15,6 @@ from stickslip.friction.published import PrintedCoulomb
 from stickslip.mechanisms import Prescribed
 from stickslip.mechanisms.drives import Pulse, ThreePhase
 from stickslip.quantities import fields_of
-from stickslip.show.formatting import quantity
 
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
 RELEASED = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -105,16 +93,6 @@ def test_smooth_motion_converges_with_the_order_of_the_method(method, order, dt)
     assert math.isclose(math.log2(errors[0] / errors[1]), order, abs_tol=0.1)
 
 
-@pytest.mark.parametrize("kind", PRINTED_FORMS.values(), ids=lambda kind: kind.name)
-@pytest.mark.parametrize("stick_rule", [True, False])
-def test_every_printed_form_runs(kind, stick_rule):
-    solver = FixedStep(dt=1e-3, stick_rule=stick_rule)
-    run = simulate(RELEASED, printed(kind), t_end=0.3, solver=solver, throw=False)
-    assert run.status in (Status.END_TIME, Status.NOT_FINITE)
-    assert run["x"][0] == 0
-    assert np.all(np.isfinite(run["x"]))
-
-
 # of a reset integrator, the force jumps where its deflection reaches the end: first order there too
 STEPPED = [kind for kind in UNAIDED.values() if kind.name != "haessig-friedland"]
 
@@ -178,28 +156,6 @@ def test_a_fixed_step_is_never_certified_and_says_what_it_cost():
     finer = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.0005))
     assert finer.certificate.energy_error < run.certificate.energy_error
     assert run.certificate.steps == 100
-
-
-def test_samples_stand_a_step_apart_and_are_joined_by_lines():
-    run = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.01))
-    np.testing.assert_allclose(run.t, np.arange(101) * 0.01, rtol=1e-15)
-    between = run.at(0.055)["x"][0]
-    assert math.isclose(between, 0.5 * (run["x"][5] + run["x"][6]), rel_tol=1e-12)
-
-
-def test_bristles_are_columns_of_a_fixed_step_run_too():
-    law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=100.0)
-    run = simulate(RELEASED, law, t_end=0.1, solver=FixedStep(dt=1e-3))
-    assert "z" in run.names
-    np.testing.assert_allclose(run["friction"], 9.81 * 100.0 * run["z"], rtol=1e-12)  # rounding
-
-
-def test_a_towed_block_sticks_and_slips_in_fixed_steps_too():
-    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
-    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
-    run = simulate(block, law, t_end=20.0, solver=FixedStep(dt=0.002))
-    starts = run.t[1:][(run["mode"][:-1] == 0) & (run["mode"][1:] != 0)]
-    assert math.isclose(starts[1] - starts[0], 7.61126, abs_tol=0.02)  # ten steps
 
 
 @pytest.mark.parametrize("method", ["euler", "heun", "rk4"])
@@ -277,15 +233,6 @@ def test_the_first_step_out_of_rest_has_the_friction_that_was_chosen(
     levels = np.array([level, 0.25]) * 9.81  # from the second step on it slides
     expected = math.copysign(1.0, force) * np.cumsum((10.0 - levels) * 0.01)
     np.testing.assert_allclose(run["v"][1:], expected, rtol=1e-12)
-
-
-@pytest.mark.parametrize("rule", [True, False], ids=["stick rule", "none"])
-def test_two_contacts_break_away_as_one_does(rule):
-    feet = TwoFeet(mass=2.0, front=1.0, rear=1.0, drive=Pulse(level=30.0, duration=1.0))
-    for break_away, level in (("zero", 0.0), ("kinetic", 0.25), ("static", 0.35)):
-        solver = FixedStep(dt=0.01, stick_rule=rule, break_away=break_away)
-        run = simulate(feet, LAW, t_end=0.01, solver=solver)
-        assert run["v"][-1] == pytest.approx(0.01 * (30.0 / 2.0 - level * 9.81), rel=1e-12)
 
 
 def test_a_body_at_rest_that_is_not_exceeded_stays_but_where_sgn_0_is_0():
@@ -379,21 +326,3 @@ def test_a_friction_out_of_rest_is_refused_where_it_has_no_effect(law, why, brea
     simulate(PUSHED, law, t_end=0.05, solver=FixedStep(dt=0.01))
     with pytest.raises(InputError, match=f"FixedStep.break_away .*{why}.*leave it out"):
         simulate(PUSHED, law, t_end=0.05, solver=FixedStep(dt=0.01, break_away=break_away))
-
-
-def test_a_friction_out_of_rest_that_is_not_given_is_static():
-    block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=1.0))
-    runs = [
-        simulate(block, LAW, t_end=0.05, solver=FixedStep(dt=0.01, break_away=rule))
-        for rule in (None, "static", "kinetic")
-    ]
-    np.testing.assert_array_equal(runs[0]["v"], runs[1]["v"])
-    assert runs[0]["v"][-1] < runs[2]["v"][-1]
-
-
-def test_a_run_in_steps_says_its_last_values():
-    run = simulate(RELEASED, LAW, t_end=0.1, solver=FixedStep(dt=0.01))
-    assert run.states == ("x", "v")
-    assert f"last values: x = {quantity(float(run['x'][-1]), 'm', 4)}, v = " in str(run)
-    law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3)
-    assert simulate(RELEASED, law, t_end=0.1, solver=FixedStep(dt=0.01)).states == ("x", "v", "z")

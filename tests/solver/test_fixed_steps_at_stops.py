@@ -1,13 +1,11 @@
 """Hard stops in fixed steps: errors against exact runs and closed forms fall with the step."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.contact_cases import coulomb
 from tests.solver.test_capsule_stops import LAW, robot, setting
-from tests.solver.test_contact_stops import LEVELS, MOVING, Walled
 
 from stickslip import Axis, FixedStep, Viscous, simulate
 from stickslip.engine.solver import SoftConstraint
@@ -98,32 +96,9 @@ def test_a_body_pressed_against_its_stop_leaves_when_friction_lets_it():
     )
 
 
-@pytest.mark.parametrize("restitution", [0.0, 0.5])
-def test_several_contacts_between_walls(restitution):
-    rig = Walled(restitution=restitution, spring=3.0, pull=4.0, growth=-3.0)
-    exact = simulate(rig, LEVELS, t_end=4.0, y0=MOVING)
-    assert sum("hits stop" in event.reason for event in exact.events) > 1
-    for state in ("x1", "x2"):
-        coarse, fine = (gap(exact, rig, LEVELS, dt, state, y0=MOVING)[0] for dt in (4e-3, 5e-4))
-        assert fine < 0.25 * coarse < 0.25 * 0.1
-
-
-def test_stops_hold_without_the_rule_for_rest_too():
-    rig = replace(
-        robot(6.0, 0.0), drive=Torque(drive=PiecewiseLinear(times=(0.0,), values=(0.19,)))
-    )
-    settings = {"stick_rule": False, "zero_velocity_band": 0.0}
-    run = simulate(rig, LAW, t_end=0.5, solver=FixedStep(dt=1e-4, **settings))
-    assert run["xi"][-1] == 0.002
-    assert run["xi_dot"][-1] == 0.0
-
-
 @pytest.mark.parametrize(
     ("law", "settings"),
-    [
-        (LAW, {"soft": SoftConstraint(impedance=0.9, damping=50.0)}),
-        (LAW, {"viscous": 0.1}),
-    ],
+    [(LAW, {"soft": SoftConstraint(impedance=0.9, damping=50.0)}), (LAW, {"viscous": 0.1})],
 )
 def test_rules_of_one_sliding_body_are_refused(law, settings):
     with pytest.raises(InputError, match="no hard stops"):

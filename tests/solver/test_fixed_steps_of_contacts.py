@@ -5,16 +5,7 @@ import pytest
 from tests.contact_cases import coulomb
 from tests.pair_cases import LAW, LAWS, OTHER, PUSH, Pair, axis
 
-from stickslip import (
-    Coulomb,
-    Dahl,
-    EventDriven,
-    FixedStep,
-    TwoFeet,
-    TwoLinkArm,
-    simulate,
-)
-from stickslip.engine import Status
+from stickslip import EventDriven, FixedStep, TwoFeet, TwoLinkArm, simulate
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms.drives import Pulse
@@ -47,15 +38,6 @@ def test_two_axes_move_as_each_does_alone(method, rule):
         assert work == pytest.approx(alone.certificate.work_friction, rel=1e-9)
 
 
-def test_bristles_of_one_of_two_axes_bend_as_those_of_one_axis():
-    dahl = Dahl(kinetic_coefficient=1.0, bristle_stiffness=200.0)
-    start = {"t_end": 0.2, "solver": FixedStep(dt=1e-3, method="heun")}
-    both = simulate(Pair(), {"left": dahl, "right": LAW}, y0={"a_dot": 0.2}, **start)
-    alone = simulate(axis(), dahl, y0={"v": 0.2}, **start)
-    np.testing.assert_allclose(both["z:left"], alone["z"], rtol=0, atol=1e-15)
-    np.testing.assert_allclose(both["a"], alone["x"], rtol=0, atol=1e-15)
-
-
 def test_smaller_steps_come_nearer_to_the_motion_of_an_arm():
     """The shoulder breaks away at once; whether the elbow does is decided with it."""
     y0 = {"shoulder": 1.2, "elbow": 0.8}
@@ -83,31 +65,6 @@ def test_feet_come_to_rest_where_the_closed_form_says_and_share_what_holds_them(
     assert last["normal_force:front"] == pytest.approx(8.96446753246753, abs=2e-3)
     assert last["friction:front"] == pytest.approx(2.4655593, abs=2e-3)
     assert last["friction:rear"] == pytest.approx(1.2559991, abs=2e-3)
-
-
-def test_the_time_that_contacts_stick_is_counted_in_steps():
-    """No events are located there: the modes of the steps say it."""
-    pair, start = Pair(stiffness=400.0, left_drive=PUSH), {"a": 0.05, "b": 0.04}
-    exact = simulate(pair, LAWS, t_end=2.0, y0=start, solver=PLAIN)
-    run = simulate(pair, LAWS, t_end=2.0, y0=start, solver=FixedStep(dt=1e-3, method="heun"))
-    for name in run.contacts:
-        own = run.contact(name)
-        steps = own["mode"][:-1] == 0
-        assert 0 < steps.sum() < len(steps)
-        assert own.stick_time() == pytest.approx(1e-3 * steps.sum(), abs=1e-12)
-        assert own.at([0.5]).stick_spans() == own.stick_spans()
-        # each stop and each departure is one step late at most
-        slack = 2e-3 * (1 + len(exact.contact(name).events))
-        assert own.stick_time() == pytest.approx(exact.contact(name).stick_time(), abs=slack)
-
-
-def test_a_foot_that_lifts_ends_the_run():
-    body = TwoFeet(mass=2.0, front=0.1, rear=0.1, height=0.5, stiffness=200.0)
-    run = simulate(
-        body, Coulomb(kinetic_coefficient=0.9), t_end=1.0, y0={"v": 3.0},
-        solver=FixedStep(dt=1e-3), throw=False,
-    )  # fmt: skip
-    assert run.status is Status.LIFT_OFF
 
 
 def test_printed_forms_take_one_contact():

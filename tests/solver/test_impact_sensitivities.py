@@ -8,18 +8,7 @@ import numpy as np
 import pytest
 from tests.contact_cases import Plain
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    EventDriven,
-    LuGre,
-    SpringBlock,
-    Stribeck,
-    ensemble,
-    simulate,
-)
-from stickslip.engine import Sensitivity
+from stickslip import Axis, Capsule, Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop, Torque
 from stickslip.mechanisms.drives import Ramp, Sine
@@ -218,31 +207,6 @@ def test_every_sensitivity_beyond_impacts_is_that_of_differences(name):
             rough = 1e-5 if law is not BRISTLES else 1e-3
             scale = np.abs(known).max() + 1e-3 / max(abs(value), 0.01)
             np.testing.assert_allclose(found, known, atol=rough * scale, err_msg=path)
-
-
-@pytest.mark.parametrize("name", ["capsule", "several contacts"])
-def test_both_tiers_give_the_same_bits_beyond_impacts(name):
-    rig, law, t_end, y0 = CASES[name]
-    slopes = [
-        simulate(rig, law, t_end=t_end, y0=y0, solver=solver).sensitivity("x", "restitution")
-        for solver in (PLAIN, COMPILED)
-    ]
-    assert slopes[0].tolist() == slopes[1].tolist()
-    assert slopes[0][-1] != 0.0
-
-
-@pytest.mark.parametrize("name", ["capsule", "several contacts"])
-def test_ensembles_have_the_sensitivities_of_single_runs_beyond_impacts(name):
-    rig, law, t_end, y0 = CASES[name]
-    rebounds = np.array([0.5, 0.6])
-    outputs = {"slope": Sensitivity("x", "kinetic_coefficient")}
-    runs = ensemble(
-        rig, law, {"restitution": rebounds}, t_end=t_end, y0=y0, outputs=outputs, solver=COMPILED
-    )
-    for rebound, slope in zip(rebounds, runs["slope"], strict=True):
-        own = replace(rig, restitution=float(rebound))
-        run = simulate(own, law, t_end=t_end, y0=y0, solver=COMPILED)
-        assert slope == run.sensitivity("x", "kinetic_coefficient")[-1]
 
 
 def test_the_inner_mass_that_kicks_a_capsule_at_rest_has_the_momentum_it_shares():

@@ -1,7 +1,6 @@
 """Runs that go on together are those that go on alone."""
 
 import dataclasses
-import pickle
 
 import numpy as np
 import pytest
@@ -93,19 +92,6 @@ def test_values_of_another_shape_are_refused():
         runs.advance(np.full(COUNT, PERIOD), np.zeros((COUNT, 2)))
     with pytest.raises(InputError, match=r"untils must have the shape \(33,\), got \(2,\)"):
         runs.advance(np.full(2, PERIOD), np.zeros((COUNT, 1)))
-
-
-def test_threads_and_room_for_rows_change_nothing(monkeypatch):
-    plain = advanced(going(*CASES["series"], threads=1)).states
-    monkeypatch.setattr("stickslip.engine.solver.incremental.FIRST_ROWS", 1)
-    np.testing.assert_array_equal(advanced(going(*CASES["series"], threads=2)).states, plain)
-
-
-def test_a_pickled_ensemble_goes_on():
-    runs = advanced(going(*CASES["series"]), range(10))
-    other = pickle.loads(pickle.dumps(runs))
-    both = (advanced(one, range(10, STEPS)).states for one in (runs, other))
-    np.testing.assert_array_equal(*both)
 
 
 def test_a_run_that_begins_anew_leaves_the_others():

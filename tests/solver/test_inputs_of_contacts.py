@@ -22,7 +22,6 @@ from stickslip import (
     TwoFeet,
     TwoLinkArm,
     TwoMassAxis,
-    ensemble,
     simulate,
 )
 from stickslip.errors import InputError, SimulationError
@@ -88,25 +87,12 @@ def test_contacts_that_know_nothing_of_each_other_do_what_each_does_alone(name):
         assert [event.t for event in mine] == pytest.approx(times, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_copies_of_one_servo_move_alike_to_the_bit(name):
-    run = simulate(Servos(), LAWS[name], t_end=2.0, solver=COMPILED)
-    laws = dict.fromkeys(Servos.coordinates, LAWS[name])
-    apart = simulate(Servos(), laws, t_end=2.0, solver=COMPILED)
-    for x in Servos.coordinates:
-        assert run[x].tobytes() == run["a"].tobytes() == apart[x].tobytes()
-
-
 ARM = TwoLinkArm(
     upper_mass=1.0, upper_length=0.4, upper_centre=0.2, upper_inertia=0.06,
     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
     elbow_drive=Sine(amplitude=1.5, frequency=0.8),
 )  # fmt: skip
 OF_ARM = LAWS | {"bristles": replace(LAWS["bristles"], gravity_slope=0.05)}  # it is heavier
-JOINTS = {
-    "shoulder": replace(GEAR, transmitted_coefficient=0.05),
-    "elbow": replace(LAWS["teeth"], level_position_harmonic=5.0),
-}
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -132,34 +118,6 @@ def test_joints_of_an_arm_with_inputs_are_certified_and_sensitivities_agree_with
     slope = run.sensitivity("elbow", "mechanism.lower_mass")[-1]  # through gravity and inertia
     expected = (ends[0]["elbow"][-1] - ends[1]["elbow"][-1]) / (2.0 * h)
     assert slope == pytest.approx(expected, rel=1e-3)
-
-
-def test_both_tiers_run_laws_with_inputs_to_the_same_bits():
-    runs = [
-        simulate(ARM, JOINTS, t_end=0.6, y0=BENT, solver=solver) for solver in (PLAIN, COMPILED)
-    ]
-    assert runs[0].events == runs[1].events
-    for x in runs[0].names:
-        assert runs[0][x].tobytes() == runs[1][x].tobytes()
-
-
-def test_rows_of_an_ensemble_of_joints_equal_runs_to_the_bit():
-    values = np.array([0.0, 0.05, 0.2])
-    path = "friction.shoulder.transmitted_coefficient"
-    runs = ensemble(ARM, JOINTS, {path: values}, t_end=1.5, y0=BENT)
-    for value, end in zip(values, runs["elbow"], strict=True):
-        own = replace(JOINTS["shoulder"], transmitted_coefficient=float(value))
-        alone = simulate(ARM, JOINTS | {"shoulder": own}, t_end=1.5, y0=BENT)
-        assert end == alone["elbow"][-1]
-
-
-def test_fixed_steps_of_joints_see_the_inputs_too():
-    exact = simulate(ARM, JOINTS, t_end=0.5, y0=BENT)["elbow"][-1]
-    runs = [
-        simulate(ARM, JOINTS, t_end=0.5, y0=BENT, solver=FixedStep(dt=dt)) for dt in (4e-4, 2e-4)
-    ]
-    coarse, fine = (abs(run["elbow"][-1] / exact - 1) for run in runs)
-    assert fine < 0.6 * coarse < 5e-3  # of first order
 
 
 BRAKE = DiscBrake(

@@ -23,12 +23,6 @@ def test_the_same_equations_are_loaded_once(model):
     assert callable(load(model).equations[FIELD])
 
 
-def test_generated_equations_need_nothing_but_math(model):
-    text = plain_text(model)
-    imports = [line for line in text.splitlines() if line.lstrip().startswith(("import", "from "))]
-    assert imports == ["import math"]
-
-
 def test_a_traceback_shows_the_line_of_the_equations(model):
     with pytest.raises(IndexError) as caught:
         plain_equations(model)["field"](1, 0, 0.0, [], 0, 0)

@@ -1,6 +1,5 @@
 """Sensitivities of a run: closed forms, and for all laws and mechanisms an independent solution."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -19,7 +18,6 @@ from stickslip import (
     FixedStep,
     PendulumCart,
     SpringBlock,
-    Stribeck,
     TowedBlock,
     ensemble,
     simulate,
@@ -110,14 +108,6 @@ def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(nam
     ]
     assert errors[1] <= largest  # a hundred tolerances
     assert errors[2] <= 0.1 * errors[1] <= 0.01 * errors[0]  # 1e-2 each, not all of it reached
-
-
-def test_sensitivities_hold_after_a_stick_that_a_sine_ends():
-    drive = Sine(amplitude=0.6, frequency=0.3, phase=-0.4)
-    case = Case(Axis(inertia=1.0, drive=drive), SMOOTH_LAWS["stribeck"], 4.0, (0.0, 0.0))
-    reasons = {event.reason for event in case.run().events}
-    assert {"break-away", "stop"} <= reasons
-    assert mismatch(case) <= 1e-8  # four seconds of steps of 1e-12, in layers of milliseconds
 
 
 # Closed forms.
@@ -227,14 +217,6 @@ def test_the_travel_of_a_towed_block_has_the_derivatives_of_its_stick_slip_perio
 # At rest, at events and at the start.
 
 
-def test_the_velocity_given_to_a_body_that_is_held_changes_nothing():
-    run = simulate(Axis(inertia=1.0), KINETIC, t_end=1.0, solver=PYTHON)
-    for t in (0.0, 0.5, 1.0):
-        assert at(run, t, "x", "initial.v") == 0.0
-        assert at(run, t, "v", "initial.v") == 0.0
-        assert at(run, t, "x", "initial.x") == 1.0
-
-
 def test_a_held_body_depends_on_nothing_else_that_happens():
     drive = Sine(amplitude=0.1, frequency=1.0)
     run = simulate(Axis(inertia=1.0, drive=drive), KINETIC, t_end=3.0, solver=PYTHON)
@@ -251,31 +233,6 @@ def test_at_an_event_the_sensitivity_is_that_after_it():
     assert math.isclose(at(run, just_before, "v", mu), -G * stop, rel_tol=EXACT)
     # the position has no jump: its velocity is 0 on both sides
     assert math.isclose(at(run, stop, "x", mu), at(run, just_before, "x", mu), rel_tol=EXACT)
-
-
-def test_times_may_come_in_any_order_and_twice():
-    case = Case(RIGS["axis, sum"], SMOOTH_LAWS["stribeck"], 1.3, (0.01, 0.2))
-    run = case.run()
-    t = np.concatenate([[0.0, 1.3, 0.1, 0.5], [event.t for event in run.events], [0.7]])
-    shuffled = np.concatenate([t[::-1], t, t[::2]])
-    for state, path in itertools.product(run.states, ("start", "frequency", "initial.v")):
-        inside = {float(a): b for a, b in zip(
-            np.sort(t), run.at(np.sort(t)).sensitivity(state, path), strict=True
-        )}  # fmt: skip
-        found = run.at(shuffled).sensitivity(state, path)
-        assert found.tolist() == [inside[float(a)] for a in shuffled]
-
-
-def test_one_time_may_be_asked_without_the_others():
-    case = Case(RIGS["axis, sum"], SMOOTH_LAWS["stribeck"], 1.3, (0.01, 0.2))
-    run = case.run()
-    together = run.at([0.2, 0.5, 0.9]).sensitivity("x", "frequency")
-    assert [at(run, t, "x", "frequency") for t in (0.2, 0.5, 0.9)] == together.tolist()
-
-
-def test_no_times_have_no_sensitivities():
-    run = simulate(SpringBlock(mass=1.0), KINETIC, t_end=1.0, y0={"v": 1.0}, solver=PYTHON)
-    assert run.at([]).sensitivity("x", "initial.v").shape == (0,)
 
 
 def test_two_coordinates_have_sensitivities_as_well():
@@ -303,31 +260,6 @@ def test_two_coordinates_have_sensitivities_as_well():
 
 
 # Tiers, and what is refused.
-
-
-LAYER = Stribeck(kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_velocity=0.01)
-
-
-@pytest.mark.parametrize(
-    ("rig", "law"),
-    [
-        pytest.param(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), KINETIC, id="decay"),
-        pytest.param(
-            SpringBlock(mass=1.0, stiffness=100.0, compression=0.2, attached=True), LAYER,
-            id="layer",
-        ),
-        pytest.param(
-            Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=2.0), LAYER,
-            id="driven layer", marks=pytest.mark.slow,  # no other test compiles its equations
-        ),
-    ],
-)  # fmt: skip
-def test_both_tiers_give_the_same_bits(rig, law):
-    case = Case(rig, law, 2.0, (0.0, 0.0))
-    t = np.linspace(0.0, 2.0, 9)
-    plain, fast = (case.sensitivities(t, EventDriven(tier=tier)) for tier in ("python", "compiled"))
-    assert np.isfinite(plain).all()
-    np.testing.assert_array_equal(fast, plain)
 
 
 def test_unknown_states_and_parameters_are_refused_with_the_nearest_names():

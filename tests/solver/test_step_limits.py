@@ -46,13 +46,6 @@ BRISTLES = LuGre(
 FEW_OF_A_RIDGE = EventDriven(max_steps=2000, tier="python")
 
 
-def test_a_moment_of_inertia_is_no_mass_in_grams():
-    wheel = Axis(inertia=0.02, stiffness=1e9, rotary=True)
-    run = simulate(wheel, LAYER, t_end=9.0, y0={"x": 1e-3}, solver=FEW, throw=False)
-    assert "mechanism.inertia = 0.02 kg m²" in run.cause
-    assert "mechanism.stiffness = 1 × 10⁹ N m/rad" in run.cause
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class Ridge(Mechanism):
@@ -133,11 +126,6 @@ def test_a_drive_that_is_faster_than_all_motion_is_named_instead():
     axis = Axis(inertia=1.0, drive=Sine(amplitude=5.0, frequency=1e6))
     run = simulate(axis, LAYER, t_end=60.0, solver=FEW, throw=False)
     assert "A drive changes within" in run.cause
-
-
-def test_a_run_that_gets_to_its_end_has_no_cause():
-    run = simulate(Axis(inertia=1.0), LAYER, t_end=1.0, y0={"v": 0.1})
-    assert (run.cause, run.ending) == ("", run.status.value)
 
 
 def test_a_run_whose_switches_lead_back_to_each_other_names_them():

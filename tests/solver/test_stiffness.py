@@ -82,15 +82,3 @@ def test_a_stiff_rotor_stops_and_goes_on_as_it_does_alone():
     np.testing.assert_allclose(*times, atol=1e-8)
     assert math.isclose(alone["a"][-1], beside["a"][-1], rel_tol=1e-8)
     assert beside.certificate.steps < 2 * alone.certificate.steps
-
-
-def test_both_tiers_turn_stiff_at_the_same_step():
-    run, other = (
-        simulate(
-            Damped(), Coulomb(kinetic_coefficient=0.5), t_end=1.0, solver=EventDriven(tier=tier)
-        )
-        for tier in ("python", "compiled")
-    )
-    assert np.array_equal(run.t, other.t)
-    for name in run.names:
-        assert np.array_equal(run[name], other[name])

@@ -69,15 +69,6 @@ def test_a_drop_leaves_its_energy_at_the_stop_whatever_the_restitution():
     assert found.energy_error.max() < 1e-14
 
 
-def test_runs_that_begin_beyond_a_stop_by_rounding_begin_at_it():
-    stops = np.array([0.1, 0.2])
-    found = ensemble(
-        RIG, LAW, {"upper_stop": stops, "initial.x": stops * (1 + 1e-15)}, t_end=0.1,
-        outputs={"x": Max("x")}, solver=PYTHON,
-    )  # fmt: skip
-    np.testing.assert_array_equal(found["x"], stops)
-
-
 def test_a_run_that_begins_beyond_a_stop_is_named():
     with pytest.raises(InputError, match=r"run 1: it begins at x = 0.3 m, beyond the upper stop"):
         ensemble(RIG, LAW, {"initial.x": np.array([0.0, 0.3])}, t_end=1.0, solver=PYTHON)

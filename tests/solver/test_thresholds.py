@@ -117,18 +117,6 @@ def test_a_force_that_switches_as_the_run_begins_is_that_of_what_follows(kind, n
             )
 
 
-@pytest.mark.parametrize("kind", [Slider, Two])
-def test_both_tiers_decide_alike_at_a_threshold(kind):
-    law = coulomb(0.1, 0.2)
-    runs = [
-        simulate(kind(), law, t_end=1.0, y0={"x": 0.2}, solver=EventDriven(tier=tier))
-        for tier in ("python", "compiled")
-    ]
-    assert runs[0].events == runs[1].events
-    for name in runs[0].names:
-        np.testing.assert_array_equal(runs[0][name], runs[1][name])
-
-
 class Trapped(Slider):
     """A body that is pushed back to a place from either side."""
 

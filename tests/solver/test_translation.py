@@ -169,11 +169,6 @@ def test_each_kind_of_arithmetic_gives_the_same_bits(library):
     agree(f"{HEAD}    c = w[at] + 0.1\n{''.join(lines)}", draws(200), library)
 
 
-def test_a_long_sum_is_added_term_by_term(library):
-    terms = [f"{sign} w[at + {i % 8}]" for i, sign in zip(range(2500), itertools.cycle("+-+"))]
-    agree(f"{HEAD}    w[to] = {' '.join(terms).removeprefix('+ ')}\n", draws(20), library)
-
-
 BRANCHES = """
     if mode == 1:
         y0 = w[at + 0]
@@ -218,15 +213,6 @@ def test_what_is_printed_for_any_expression_gives_the_same_bits(library):
     }
     raised = agree(function("f", cases), draws(300), library)
     assert raised > 10  # so that the second judge was asked
-
-
-def test_what_has_no_number_does_nothing():
-    call = compiled(f"{HEAD}    w[to] = 1.0\n    return\n")
-    w = [0.0]
-    call(0, 0, 0.0, w, 0, 0, number=8)
-    assert w == [0.0]
-    call(0, 0, 0.0, w, 0, 0)
-    assert w == [1.0]
 
 
 REFUSED = {

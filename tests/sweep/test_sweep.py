@@ -262,10 +262,7 @@ def test_a_cycle_is_that_of_the_slowest_drive():
     [
         (None, "has no drive"),
         (Pulse(level=1.0, duration=1.0), "not known to be periodic"),
-        (
-            Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=3.0),
-            "common period",
-        ),
+        (Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=3.0), "common period"),
     ],
 )
 def test_what_has_no_cycle_is_refused_with_the_cure(drive, words):

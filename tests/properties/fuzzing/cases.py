@@ -141,11 +141,7 @@ def draw_shape(rng: Random, law: type[FrictionLaw], *others: type) -> Shape:
             elif type(None) in typing.get_args(hint):
                 given[name] = rng.random() < 0.5 and name not in STOPS
     return Shape(
-        law=law,
-        flags=flags,
-        given=given,
-        exponent=rng.choice((1.0, 2.0, None)),
-        drives=drives,
+        law=law, flags=flags, given=given, exponent=rng.choice((1.0, 2.0, None)), drives=drives
     )
 
 
