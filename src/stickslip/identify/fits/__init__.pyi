@@ -55,6 +55,7 @@ from stickslip.identify.fits.records.fitting import route_of as route_of
 from stickslip.identify.fits.records.joint_fitting import JOINTS as JOINTS
 from stickslip.identify.fits.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identify.fits.records.problems import refuse_overrides as refuse_overrides
+from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
 from stickslip.identify.fits.results import Estimate as Estimate
 from stickslip.identify.fits.results import Fit as Fit
 from stickslip.identify.fits.results import Law_co as Law_co

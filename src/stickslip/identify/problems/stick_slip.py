@@ -33,19 +33,27 @@ Laws of friction are right to some per cent, and never better than half of one.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import Array
+from stickslip.identify.fits import Estimate
 from stickslip.identify.posterior import Places
 from stickslip.identify.problems.limit_cycles import limit_cycles
-from stickslip.identify.problems.slip_features import READ, StickSlipFeatures
-from stickslip.identify.simulated import Always, FamilyPosterior, Simulated, Unknowns
+from stickslip.identify.problems.slip_features import COMPARED, READ, StickSlipFeatures
+from stickslip.identify.simulated import (
+    UNTOLD,
+    Always,
+    FamilyPosterior,
+    Simulated,
+    Unknowns,
+)
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.quantities import vary as with_values
 
 MASS, STIFFNESS = "mechanism.mass", "mechanism.stiffness"
 DOUBTS = {MASS: 0.05, STIFFNESS: 0.1}
@@ -54,6 +62,8 @@ SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 0.5, "other": 1.
 """Prior deviations of coordinates of laws: see above."""
 LACKS = ((0.005, 0.45), (0.015, 0.35), (0.05, 0.2))
 """Sizes of what laws lack and of what differs from run to run, with their probability."""
+ALIKE = "other values give the same features"
+"""Why a parameter is not bounded."""
 SHARES = np.array([1.0, 1.0, 2.0])
 """Sizes for frequency, mean and scatter over these: scatter is a difference of levels."""
 
@@ -150,6 +160,7 @@ class StickSlip(Simulated):
 
     places, proposed = 150, 1200
     """Three features leave a ridge of values; runs take 30 us."""
+    no_run = "no run has a limit cycle: check the mass, stiffness and speed of the block"
 
     def __init__(
         self,
@@ -338,6 +349,62 @@ class StickSlip(Simulated):
             rows = np.concatenate(parts)
             found[family] = np.where(np.isfinite(rows), rows, np.nan)
         return found
+
+    # ------------------------------------------------------------------ results
+    def title(self, family: str) -> str:
+        return self.laws[family].law.title
+
+    def sought(self, family: str) -> tuple[str, ...]:
+        return self.paths(family)
+
+    def quantities(self, family: str) -> Mapping[str, Quantity]:
+        own = {path: one for path, one, _ in parameters(self.block, "mechanism")}
+        return {**own, **self.laws[family].quantities}
+
+    def read(self, family: str, points: Array, coefficients: Array) -> dict[str, Array]:
+        return self.values(family, points)
+
+    def result(self, family: str, values: Mapping[str, float]) -> tuple[FrictionLaw, TowedBlock]:
+        own = {path: x for path, x in values.items() if path.startswith("mechanism.")}
+        others = {path: x for path, x in values.items() if path not in own}
+        block = replace(self.block, load=self.block.steady_load)
+        law = with_values(self.laws[family].law, "friction", others)
+        return law, with_values(block, "mechanism", own)
+
+    def told(
+        self, family: FamilyPosterior, name: str, estimates: Sequence[Estimate]
+    ) -> list[Estimate]:
+        found = []
+        for one in estimates:
+            untold = one.path not in self.doubts and self._is_prior(family, name, one.path)
+            open_ = {"low": -math.inf, "high": math.inf, "reason": ALIKE} if untold else {}
+            found.append(replace(one, **open_))
+        return found
+
+    def _is_prior(self, family: FamilyPosterior, name: str, path: str) -> bool:
+        """Whether draws are as wide as the prior; of a level above another, as that of levels."""
+        if self.laws[name].kind(path) != "surplus":
+            return family.is_prior(path)
+        draws = np.log(self.values(name, family.points)[path])
+        return float(np.std(draws)) > UNTOLD * SPREADS["level"]
+
+    def modes(self, family: FamilyPosterior, name: str) -> Array:
+        """Return frequency, mean and scatter (r, 3) of the likeliest limit cycle in each record."""
+        blocks = [one.block for one in self.settings]
+        return np.asarray(self.cycles(name, family.mode[None], blocks)[0])
+
+    def errors(self, family: FamilyPosterior, name: str) -> dict[str, float]:
+        """Return relative errors of the features, root mean squares with the sign of the mean."""
+        off = np.array([
+            one.rows(features[None])[0] - one.centre
+            for one, features in zip(self.settings, self.modes(family, name), strict=True)
+            if not one.slides
+        ])  # fmt: skip
+        errors = np.sqrt(np.mean(np.expm1(off) ** 2, axis=0)) * np.sign(off.sum(axis=0) + 1e-300)
+        return dict(zip(COMPARED, errors.tolist(), strict=True))
+
+    def leaves(self, family: FamilyPosterior, name: str) -> float:
+        return float(np.sqrt(np.mean(np.square([*self.errors(family, name).values()]))))
 
     def foreseen(
         self, name: str, family: FamilyPosterior, blocks: Sequence[TowedBlock], which: Places

@@ -17,7 +17,6 @@ from stickslip.show.report.blocks import Note as Note
 from stickslip.show.report.blocks import Opening as Opening
 from stickslip.show.report.blocks import Origin as Origin
 from stickslip.show.report.blocks import Page as Page
-from stickslip.show.report.blocks import PageSections as PageSections
 from stickslip.show.report.blocks import Panel as Panel
 from stickslip.show.report.blocks import Paragraph as Paragraph
 from stickslip.show.report.blocks import Reference as Reference
