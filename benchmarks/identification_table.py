@@ -22,6 +22,7 @@ from stickslip import (
     Measurement,
     Stribeck,
     TowedBlock,
+    fit,
 )
 from stickslip.data.catalogue import dataset
 from stickslip.errors import StickslipError

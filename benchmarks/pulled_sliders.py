@@ -359,12 +359,10 @@ def stepped(seed: int, number: int) -> dict[str, Any]:
         closest = verdict.closest
         assert closest.fit is not None
         fresh = _fresh(knots, places)
+        fitted = closest.fit.law, closest.fit.details["stiffness_over_load"]
         other, own = (
             simulate_velocity_steps(each, stiffness=k, time=fresh[0], pull=fresh[1], at=fresh[2])
-            for each, k in (
-                (law, stiffness),
-                (closest.fit.law, closest.fit.details["stiffness_over_load"]),
-            )
+            for each, k in ((law, stiffness), fitted)
         )
     except StickslipError as error:
         return row | {"refused": str(error), "seconds": time.process_time() - begun}

@@ -456,9 +456,8 @@ def rock(data_dir):
 
 def test_of_the_rock_only_the_difference_of_a_and_b_is_known(rock):
     found = fitted(rock, after=120e-6, drift="none")  # as the published fit is made
-    assert found.derived[0].value == pytest.approx(
-        0.0157, abs=0.001
-    )  # published fit: 0.0157, b about 0
+    # published fit: 0.0157, b about 0
+    assert found.derived[0].value == pytest.approx(0.0157, abs=0.001)
     assert found.rms <= 0.00113  # published: 1.1e-3
     drifting = fitted(rock, after=120e-6)  # a drift takes a part of one step
     assert drifting.derived[0].low < 0.0157 < drifting.derived[0].high

@@ -246,9 +246,8 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     # what the best of others leaves says how much counts as a trend, and so a little of the level
     level = verdict.closest.fit.law.reference_coefficient
     assert level == pytest.approx(known.fit.law.reference_coefficient, abs=1e-4)
-    assert (
-        verdict.closest.second["coefficient"] > 3e-3
-    )  # of steps that change friction by 0.01 and overshoot
+    # of steps that change friction by 0.01 and overshoot
+    assert verdict.closest.second["coefficient"] > 3e-3
     assert kind_of_route(verdict.route).comparison(verdict).heads[-1] == "second record"
 
 
