@@ -21,7 +21,7 @@ from stickslip.friction import Coulomb, CoulombViscous, FrictionLaw, Stribeck
 from stickslip.identify import THRESHOLDS
 from stickslip.identify.bands import Array
 from stickslip.identify.candidates import friction_of, in_sentence, specifications
-from stickslip.identify.fits import LAW, Parameters, starting_law, with_known
+from stickslip.identify.fits import starting_law
 from stickslip.identify.kinds.kind import Column, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
@@ -29,6 +29,7 @@ from stickslip.identify.kinds.simulated import (
     SimulatedKind,
 )
 from stickslip.identify.problems.limit_cycles import SAMPLES, SETTLING, WATCHED
+from stickslip.identify.problems.run_laws import UNKNOWN, laws_to_run, stands_on_top, usual_of
 from stickslip.identify.problems.slip_features import (
     COMPARED,
     FEATURES,
@@ -40,14 +41,12 @@ from stickslip.identify.problems.stick_slip import (
     DOUBTS,
     MASS,
     SHARES,
-    PulledLaw,
     Setting,
     StickSlip,
 )
-from stickslip.identify.problems.velocity_steps import UNKNOWN
 from stickslip.identify.simulated import ENOUGH
 from stickslip.mechanisms import Mechanism, TowedBlock, input_names
-from stickslip.quantities import Quantity, fields_of, full_path, parameters
+from stickslip.quantities import fields_of
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import (
     joined,
@@ -63,8 +62,6 @@ USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, CoulombViscous, Stribeck)
 """Laws that are compared where none is named. Features hardly tell bristles, whose stiffness nobody
 knows: laws with them are judged where they are named."""
 NO_LEVEL = "it has no friction level that these features could determine"
-SCALES = ("level", "force", "speed", "slope")
-"""Scales of the parameters that are fitted if nothing else is asked for."""
 OTHERS = {
     "speed": (0.03, 0.1, 0.3, 0.5, 2.0, 3.0, 10.0),
     "stiffness": (0.3, 3.0),
@@ -134,30 +131,15 @@ class FeatureKind(SimulatedKind):
         vary: str | Sequence[str] | None,
         fixed: Mapping[str, float] | None,
     ) -> StickSlip:
-        block, doubts, found = towed(mechanism), dict[str, float](), dict[str, PulledLaw]()
-        for name, law in laws.items():
-            chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
-            block = towed(chosen.mechanism)
-            doubts = _doubts(block, chosen, measurement)
-            start = with_known(_start(block, chosen.law), chosen.known)
-            free = (LAW,) if chosen.free is None else chosen.free
-            usual = [f"friction.{one}" for one in usual_of(start) if one not in chosen.known]
-            named = [path for path in free if path != LAW]
-            paths = dict.fromkeys([*(usual if LAW in free else ()), *named])
-            if not paths:
-                raise InputError(
-                    f"there is nothing to fit: all friction levels and speeds of {start.title} are"
-                    " fixed; name at least one parameter in vary."
-                )
-            for path in named:
-                own = path.partition(".")[2]
-                if fields_of(type(start))[own].scale not in SCALES:
-                    _check_above_zero(path, getattr(start, own) or 0.0)
-            found[name] = PulledLaw(law=start, free=tuple(paths), given=not isinstance(law, type))
+        towed(mechanism)
+        block, found, doubts = laws_to_run(
+            mechanism, laws, measurement, vary, fixed, start=_start, doubts=DOUBTS
+        )
+        block = replace(towed(block), load=block.steady_load)
         return StickSlip(block, settings_of(block, measurement), found, doubts)
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
-        block = replace(fit.problem.block, load=_block(fit).steady_load)
+        block = replace(fit.problem.mechanism, load=_block(fit).steady_load)
         if measurement.overrides:
             block = with_values(block, "mechanism", measurement.overrides)
         observed = features_of(measurement, mechanism=block).compared
@@ -284,61 +266,11 @@ def _frees_mass(fit: AnyFit) -> bool:
     return bool(fit.problem.doubts.get(MASS, 0.0) >= UNKNOWN)
 
 
-def usual_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
-    """Return the names of the parameters that are fitted: levels, speeds and slopes.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, Viscous
-    >>> usual_of(Coulomb), usual_of(Viscous)
-    (['kinetic_coefficient', 'static_coefficient'], ['viscous_coefficient'])
-    """
-    known = fields_of(law if isinstance(law, type) else type(law))
-    return [
-        name for name, one in known.items()
-        if one.scale in SCALES and not _stands_on_top(known, one)
-    ]  # fmt: skip
-
-
-def _stands_on_top(known: Mapping[str, Quantity], quantity: Quantity) -> bool:
-    """Whether a level must not fall below one that itself stands above another."""
-    return quantity.at_least is not None and known[quantity.at_least].at_least is not None
-
-
-def _check_above_zero(path: str, value: float) -> None:
-    if not value > 0.0:
-        raise InputError(f"a fit to features needs a start value above 0 for {path}, got 0.")
-
-
-def _doubts(
-    block: TowedBlock, chosen: "Parameters[Any]", measurement: Measurement
-) -> dict[str, float]:
-    """Return prior deviations of logarithms of parameters of the block."""
-    known = {path: value for path, _, value in parameters(block, "mechanism")}
-    stated = {full_path(name, known): error
-              for name, error in measurement.parameter_uncertainties.items()}  # fmt: skip
-    own = [path for one in measurement.trials for path in one.parameter_uncertainties]
-    if own:
-        raise InputError(
-            f"fits to features take the uncertainty of {own[0]} beside the trials, alike for all:"
-            " state it there."
-        )
-    found = {path: doubt for path, doubt in DOUBTS.items() if path not in chosen.held}
-    found |= {path: math.log1p(error / known[path]) for path, error in stated.items()
-              if known[path] > 0.0}  # fmt: skip
-    for path in chosen.unknown:
-        _check_above_zero(path, known[path])
-        found[path] = UNKNOWN
-    return found
-
-
 def settings_of(block: TowedBlock, measurement: Measurement) -> list[Setting]:
     """Return the records with the block as it was set."""
     found = []
     for record in measurement.records():
-        own = replace(block, load=block.steady_load)
-        if record.overrides:
-            own = towed(with_values(own, "mechanism", record.overrides))
+        own = towed(with_values(block, "mechanism", record.overrides))
         features = features_of(record, mechanism=own)
         if not features.mean > 0.0:
             raise InputError(
@@ -369,7 +301,7 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
     known = fields_of(type(start))
     for name, one in known.items():
         base, size = one.at_least, sizes.get(one.scale)
-        if base is not None and not _stands_on_top(known, one):
+        if base is not None and not stands_on_top(known, one):
             if getattr(start, name) is None:
                 changes[f"friction.{name}"] = 1.2 * getattr(start, base)
         elif isinstance(law, type) and size is not None and one.allows(size):

@@ -342,9 +342,9 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     ) -> Simulated:
         """Return the measurement as rows, with laws and what is looked for of them."""
 
-    @abstractmethod
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         """Return what a law is off on another record, by what is compared."""
+        raise InputError(f"other {self.measured} are not predicted: give them as trials instead.")
 
     # six texts
     @abstractmethod
@@ -391,7 +391,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def foreseen(self, fit: AnyFit, setting: Any) -> Array:
         """Return draws (k, m) of what is compared, of another record."""
-        raise NotImplementedError
+        raise InputError(f"other {self.measured} are not foreseen: give them as trials instead.")
 
     def pieces(
         self, fit: AnyFit, others: Sequence[AnyFit]
@@ -426,7 +426,9 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> SimulatedVerdict:
         mechanism, measurement = request.mechanism, request.measurement
-        checks = checked(mechanism, measurement, request.validate)
+        checks = checked(
+            mechanism, measurement, request.validate, conditions=self.conditions
+        )
         refused = {name: why for name, law in laws.items() if (why := self.refused(law))}
         tried = {name: law for name, law in laws.items() if name not in refused}
         if not tried:

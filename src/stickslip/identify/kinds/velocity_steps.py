@@ -32,13 +32,13 @@ from stickslip.identify.kinds.simulated import (
     SimulatedCandidate,
     SimulatedKind,
 )
+from stickslip.identify.problems.run_laws import UNKNOWN
 from stickslip.identify.problems.velocity_step_paths import SHORTEST
 from stickslip.identify.problems.velocity_steps import (
     DIRECT,
     EVOLVED,
     PRIORS,
     STIFFNESS,
-    UNKNOWN,
     SteppedLaw,
     VelocitySteps,
     path_of_parameter,

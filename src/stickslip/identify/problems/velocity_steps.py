@@ -51,8 +51,6 @@ RATE = "friction.rate"
 """Path of a - b, less b_2 of a second state: how friction changes with speed in the long run."""
 ORDER = (DIRECT, EVOLVED, DISTANCE, STIFFNESS, LEVEL, STRESS, SECOND, FURTHER)
 """Parameters in the order in which they are told."""
-UNKNOWN = math.log(10.0)
-"""Prior deviation of the logarithm of a stiffness that is looked for: what is given is a guess."""
 PRIORS = {
     STIFFNESS: (1.0, 0.3),
     LEVEL: (1.0, 0.5),
