@@ -4,7 +4,6 @@ Rows are ways, weighed by what repeats of a setting scatter; no further term is 
 error of the scale, alike for all.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, final
 

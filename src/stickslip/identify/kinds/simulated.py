@@ -426,9 +426,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> SimulatedVerdict:
         mechanism, measurement = request.mechanism, request.measurement
-        checks = checked(
-            mechanism, measurement, request.validate, conditions=self.conditions
-        )
+        checks = checked(mechanism, measurement, request.validate, conditions=self.conditions)
         refused = {name: why for name, law in laws.items() if (why := self.refused(law))}
         tried = {name: law for name, law in laws.items() if name not in refused}
         if not tried:
