@@ -158,14 +158,14 @@ def parameters_section(verdict: Verdict) -> Section | None:
         return None
     rows = []
     for own, every in _estimates(verdict):
-        unit = "" if own.quantity.unit == "1" else own.quantity.unit
-        value, doubt = own.parts
+        unit = "" if own.quantity.unit == "1" or not own.bounded else own.quantity.unit
+        value, doubt = own.parts if own.bounded else ("not identified", "")
         rows.append(
             Row(
                 cells=(
                     Name(text=f"${own.quantity.symbol}$", aside=_words_of(own)),
                     Number(value=value, doubt=doubt, unit=unit),
-                    with_unit(interval(every.low, every.high), unit),
+                    with_unit(interval(every.low, every.high), unit if every.bounded else ""),
                 )
             )
         )

@@ -92,7 +92,7 @@ def _error_column(name: str) -> Column[SimulatedCandidate]:
 
     return Column(
         key=f"{name}_error", title=name.rpartition("_")[2], page=name.replace("_", "\n"),
-        phone="label", value=error,
+        phone="label", label=name.replace("_", " "), value=error,
         text=lambda one: signed_percent(round(error(one), 4)) if one.fit else None,
     )  # fmt: skip
 

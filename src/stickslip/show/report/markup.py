@@ -33,7 +33,7 @@ _PLAIN: Final = "0123456789+−"
 _SUBSCRIPTS: Final = MappingProxyType(str.maketrans(_PLAIN, "₀₁₂₃₄₅₆₇₈₉₊₋"))
 _SUPERSCRIPTS: Final = MappingProxyType(str.maketrans(_PLAIN, "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻"))
 _TOKEN: Final = re.compile(
-    r"\$(?P<symbol>[A-Za-z][A-Za-z0-9_+-]*)\$"
+    r"\$(?P<symbol>[A-Za-z][A-Za-z0-9_+-]*(?: - [A-Za-z][A-Za-z0-9_+-]*)*)\$"
     r"|\*\*(?P<bold>\S(?:.*?\S)?)\*\*"
     r"|`(?P<code>[^`]+)`"
     r"|\^\{(?P<sup>[^{}]*)\}"
@@ -41,6 +41,8 @@ _TOKEN: Final = re.compile(
     r"|(?P<raised>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)",
     re.DOTALL,
 )
+DIFFERENCE: Final = " - "
+"""Stands between symbols of which one is taken from another."""
 _FUNCTION: Final = re.compile(r"[A-Za-z]{2,}")
 THIN: Final = "0.17em"
 """Space about the name of a function, which some browsers set too wide and some not at all."""
@@ -51,16 +53,18 @@ _RAISED: Final = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "−0123456789"
 
 
 def symbol(name: str) -> Markup:
-    """Return a symbol as HTML: an italic letter with an upright subscript.
+    """Return a symbol, or a difference of them, as HTML: italic letters, upright subscripts.
 
     Examples
     --------
-    >>> print(symbol("mu_d"), symbol("F_v-"))
-    <i class="v">μ</i><sub>d</sub> <i class="v">F</i><sub>v−</sub>
+    >>> print(symbol("mu_d"), symbol("F_v-"), symbol("a - b"))
+    <i class="v">μ</i><sub>d</sub> <i class="v">F</i><sub>v−</sub> <i class="v">a</i> − ...
     """
-    letter, subscript = _parts(name)
-    below = Markup("<sub>{}</sub>").format(subscript) if subscript else ""
-    return Markup('<i class="v">{}</i>{}').format(letter, below)
+    found = []
+    for letter, subscript in map(_parts, name.split(DIFFERENCE)):
+        below = Markup("<sub>{}</sub>").format(subscript) if subscript else ""
+        found.append(Markup('<i class="v">{}</i>{}').format(letter, below))
+    return Markup(" − ").join(found)
 
 
 def symbol_text(name: str) -> str:
@@ -70,11 +74,11 @@ def symbol_text(name: str) -> str:
 
     Examples
     --------
-    >>> symbol_text("sigma_0"), symbol_text("mu_d")
-    ('σ₀', 'μ_d')
+    >>> symbol_text("sigma_0"), symbol_text("mu_d"), symbol_text("a - b_2")
+    ('σ₀', 'μ_d', 'a − b₂')
     """
-    letter, subscript = _parts(name)
-    return lowered(letter, subscript) if subscript else letter
+    parts = map(_parts, name.split(DIFFERENCE))
+    return " − ".join(lowered(letter, below) if below else letter for letter, below in parts)
 
 
 def lowered(text: str, subscript: str) -> str:
