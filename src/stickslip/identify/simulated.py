@@ -133,13 +133,13 @@ class Simulated(ABC):
         """Return rows (n, k) for points (k, p) by family; NaN where a run fails or is no law."""
 
     # what fits and verdicts read from draws
-    @abstractmethod
     def title(self, family: str) -> str:
         """Return the name of a family in running text."""
+        return family
 
-    @abstractmethod
     def sought(self, family: str) -> Sequence[str]:
         """Return the paths of the parameters that are estimated, in the order of their report."""
+        return self.vary(family).names
 
     def derived(self, family: str) -> Mapping[str, Quantity]:
         """Return what follows from the parameters and is reported with an interval, by path."""
@@ -149,9 +149,9 @@ class Simulated(ABC):
     def quantities(self, family: str) -> Mapping[str, Quantity]:
         """Return symbols and units of the parameters, by path."""
 
-    @abstractmethod
     def read(self, family: str, points: Array, coefficients: Array) -> Mapping[str, Array]:
         """Return parameters, and what is derived (k,), SI, by path, of draws (k, p) and (k, q)."""
+        return dict(zip(self.sought(family), points.T, strict=True))
 
     @abstractmethod
     def result(self, family: str, values: Mapping[str, float]) -> tuple[Any, Mechanism]:

@@ -257,9 +257,6 @@ class LawRuns(Simulated):
     def title(self, family: str) -> str:
         return self.laws[family].law.title
 
-    def sought(self, family: str) -> tuple[str, ...]:
-        return self.paths(family)
-
     def quantities(self, family: str) -> Mapping[str, Quantity]:
         own = {path: one for path, one, _ in parameters(self.mechanism, "mechanism")}
         return {**own, **self.laws[family].quantities}

@@ -523,27 +523,6 @@ CAUGHT: tuple[type[Exception], ...] = (Exception,)
 
 
 @dataclass(frozen=True, kw_only=True)
-class LawLine:
-    """A line of the law with its numbers, ready to copy.
-
-    Parameters
-    ----------
-    label : str
-        What the line is of, such as a direction or a parameter.
-    formula : str
-        The formula; equations stand between dollar signs.
-
-    Examples
-    --------
-    >>> LawLine(label="forward", formula="$F$ = 21.1 N + 158 N s/m × $v$").label
-    'forward'
-    """
-
-    label: str
-    formula: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class Opening:
     """The verdict: a reader may stop after it and leave with the right decision.
 
@@ -559,8 +538,6 @@ class Opening:
         What the record leaves open, one to three items. Never empty.
     figure : Figure, optional
         What a reader has to see beside the verdict.
-    law : tuple of LawLine
-        The law with its numbers.
     facts : tuple of Fact
         Up to three numbers one would quote.
     settles, measure_next : tuple of str
@@ -590,7 +567,6 @@ class Opening:
     lede: str
     cannot_tell: tuple[str, ...]
     figure: Figure | None = None
-    law: tuple[LawLine, ...] = ()
     facts: tuple[Fact, ...] = ()
     settles: tuple[str, ...] = ()
     measure_next: tuple[str, ...] = ()

@@ -6,7 +6,6 @@ cut into branches where they have some, and plain text for terminals.
 
 import html
 import re
-from collections.abc import Iterable
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 from unicodedata import normalize
@@ -16,7 +15,6 @@ from markupsafe import Markup, escape
 
 from stickslip.errors import InputError
 from stickslip.friction import PrintedForm, RightEquation
-from stickslip.identify.fits import Estimate
 from stickslip.show.formatting import unbroken
 
 # Inline HTML that is safe: all text is escaped, and a small markup gives it symbols and weight.
@@ -220,31 +218,6 @@ def _plain_token(match: re.Match[str]) -> str:
     if kind in ("sub", "sup"):
         return (lowered if kind == "sub" else raised)("", content)
     return plain(content) if kind == "bold" else content
-
-
-def typeset(text: str, symbols: Iterable[str]) -> str:
-    """Return text whose symbols stand between dollar signs, which the page typesets.
-
-    Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
-
-    Examples
-    --------
-    >>> typeset("mu_- and sigma_- trade off (-0.98).", ["mu_-", "sigma_-", "J"])
-    '$mu_-$ and $sigma_-$ trade off (−0.98).'
-    """
-    text = re.sub(r"(?<![\w$.])-(?=\d)", "−", text)
-    for name in sorted((s for s in symbols if "_" in s), key=len, reverse=True):
-        text = re.sub(rf"(?<![\w$]){re.escape(name)}(?![\w$+-])", lambda m: f"${m[0]}$", text)
-    return text
-
-
-def label_of(estimate: Estimate) -> str:
-    """Return a parameter in words with its symbol."""
-    if estimate.path == "measurement.offset.friction":
-        name = "Offset of the force sensor"
-    else:
-        name = estimate.path.rpartition(".")[2].replace("_", " ").capitalize()
-    return f"{name} ${estimate.quantity.symbol}$"
 
 
 # Equations in LaTeX, cut into branches for the page and set as plain text for terminals.
