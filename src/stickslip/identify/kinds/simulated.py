@@ -600,7 +600,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     ) -> FitSummary:
         assert fit.verdict is not None
         words = fit.verdict.words
-        lines = [words.verdict, words.lede, *map(str, fit.derived)]
+        lines = [words.verdict, words.lede]
         second = {} if validate is None else fit.judged(validate)
         if second:
             errors = [f"{name.replace('_', ' ')} {significant(x, 2)}" for name, x in second.items()]
