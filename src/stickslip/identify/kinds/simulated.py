@@ -185,8 +185,8 @@ class SimulatedCandidate(Candidate[AnyFit]):
         return data_row(self.kind.all_columns, self)
 
     def to_dict(self) -> Mapping[str, Any]:
-        texts = {"dropped": plain(self.dropped), "second_record": dict(self.second) or None}
-        return {**super().to_dict(), **texts}
+        texts = {"title": self.title, "dropped": plain(self.dropped)}
+        return {**super().to_dict(), **texts, "second_record": dict(self.second) or None}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
