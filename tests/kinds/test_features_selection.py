@@ -153,6 +153,8 @@ def test_a_law_without_a_level_is_kept_with_the_reason(record):
     assert found.best.name == "coulomb"
     assert found.candidates[1].fit is None
     assert "no friction level" in found.candidates[1].outcome
+    row = json.loads(json.dumps(found.to_dict(), allow_nan=False))["candidates"][1]
+    assert row["frequency_error"] is row["fit"] is None
     with pytest.raises(InputError, match="no friction level"):
         select(STATED, [Viscous], record)
 

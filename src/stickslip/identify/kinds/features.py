@@ -87,13 +87,16 @@ class OtherSetting(NamedTuple):
 def _error_column(name: str) -> Column[SimulatedCandidate]:
     """Return the column of what a law leaves of a feature."""
 
-    def error(one: SimulatedCandidate) -> float:
-        return float(one.fit.details["errors"][name]) if one.fit else math.nan
+    def error(one: SimulatedCandidate) -> float | None:
+        return float(one.fit.details["errors"][name]) if one.fit else None
+
+    def text(one: SimulatedCandidate) -> str | None:
+        value = error(one)
+        return None if value is None else signed_percent(round(value, 4))
 
     return Column(
         key=f"{name}_error", title=name.rpartition("_")[2], page=name.replace("_", "\n"),
-        phone="label", label=name.replace("_", " "), value=error,
-        text=lambda one: signed_percent(round(error(one), 4)) if one.fit else None,
+        phone="label", label=name.replace("_", " "), value=error, text=text,
     )  # fmt: skip
 
 
