@@ -134,7 +134,7 @@ def score_text(scale: Scale, score: float | None, error: float | None = None) ->
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate(ABC, Generic[Fit_co], metaclass=Described):
+class Candidate(Generic[Fit_co], metaclass=Described):
     """One law of a selection: its fit, its held-out error, and whether it may be taken."""
 
     name: str
@@ -165,9 +165,14 @@ class Candidate(ABC, Generic[Fit_co], metaclass=Described):
         """Its standard error; None, infinite or not a number if there is none."""
         return None
 
-    @abstractmethod
     def to_row(self) -> Mapping[str, Any]:
         """Return the candidate as a row of `Verdict.to_dataframe`."""
+        return {
+            "law": self.name,
+            "title": self.title,
+            "parameters": self.parameters,
+            "outcome": self.outcome,
+        }
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the candidate as plain numbers and strings."""
