@@ -22,6 +22,7 @@ from stickslip import (
     Measurement,
     Stribeck,
     TowedBlock,
+    fit,
 )
 from stickslip.data.catalogue import dataset
 from stickslip.errors import StickslipError
@@ -29,7 +30,7 @@ from stickslip.identify.fits import RecordFit
 from stickslip.identify.fits.estimation.levenberg_marquardt import search
 from stickslip.identify.fits.records.fitting import fit_record
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
-from stickslip.identify.kinds import features_of, fit_features, fit_rate_state
+from stickslip.identify.kinds import features_of, fit_rate_state
 
 AXIS = Axis(inertia=95.0)
 """EMPS; its mass is looked for."""
@@ -157,28 +158,29 @@ def rock() -> Iterator[Row]:
     machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
     free = ["friction.*", "mechanism.stiffness"]
     found = fit_rate_state(machine, "rate-and-state", record, vary=free, after=AFTER)
-    value = found.rate.value
+    rate = found.derived[0]
+    value = rate.value
     yield Row(
         record="rock",
         what="a - b, first 120 um behind the step",
         bar="0.0157 +- 0.001",
-        reached=f"{value:.4f} ({found.rate.low:.4f} to {found.rate.high:.4f})",
+        reached=f"{value:.4f} ({rate.low:.4f} to {rate.high:.4f})",
         met=abs(value - 0.0157) <= 0.001,
     )
-    yield _below("rock", "residual", 1.13e-3, found.rmse, "")
+    yield _below("rock", "residual", 1.13e-3, found.rms, "")
     yield Row(
         record="rock",
         what="a and b",
         bar="inseparable",
-        reached="separable" if found.separable else "inseparable",
-        met=not found.separable,
+        reached="separable" if found.details["separable"] else "inseparable",
+        met=not found.details["separable"],
     )
     whole = fit_rate_state(machine, "rate-and-state", record, vary=free)
     yield Row(
         record="rock",
         what="a - b, whole record",
         bar="",
-        reached=f"{whole.rate.value:.4f}: it depends on how much is used",
+        reached=f"{whole.derived[0].value:.4f}: it depends on how much is used",
     )
 
 
@@ -200,19 +202,19 @@ def slider() -> Iterator[Row]:
         Measurement(time=record.time[rows], spring_force=record.values("spring_force")[rows])
         for rows in (slice(half), slice(half, None))
     )
-    free = fit_features(block, Coulomb, first, vary=["friction.*", "mechanism.mass"])
+    free = fit(block, Coulomb, first, vary=["friction.*", "mechanism.mass"])
     errors = free.judged(second)
     for name, bar in (("frequency", 5.0), ("mean", 6.0), ("standard_deviation", 10.0)):
         what = f"{name.replace('_', ' ')} of the second half, mass free"
         yield _below("slider", what, bar, 100.0 * errors[name], "%", 2)
     stated = {"mass": block.mass, "stiffness": block.stiffness}
-    nominal = fit_features(block, Coulomb, record, fixed=stated)
+    nominal = fit(block, Coulomb, record, fixed=stated)
     warned = any("effective mass" in sentence for sentence in nominal.sentences)
     yield Row(
         record="slider",
         what="frequency with the nominal mass",
         bar="18.6 % off, with a warning",
-        reached=f"{100 * nominal.errors['frequency']:.1f} %,"
+        reached=f"{100 * nominal.details['errors']['frequency']:.1f} %,"
         f" {'with' if warned else 'without'} a warning",
         met=warned,
     )

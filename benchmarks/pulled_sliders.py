@@ -41,8 +41,8 @@ from stickslip import (
 from stickslip.errors import StickslipError
 from stickslip.friction import RATE_STATE_FORMS, HessSoom, RateState
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds import FeatureVerdict, RateStateVerdict, simulate_velocity_steps
-from stickslip.identify.kinds.features.result import pooled
+from stickslip.identify.kinds import SimulatedVerdict, simulate_velocity_steps
+from stickslip.identify.kinds.simulated import pooled
 from stickslip.identify.problems.limit_cycles import limit_cycles
 from stickslip.quantities import fields_of
 
@@ -214,18 +214,12 @@ def pulled(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any]
         verdict = select(rig.told, None, record)
     except StickslipError as error:
         return row | {"refused": str(error), "seconds": time.process_time() - begun}
-    assert isinstance(verdict, FeatureVerdict)
+    assert isinstance(verdict, SimulatedVerdict)
     row["seconds"] = time.process_time() - begun
     closest = verdict.closest
     assert closest.fit is not None
-    near = [closest.fit, *(c.fit for c in verdict.candidates if c.name in verdict.rivals and c.fit)]
     true = _truths(law, rig.block)
-    stated = [
-        replace(one, low=min(low, one.low), high=max(high, one.high))
-        for one in closest.fit.estimates
-        for low, high in [pooled(near, one.path)]
-    ]
-    known = [*_missed(stated, true)] if verdict.best and rig.truth in INSIDE else []
+    known = [*_missed(verdict.intervals, true)] if verdict.best and rig.truth in INSIDE else []
     own = [one.fit for one in verdict.candidates if one.name == rig.truth and one.fit]
     inside = list[list[bool]]()
     for factors in OTHERS if rig.truth != "track" and verdict.best else ():
@@ -244,9 +238,9 @@ def pulled(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any]
         "lawful": [*_missed(own[0].estimates, true)] if own and rig.truth in INSIDE else [],
         "effective": closest.fit.family.effective,
         "doubt": bool(verdict.rivals),
-        "advised": bool(verdict.settings),
+        "advised": bool(verdict.advised),
     }
-    if rehearsed and verdict.rivals and verdict.settings:
+    if rehearsed and verdict.rivals and verdict.advised:
         row |= _rehearsal(rig, law, record, verdict)
     return row
 
@@ -261,7 +255,7 @@ def _truths(law: FrictionLaw, block: TowedBlock) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _off(rig: Rig, law: FrictionLaw, verdict: FeatureVerdict) -> float:
+def _off(rig: Rig, law: FrictionLaw, verdict: SimulatedVerdict) -> float:
     """Return how far off features are foreseen in the same run at other settings.
 
     That is of mean and scatter, over the mean: a slider that slides on has these too.
@@ -274,19 +268,17 @@ def _off(rig: Rig, law: FrictionLaw, verdict: FeatureVerdict) -> float:
     return max(errors)
 
 
-def _widths(verdict: FeatureVerdict) -> float:
+def _widths(verdict: SimulatedVerdict) -> float:
     """Return the mean logarithm of the widths of levels, whichever law holds."""
-    near = [c.fit for c in verdict.candidates
-            if c.fit and (c is verdict.closest or c.name in verdict.rivals)]  # fmt: skip
     paths = ("friction.kinetic_coefficient", "friction.static_coefficient")
-    return float(np.mean([math.log(np.ptp(pooled(near, path))) for path in paths]))
+    return float(np.mean([math.log(np.ptp(pooled(verdict.fits, path))) for path in paths]))
 
 
 def _rehearsal(
-    rig: Rig, law: FrictionLaw, record: Measurement, verdict: FeatureVerdict
+    rig: Rig, law: FrictionLaw, record: Measurement, verdict: SimulatedVerdict
 ) -> dict[str, Any]:
     """Return what the record that is advised first comes to."""
-    first = verdict.settings[0]
+    first = verdict.advised[0]
     factor = first.value / getattr(rig.told, first.name)
     try:
         another = rig.record(rig.run(), rig.at({first.name: factor}, rig.block))
@@ -295,14 +287,14 @@ def _rehearsal(
         after = select(rig.told, None, Measurement(trials=trials))
     except StickslipError as error:
         return {"advice": False, "after": str(error)}
-    assert isinstance(after, FeatureVerdict)
+    assert isinstance(after, SimulatedVerdict)
     shrink = math.exp(_widths(after) - _widths(verdict))
     fewer = len(after.rivals) < len(verdict.rivals)
     kept = rig.truth in (after.closest.name, *after.rivals) or rig.truth not in INSIDE
     return {
         "advice": shrink <= 0.5 or (fewer and kept),
         "shrink": shrink,
-        "expected": first.left,
+        "expected": first.expected_width,
         "lost": not kept and after.best is not None and _off(rig, law, after) > NEAR,
         "asked": 1,
         "after": after.sentence,
@@ -362,21 +354,22 @@ def stepped(seed: int, number: int) -> dict[str, Any]:
         machine = TowedBlock(mass=1e-3, stiffness=off * stiffness, speed=1e-6, load=1.0)
         begun = time.process_time()
         verdict = select(machine, None, record)
-        assert isinstance(verdict, RateStateVerdict)
+        assert isinstance(verdict, SimulatedVerdict)
         seconds = time.process_time() - begun
         closest = verdict.closest
         assert closest.fit is not None
         fresh = _fresh(knots, places)
+        fitted = closest.fit.law, closest.fit.details["stiffness_over_load"]
         other, own = (
             simulate_velocity_steps(each, stiffness=k, time=fresh[0], pull=fresh[1], at=fresh[2])
-            for each, k in ((law, stiffness), (closest.fit.law, closest.fit.stiffness))
+            for each, k in ((law, stiffness), fitted)
         )
     except StickslipError as error:
         return row | {"refused": str(error), "seconds": time.process_time() - begun}
     variation = max(float(np.std(other.coefficient)), noise)
     error = float(np.sqrt(np.mean((other.coefficient - own.coefficient) ** 2))) / variation
     same = closest.name == truth
-    rival = [verdict.rival] if verdict.rival else []
+    rival = verdict.rivals[:1]
     return _rated(
         row, verdict.best.name if verdict.best else "", rival,
         hedged="is closest, but" in verdict.sentence, error=error,

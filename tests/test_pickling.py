@@ -163,7 +163,7 @@ NUMBERS_ONLY = {
 }  # fmt: skip
 """Kinds without rows."""
 
-ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict"}
+ELSEWHERE = {"JointVerdict"}
 """Results whose parts are those of others here, and that take minutes."""
 PARTS = {"Criteria", "FixedStepRow", "Interval", "LawCandidate"}
 """What a verdict is made of."""
@@ -204,7 +204,7 @@ def test_a_result_that_takes_long_comes_back_too(kind):
 
 def test_every_public_result_is_in_a_table(made):
     kinds = {one.__name__ for result in made.values() for one in type(result).__mro__}
-    slow = {"Plan", "RateStateFit", "RateStateVerdict"}
+    slow = {"Plan", "SimulatedFit", "SimulatedVerdict"}
     results = {"Checks", "Finding"}
     for door in (engine, identify):
         for name in door.__all__:

@@ -19,7 +19,8 @@ from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
 from stickslip.identify import Foreseen, JointLawFit, LawFit
 from stickslip.identify.fits import RecordFit, RecordSettings
-from stickslip.identify.kinds import FeatureFit, RateStateFit
+from stickslip.identify.kinds import SimulatedFit
+from stickslip.identify.problems.velocity_steps import record_of
 from stickslip.mechanisms import DCMotor, Mechanism, PositionLoop
 from stickslip.mechanisms.drives import Sampled
 from stickslip.show.described import Described
@@ -70,7 +71,7 @@ class Metric(ABC, metaclass=Described):
 
         Parameters
         ----------
-        fit : RecordFit, RateStateFit or FeatureFit
+        fit : RecordFit or SimulatedFit
             What is judged.
         record : Measurement
             The part that judges.
@@ -165,8 +166,11 @@ class CoefficientError(Metric):
     text: str = "rms error of the coefficient of friction (0.1 % is 0.001)"
     """What it is, in words."""
 
-    def of(self, fit: RateStateFit, record: Measurement) -> Error:
-        return Error(fit.judged(record, since=self.since))
+    def of(self, fit: SimulatedFit[Any], record: Measurement) -> Error:
+        other = record_of(record, fit.problem.record.load)
+        late = other.time + other.begins >= self.since
+        left = other.coefficient - fit.problem.foreseen(fit.family, fit.name, other)
+        return Error(float(np.sqrt(np.mean(left[late] ** 2))))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,7 +188,7 @@ class FeatureError(Metric):
     text: str = "rms of the relative errors of frequency, mean and standard deviation of the force"
     """What it is, in words."""
 
-    def of(self, fit: FeatureFit, record: Measurement) -> Error:
+    def of(self, fit: SimulatedFit[Any], record: Measurement) -> Error:
         found = list(fit.judged(record).values())
         return Error(float(np.sqrt(np.mean(np.square(found)))))
 

@@ -19,7 +19,6 @@ from stickslip import (
 )
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.identify.fits.validation import LAW, Parameters
-from stickslip.identify.kinds import fit_features
 from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)
@@ -166,9 +165,9 @@ def test_features_know_the_mass_to_what_is_stated_unless_it_is_varied(pulled):
     held = fit(heavy, Coulomb, pulled)
     # 20 % too heavy by a mass that is known to 5 %, and a stiffness to 10 %
     assert 0.03 < held.mechanism.mass < 0.036
-    freed = fit_features(heavy, Coulomb, pulled, vary=[LAW, "mechanism.mass"])
+    freed = fit(heavy, Coulomb, pulled, vary=[LAW, "mechanism.mass"])
     assert freed.mechanism.mass == pytest.approx(0.03, rel=0.05)
-    fixed = fit_features(heavy, Coulomb, pulled, fixed={"mass": 0.03, "static_coefficient": 0.32})
+    fixed = fit(heavy, Coulomb, pulled, fixed={"mass": 0.03, "static_coefficient": 0.32})
     assert fixed.mechanism.mass == 0.03
     assert fixed.law.static_coefficient == 0.32
     paths = ["friction.kinetic_coefficient", "mechanism.stiffness"]

@@ -15,6 +15,7 @@ from stickslip.identify.simulated import (
     SimulatedPosterior,
     Unknowns,
 )
+from stickslip.quantities import Quantity
 
 ROWS = 200
 X = np.linspace(-1.0, 1.0, ROWS)
@@ -41,6 +42,12 @@ class Lines(Simulated):
 
     def starts(self, family, ends):
         return np.full((1, 1 + (family == "bent")), 1.1)
+
+    def quantities(self, family):
+        return {name: Quantity(name) for name in self.sought(family)}
+
+    def result(self, family, values):
+        return values, None
 
     def simulate(self, asked):
         found = {}

@@ -1,16 +1,15 @@
 """Columns of tables of candidates: one list, read by DataFrames, terminals and pages."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import pytest
 
 from stickslip.identify.kinds import Column, data_row, page_table, terminal_table
-from stickslip.identify.kinds.features.verdict import COLUMNS as OF_FEATURES
-from stickslip.identify.kinds.features.verdict import FeatureCandidate
-from stickslip.identify.kinds.velocity_steps.verdict import COLUMNS as OF_STEPS
-from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate
+from stickslip.identify.kinds.features import FeatureKind
+from stickslip.identify.kinds.simulated import SimulatedCandidate
+from stickslip.identify.kinds.velocity_steps import VelocityStepKind
 from stickslip.show.formatting import EstimateText, Scale
 from stickslip.show.report import Number, RowPlot
 
@@ -95,42 +94,37 @@ def test_a_page_may_say_a_cell_otherwise():
     assert first.cells[0] == "**dahl**"
 
 
-def rate_state(**values):
-    return RateStateCandidate(
-        name="rate-and-state", title="Rate and state", fit=None, share=0.0, **values
-    )
+def candidate(kind, **values):
+    return SimulatedCandidate(kind=kind, name="coulomb", title="Coulomb", fit=None, **values)
 
 
-def test_a_law_on_velocity_steps_without_a_fit_has_all_columns_of_a_dataframe():
-    row = rate_state(dropped="the slider runs away").to_row()
-    assert list(row) == ["law", "parameters", "share", "leaves", "a_minus_b", "outcome"]
+def test_a_law_without_a_fit_has_all_columns_of_a_dataframe():
+    row = candidate(VelocityStepKind(), dropped="the slider runs away").to_row()
+    assert list(row) == ["law", "parameters", "leaves", "share", "a_minus_b", "outcome"]
     assert row["leaves"] is row["a_minus_b"] is None
 
 
-def test_a_terminal_shows_the_share_of_a_law_on_velocity_steps_and_its_second_record():
-    heads, ((_, free, share, leaves, rate, second),) = terminal_table(
-        OF_STEPS, [rate_state(second=2e-3)]
-    )
-    assert heads == ["law", "free", "share", "leaves", "a − b", "second record"]
-    assert (free, share, leaves, rate, second) == ("—", "—", "no score", "—", "0.00200")
+def test_a_terminal_shows_the_probability_of_a_law_and_its_second_record():
+    kind = VelocityStepKind()
+    one = candidate(kind, second={"coefficient": 2e-3})
+    heads, ((_, *cells),) = terminal_table(kind.all_columns, [one])
+    assert heads == ["law", "parameters", "leaves", "probability", "a − b", "second record"]
+    assert cells == ["—", "no score", "—", "—", "0.00200"]
 
 
-def test_a_law_on_features_shows_its_share_and_what_it_misses():
+def test_a_law_on_features_shows_its_probability_and_what_it_misses():
     errors = {"frequency": -0.03, "mean": 0.04, "standard_deviation": 0.0}
-    fit = SimpleNamespace(estimates=(1, 2), rms=0.05, errors=errors)
-    candidate = FeatureCandidate(
-        name="coulomb", title="Coulomb", fit=fit, share=0.9, second={"mean": 0.08}
-    )
-    heads, (row,) = terminal_table(OF_FEATURES, [candidate])
-    assert heads == ["law", "free", "share", "frequency", "mean", "deviation", "second"]
-    assert row == ["coulomb", "2", "90 %", "−3 %", "+4 %", "0 %", "8 %"]
-    without = FeatureCandidate(name="dahl", title="Dahl", fit=None, dropped="not fitted")
-    _, (row,) = terminal_table(OF_FEATURES, [without])
-    assert row == ["dahl", "—", "—", "—", "—", "—"]
+    fit = SimpleNamespace(estimates=(1, 2), rms=0.05, details={"errors": errors})
+    kind = FeatureKind()
+    one = replace(candidate(kind, share=0.9, second={"mean": 0.08}), fit=fit)
+    heads, (row,) = terminal_table(kind.all_columns, [one])
+    assert heads[4:] == ["frequency", "mean", "deviation", "second record"]
+    assert row == ["Coulomb", "2", "0.0500", "90 %", "−3 %", "+4 %", "0 %", "0.0800"]
 
 
-@pytest.mark.parametrize("columns", [OF_FEATURES, OF_STEPS])
-def test_keys_and_headings_of_a_kind_stand_once(columns):
+@pytest.mark.parametrize("kind", [FeatureKind(), VelocityStepKind()])
+def test_keys_and_headings_of_a_kind_stand_once(kind):
+    columns = kind.all_columns
     for names in ([column.key for column in columns], [column.title for column in columns],
                   [column.page for column in columns]):  # fmt: skip
         given = [name for name in names if name]

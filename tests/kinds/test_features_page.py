@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
-from stickslip.identify.kinds.features.page import _excerpt
+from stickslip.identify.kinds.features import cycles_of
 from stickslip.identify.kinds.report import verdict_page
 from stickslip.identify.problems.limit_cycles import WATCHED
 from stickslip.show.report import render
@@ -36,16 +36,16 @@ def page(verdict):
 @pytest.mark.slow
 def test_sections_stand_in_the_order_in_which_a_reader_decides(verdict):
     document = verdict_page(verdict, ORIGIN)
-    wanted = ["verdict", "force", "scores", "parameters", "record", "next", "reproduce"]
+    wanted = ["verdict", "runs", "models", "parameters", "open", "record", "reproduce"]
     assert [section.id for section in document.sections] == wanted
 
 
 def test_the_page_says_the_verdict_and_how_to_get_it_again(verdict, page):
     assert "these features do not distinguish it from" in page
-    assert "effective mass" in page
+    assert "The effective mass is" in page
     assert "stickslip select slider.toml" in page
     assert "abc" in page
-    assert "What records at other settings would tell" in page
+    assert "give both records as trials" in page
 
 
 @pytest.mark.slow
@@ -62,7 +62,7 @@ def test_a_page_on_a_law_that_misses_the_features_settles_nothing_of_it(verdict)
     found = select(verdict.mechanism, [Coulomb], verdict.measurement, fixed=held)
     opening = verdict_page(found, ORIGIN).sections[0]
     (block,) = opening.blocks
-    assert "No candidate reproduces the features" in block.verdict
+    assert "No law compared explains these features" in block.verdict
     assert not any("mu" in line for line in block.settles)
 
 
@@ -71,13 +71,11 @@ def test_the_page_runs_no_script_and_loads_nothing(page):
     assert 'src="http' not in page
 
 
-def test_an_excerpt_lies_beside_the_limit_cycle_in_its_nearest_phase(verdict):
+def test_cycles_lie_beside_the_limit_cycle_in_its_nearest_phase(verdict):
     fit = verdict.best.fit
-    time = np.asarray(fit.measurement.time)
-    force = np.asarray(fit.measurement.spring_force) / REAL.load
-    seen = _excerpt(fit, time, force)
-    assert np.ptp(seen.time) == pytest.approx(WATCHED / fit.observed.frequency, rel=0.02)
-    simulated = np.interp(seen.time, seen.simulated_time, seen.simulated)
-    left = float(np.std(simulated - seen.measured))
+    _, time, measured, predicted = cycles_of(fit)
+    frequency = fit.problem.first.features.frequency
+    assert np.ptp(time) == pytest.approx(WATCHED / frequency, rel=0.02)
+    left = float(np.std(predicted[fit.law.title] - measured))
     # one of 64 phases is at most 0.05 rad off, and 0.3 % of frequency are 0.15 rad in 8 cycles
-    assert left < 0.2 * float(np.std(seen.measured))
+    assert left < 0.2 * float(np.std(measured))

@@ -1,4 +1,4 @@
-"""`select_rate_state`: made-up records of known laws, a rock, and what is said of each."""
+"""Selections on velocity steps: made-up records of known laws, a rock, and what is said of each."""
 
 import functools
 import json
@@ -8,18 +8,11 @@ import numpy as np
 import pytest
 from tests.support import sketched
 
-from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
+from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement, select
 from stickslip.errors import InputError
 from stickslip.friction import RateState
-from stickslip.identify.kinds import (
-    RateStateVerdict,
-    fit_rate_state,
-    select_rate_state,
-    simulate_velocity_steps,
-)
+from stickslip.identify.kinds import SimulatedVerdict, fit_rate_state, simulate_velocity_steps
 from stickslip.identify.kinds.registry import kind_of_route
-from stickslip.identify.kinds.velocity_steps.page import sections
-from stickslip.identify.kinds.velocity_steps.selection import rate_state_laws
 from stickslip.show.report.blocks import Origin, Page, made_sections, render
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
@@ -77,7 +70,7 @@ def verdicts():
     @functools.cache
     def verdict_on(name, *among):
         record = pulled(law(**TRUTHS[name]))
-        return select_rate_state(MACHINE, among or None, record, settings=SETTINGS)
+        return select(MACHINE, among or None, record, settings=SETTINGS)
 
     return verdict_on
 
@@ -134,14 +127,14 @@ OTHERS = {
 )
 def test_three_steps_name_forms_that_are_tried_by_name(name, rival):
     record = pulled(law(**OTHERS[name]))
-    verdict = select_rate_state(MACHINE, [rival, name], record, settings=SETTINGS)
+    verdict = select(MACHINE, [rival, name], record, settings=SETTINGS)
     named(verdict, name)
     assert verdict.ranked
 
 
 @pytest.mark.parametrize(("name", "seed"), [("logarithmic", 1), ("constant-coefficient", 2)])
 def test_no_parameters_are_invented_where_nothing_evolves(name, seed):
-    verdict = select_rate_state(MACHINE, None, pulled(law(**TRUTHS[name]), seed=seed))
+    verdict = select(MACHINE, None, pulled(law(**TRUTHS[name]), seed=seed))
     assert verdict.best.name == name
     symbols = {e.quantity.symbol for e in verdict.best.fit.estimates}
     assert not symbols & {"b", "D_c", "b_2", "c"}
@@ -152,7 +145,7 @@ def test_no_parameters_are_invented_where_nothing_evolves(name, seed):
 def test_no_second_state_is_invented_where_the_machine_is_stiffer_than_told(seed):
     truth = law(evolution=("ageing", "slip")[seed % 2])
     machine = TowedBlock(mass=1e-3, stiffness=2.8e3, speed=1e-6, load=1.0)
-    verdict = select_rate_state(machine, None, pulled(truth, seed=30 + seed))
+    verdict = select(machine, None, pulled(truth, seed=30 + seed))
     assert verdict.best.name == truth.name
     values = {"a": 0.010, "b": 0.014, "D_c": 1e-5, "k": 2e3}
     for estimate in verdict.best.fit.estimates:
@@ -166,8 +159,8 @@ def test_no_second_state_is_invented_where_the_machine_is_stiffer_than_told(seed
 @pytest.mark.parametrize("seed", [1, 2])
 def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
     record = pulled(law(**TRUTHS[name]), ONE, seed=seed)
-    verdict = select_rate_state(MACHINE, None, record, settings=SETTINGS)
-    assert name in (verdict.closest.name, verdict.rival)
+    verdict = select(MACHINE, None, record, settings=SETTINGS)
+    assert name in (verdict.closest.name, *verdict.rivals)
     assert any("only one" in line for line in verdict.words.cannot_tell)
     assert any("More steps" in line for line in verdict.words.measure_next)
 
@@ -179,12 +172,11 @@ def test_a_curved_trend_is_no_constant_coefficient():
         time=record.time, pull=record.pull, load=1.0,
         friction=record.friction + 0.02 * np.exp(-way / 0.2) - 0.01 * way,
     )  # fmt: skip
-    verdict = select_rate_state(MACHINE, None, worn)
+    verdict = select(MACHINE, None, worn)
     assert verdict.best.name == "constant-coefficient"
-    assert "no effect of speed is established" in verdict.sentence
-    assert "the coefficient changes along the way" in verdict.sentence
+    assert "No effect of speed is established." in verdict.words.lede
     # .0173 up at its beginning, .0097 down at its end beside the mean
-    (line,) = (one for one in verdict.best.fit.sentences if "drifts" in one)
+    line = verdict.words.lede.partition("drifts")[2]
     first, last = (float(x) for x in (line.split("from ")[1].split(" ")[0],
                                       line.split(" to ")[1].split(" ")[0]))  # fmt: skip
     assert first - last == pytest.approx(0.02 * (1.0 - math.exp(-5.0)) + 0.01, abs=1e-3)
@@ -192,29 +184,29 @@ def test_a_curved_trend_is_no_constant_coefficient():
 
 def test_a_drift_is_told_beside_friction_that_depends_on_speed():
     record = pulled(law(**PLAIN), drift=20.0, noise=2e-4)
-    verdict = select_rate_state(MACHINE, ["logarithmic", "constant-coefficient"], record)
+    verdict = select(MACHINE, ["logarithmic", "constant-coefficient"], record)
     assert verdict.best.name == "logarithmic"
-    assert verdict.best.fit.drift == pytest.approx(20.0, rel=0.1)
+    assert verdict.best.fit.details["drift"] == pytest.approx(20.0, rel=0.1)
     assert "drifts" in verdict.words.lede
 
 
 def test_a_selection_of_one_law_is_its_fit(verdicts):
     record = pulled(law(**PLAIN))
     fit = fit_rate_state(MACHINE, "logarithmic", record)
-    (alone,) = select_rate_state(MACHINE, "logarithmic", record).candidates
+    (alone,) = select(MACHINE, "logarithmic", record).candidates
     assert alone.share == 1.0
     assert [e.to_dict() for e in alone.fit.estimates] == [e.to_dict() for e in fit.estimates]
 
 
 def test_a_stopped_selection_goes_on_with_the_best_so_far():
     told = []
-    verdict = select_rate_state(
+    verdict = select(
         MACHINE, ["constant-coefficient", "logarithmic"], pulled(law(**PLAIN)),
         progress=lambda name, rms: told.append((name, rms)), settings=SETTINGS,
     )  # fmt: skip
     assert verdict.best.name == "logarithmic"
     assert told[-1][1] == pytest.approx(5e-4, rel=0.15)
-    stopped = select_rate_state(
+    stopped = select(
         MACHINE, "rate-and-state", pulled(law()), progress=lambda *_: False, settings=SETTINGS
     )
     assert stopped.closest.fit.cancelled
@@ -224,42 +216,45 @@ def test_a_stopped_selection_goes_on_with_the_best_so_far():
 def test_a_law_that_leaves_more_than_noise_sends_to_the_forms_that_were_not_tried():
     two = law(second_evolution_effect=0.006, second_critical_distance=1e-4)
     laws = ["rate-and-state", "logarithmic"]
-    verdict = select_rate_state(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
+    verdict = select(MACHINE, laws, pulled(two, memory=1e-9), settings=SETTINGS)
     assert verdict.sentence.startswith("Rate-and-state friction with the ageing law is closest,")
     assert "rate-and-two-states" in verdict.words.measure_next[0]
-    every = select_rate_state(MACHINE, None, pulled(two, memory=1e-9), settings=SETTINGS)
+    every = select(MACHINE, None, pulled(two, memory=1e-9), settings=SETTINGS)
     assert every.best.name == "rate-and-two-states"
     assert every.sentence.startswith("Use rate-and-state friction with two states")
 
 
 def test_the_rock_leaves_more_than_noise_to_every_law_and_tells_the_difference_alone(rock):
     assert "not noise of single samples" in rock.sentence
-    assert "Only" in rock.sentence
+    assert "Only this difference is identified." in rock.words.lede
     logarithmic = next(one for one in rock.candidates if one.name == "logarithmic")
     # published: a = 0.0157 and b about 0 on the first 0.12 mm after the step
-    assert logarithmic.fit.rate.low < 0.0157 < logarithmic.fit.rate.high
+    assert logarithmic.fit.derived[0].low < 0.0157 < logarithmic.fit.derived[0].high
     assert any("only one" in line for line in rock.words.cannot_tell)
 
 
 def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     up = ([0.0, 10.0, 50.0, 70.0], [0.0, 30.0, 150.0, 550.0])
     second = pulled(law(), up, seed=5)
-    assert verdicts(*EVOLVING).best.fit.judged(second) == pytest.approx(5e-4, rel=0.2)
-    verdict = select_rate_state(
+    assert verdicts(*EVOLVING).best.fit.judged(second)["coefficient"] == pytest.approx(
+        5e-4, rel=0.2
+    )
+    verdict = select(
         MACHINE, ["constant-coefficient"], pulled(law()), validate=second, settings=SETTINGS
     )
     known = next(c for c in verdicts(*EVOLVING).candidates if c.name == "constant-coefficient")
     # what the best of others leaves says how much counts as a trend, and so a little of the level
     level = verdict.closest.fit.law.reference_coefficient
     assert level == pytest.approx(known.fit.law.reference_coefficient, abs=1e-4)
-    assert verdict.closest.second > 3e-3  # of steps that change friction by 0.01 and overshoot
+    # of steps that change friction by 0.01 and overshoot
+    assert verdict.closest.second["coefficient"] > 3e-3
     assert kind_of_route(verdict.route).comparison(verdict).heads[-1] == "second record"
 
 
 @each_truth
 def test_a_verdict_is_plain_numbers_and_a_table(verdicts, name):
     verdict = verdicts(name)
-    assert isinstance(verdict, RateStateVerdict)
+    assert isinstance(verdict, SimulatedVerdict)
     told = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
     assert told["route"] == "rate-state"
     assert told["best"] == verdict.best.name
@@ -274,20 +269,21 @@ def test_stick_slip_under_a_load_point_is_explained_by_no_law():
     pull = 1e-6 * np.interp(t, *THREE)
     saw = 0.6 + 0.2 * (np.mod(pull, 1.7e-5) / 1.7e-5 - 0.5)
     record = Measurement(time=t, pull=pull, friction=saw, load=1.0)
-    verdict = select_rate_state(MACHINE, None, record, settings=SETTINGS)
+    verdict = select(MACHINE, None, record, settings=SETTINGS)
     assert verdict.best is None or verdict.best.name == "constant-coefficient"
 
 
 def test_candidates_are_checked():
-    assert [*rate_state_laws("logarithmic")] == ["logarithmic"]
-    assert [*rate_state_laws(RateState)] == ["rate-and-state"]
-    assert [*rate_state_laws({"mine": law()})] == ["mine"]
+    laws_of = kind_of_route("rate-state").laws
+    assert [*laws_of(["logarithmic"])] == ["logarithmic"]
+    assert [*laws_of([RateState])] == ["rate-and-state"]
+    assert [*laws_of({"mine": law()})] == ["mine"]
     with pytest.raises(InputError, match="slip speed was not measured"):
-        rate_state_laws([Coulomb])
-    with pytest.raises(InputError, match="no friction law to try"):
-        rate_state_laws([])
+        laws_of([Coulomb])
+    with pytest.raises(InputError, match="no friction law was given"):
+        laws_of([])
     with pytest.raises(InputError, match="two of `laws`"):
-        rate_state_laws([RateState, "rate-and-state"])
+        laws_of([RateState, "rate-and-state"])
 
 
 @pytest.fixture(scope="module")
@@ -298,16 +294,17 @@ def rock(data_dir):
         gain={"pull": 1e-6},
     )
     machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
-    return select_rate_state(machine, None, record, vary=["friction.*", "mechanism.stiffness"])
+    return select(machine, None, record, vary=["friction.*", "mechanism.stiffness"])
 
 
 def test_pages_have_every_section(verdicts, rock):
     for verdict in (verdicts(*EVOLVING), verdicts("logarithmic"), rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
         with sketched():  # a page of its route is drawn whole in `test_velocity_steps`
-            made = made_sections(*sections(verdict, origin, "Measured in Pisa."))
+            kind = kind_of_route(verdict.route)
+            made = made_sections(*kind.sections(verdict, origin, "Measured in Pisa."))
         ids = [one.id for one in made]
-        assert ids[:5] == ["verdict", "friction", "scores", "parameters", "residuals"]
+        assert ids[:4] == ["verdict", "runs", "models", "parameters"]
         assert ids[-1] == "reproduce"
         page = render(Page(title="Gouge", subject="gouge", sections=made, footer="stickslip"))
         assert "Measured in Pisa." in page
@@ -319,7 +316,7 @@ def test_fits_and_verdicts_draw_themselves_and_show_in_notebooks(verdicts):
     verdict = verdicts("logarithmic")
     assert verdict.plot().get_xlabel()
     axes = verdict.best.fit.plot()
-    assert axes.get_ylabel() == "coefficient of friction"
-    np.testing.assert_array_equal(axes.lines[1].get_ydata(), verdict.best.fit.fitted)
+    assert axes.get_ylabel() == "coefficient"
+    np.testing.assert_array_equal(axes.lines[1].get_ydata(), verdict.best.fit.family.band[1])
     for one in (verdict, verdict.best.fit):
         assert "<table" in one._repr_html_()

@@ -509,6 +509,7 @@ def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
         candidates=(candidate,),
         best=None,
         ranked=False,
+        checks=None,
     )
     with pytest.raises(InputError, match=r"no law has a held-out error to plot\. One only\."):
         plots.plot_verdict(verdict)

@@ -93,7 +93,6 @@ def everything(extra: str = "") -> report.Page:
         kicker=f"One travel {extra}",
         verdict="Use Coulomb with $mu_d$ = 0.255.",
         lede=f"It is enough. {extra}",
-        law=(report.LawLine(label="forward", formula="$F$ = 21.1 N"),),
         facts=(report.Fact(value="0.255", aside="0.249 to 0.261", what=f"$mu_d$ {extra}"),),
         settles=("Mean friction.",),
         cannot_tell=(f"$mu_s$. {extra}",),

@@ -25,11 +25,9 @@ from stickslip.identify.joints import fit_joints as fit_joints
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.judgement import ASSERTED as ASSERTED
-from stickslip.identify.kinds import FeatureFit as FeatureFit
-from stickslip.identify.kinds import FeatureVerdict as FeatureVerdict
 from stickslip.identify.kinds import Plan as Plan
-from stickslip.identify.kinds import RateStateFit as RateStateFit
-from stickslip.identify.kinds import RateStateVerdict as RateStateVerdict
+from stickslip.identify.kinds import SimulatedFit as SimulatedFit
+from stickslip.identify.kinds import SimulatedVerdict as SimulatedVerdict
 from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
 from stickslip.identify.kinds import TrialComparison as TrialComparison
@@ -43,6 +41,7 @@ from stickslip.identify.laws import TITLES as TITLES
 from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section
 from stickslip.identify.page import remarks_section as remarks_section
+from stickslip.identify.page import sections_of as sections_of
 from stickslip.identify.page import verdict_sections as verdict_sections
 from stickslip.identify.posterior import allotted as allotted
 from stickslip.identify.problems.record_signals import NotToldError as NotToldError
@@ -74,8 +73,6 @@ __all__ = [
     "criteria_of",
     "BandVerdict",
     "Estimate",
-    "FeatureFit",
-    "FeatureVerdict",
     "Fit",
     "Foreseen",
     "Interval",
@@ -84,9 +81,9 @@ __all__ = [
     "LawFit",
     "Plan",
     "PredictionBand",
-    "RateStateFit",
-    "RateStateVerdict",
     "RecordFit",
+    "SimulatedFit",
+    "SimulatedVerdict",
     "TravelFit",
     "TravelVerdict",
     "TrialComparison",

@@ -15,7 +15,7 @@ from typing_extensions import TypeVar
 from stickslip.data import Checks, Measurement
 from stickslip.errors import InputError
 from stickslip.friction import CandidateSpec, FrictionLaw, specification, usual_specifications
-from stickslip.identify.fits import Fit
+from stickslip.identify.fits import AnyLaw_co, Estimate, Fit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.described import Described
@@ -134,7 +134,7 @@ def score_text(scale: Scale, score: float | None, error: float | None = None) ->
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate(ABC, Generic[Fit_co], metaclass=Described):
+class Candidate(Generic[Fit_co], metaclass=Described):
     """One law of a selection: its fit, its held-out error, and whether it may be taken."""
 
     name: str
@@ -165,9 +165,14 @@ class Candidate(ABC, Generic[Fit_co], metaclass=Described):
         """Its standard error; None, infinite or not a number if there is none."""
         return None
 
-    @abstractmethod
     def to_row(self) -> Mapping[str, Any]:
         """Return the candidate as a row of `Verdict.to_dataframe`."""
+        return {
+            "law": self.name,
+            "title": self.title,
+            "parameters": self.parameters,
+            "outcome": self.outcome,
+        }
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the candidate as plain numbers and strings."""
@@ -188,6 +193,47 @@ class Candidate(ABC, Generic[Fit_co], metaclass=Described):
 
 
 Candidate_co = TypeVar("Candidate_co", bound=Candidate, default=Candidate, covariant=True)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JudgedFit(Fit[AnyLaw_co]):
+    """A fit by a posterior: the selection in which no other law is compared."""
+
+    measurement: Measurement
+    """What was fitted."""
+    verdict: "Verdict | None" = None
+    """What is said of the fit: the verdict of a selection with this law alone; None in one."""
+
+    @property
+    def route(self) -> str:
+        """How it was fitted."""
+        return "" if self.verdict is None else self.verdict.route
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the measurement does not tell, in sentences."""
+        return () if self.verdict is None else self.verdict.words.cannot_tell
+
+    def _notes(self) -> Sequence[str]:
+        return self.sentences
+
+    def to_dict(self) -> Mapping[str, Any]:
+        if self.verdict is None:
+            return super().to_dict()
+        words = self.verdict.words
+        return {
+            **super().to_dict(),
+            "route": self.verdict.route,
+            "verdict": words.verdict,
+            "leaves": self.verdict.closest.score,
+            "settles": list(words.settles),
+            "cannot_tell": list(words.cannot_tell),
+            "measure_next": list(words.measure_next),
+            "remarks": list(self.remarks),
+        }
+
+    def __str__(self) -> str:
+        return f"{self.law.title}: {', '.join(map(str, self.estimates))}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,7 +272,11 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
     best: Candidate_co | None
     """The law to use; None if the verdict names none."""
     ranked: bool
-    """Whether held-out errors decided."""
+    """Whether no other law may hold instead of the one that is named."""
+    checks: Checks
+    """What is doubtful about the measurement."""
+    intervals: tuple[Estimate, ...] = ()
+    """Parameters of the closest law with their intervals whichever law of the set has them."""
 
     @property
     @final
@@ -245,9 +295,15 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
         """SI unit of the scores; ``"1"`` for relative ones, empty for those of a coefficient."""
 
     @property
-    def closest(self) -> Candidate_co | None:
-        """The best law, or what comes closest to the measurement where none is named."""
-        return self.best
+    def closest(self) -> Candidate_co:
+        """The law that is named, or what comes closest to the measurement where none is."""
+        return self.candidates[0]
+
+    @property
+    def stated(self) -> Sequence[tuple[Estimate, Estimate]]:
+        """Parameters of the closest law: if it holds, and whichever law of the set has them."""
+        fit = self.closest.fit
+        return [] if fit is None else [*zip(fit.estimates, self.intervals, strict=True)]
 
     @property
     @final
@@ -286,7 +342,7 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
                 **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
             },
             "best": self.best.name if self.best else None,
-            "closest": self.closest.name if self.closest else None,
+            "closest": self.closest.name,
             "ranked": self.ranked,
             "route": self.route,
             "candidates": [candidate.to_dict() for candidate in self.candidates],

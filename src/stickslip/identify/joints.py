@@ -155,28 +155,13 @@ class JointLawFit(_OfJoints, Fit[Laws]):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class JointLaws(Candidate[JointLawFit]):
-    """The combination of laws that is named."""
-
-    def to_row(self) -> Mapping[str, Any]:
-        return {
-            "law": self.name,
-            "title": self.title,
-            "parameters": self.parameters,
-            "outcome": self.outcome,
-        }
-
-
-@dataclass(frozen=True, kw_only=True, repr=False)
-class JointVerdict(_OfJoints, Verdict[JointLaws]):
+class JointVerdict(_OfJoints, Verdict[Candidate[JointLawFit]]):
     """A verdict on each of several joints, and the mechanism that goes with them."""
 
     joints: Mapping[str, BandVerdict]
     """By contact."""
     resting: tuple[str, ...]
     """Coordinates that rest throughout: nothing tells their friction."""
-    checks: Checks
-    """What is doubtful about the measurement."""
 
     @property
     def route(self) -> str:
@@ -186,10 +171,6 @@ class JointVerdict(_OfJoints, Verdict[JointLaws]):
     def score_unit(self) -> str:
         units = {one.score_unit for one in self.joints.values()}
         return units.pop() if len(units) == 1 else ""
-
-    @property
-    def closest(self) -> JointLaws:
-        return self.candidates[0]
 
     @property
     def law(self) -> Laws:
@@ -601,7 +582,7 @@ def _verdict(
         joints=joints,
         fits=fits,
     )
-    candidate = JointLaws(
+    candidate: Candidate[JointLawFit] = Candidate(
         name=",".join(f"{name}={one.closest.name}" for name, one in joints.items()),
         title=", ".join(
             f"{name}: {in_sentence(one.closest.title)}" for name, one in joints.items()

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from stickslip.identify.candidates import Verdict
 from stickslip.identify.figures import draw_band
 from stickslip.identify.fits import Estimate
 from stickslip.identify.ladder import ladder_texts, probability_text
@@ -36,11 +37,18 @@ from stickslip.show.report import (
 
 
 def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
-    """Return what makes the sections of the page of a verdict."""
+    """Return what makes the sections of the page of a verdict with a band."""
+    middle = partial(figure_section, verdict), partial(laws_section, verdict)
+    return sections_of(verdict, origin, remark, *middle)
+
+
+def sections_of(
+    verdict: Verdict, origin: Origin, remark: str, *middle: SectionMaker
+) -> tuple[SectionMaker, ...]:
+    """Return what makes the sections of the page of any verdict, with its figures and laws."""
     return (
         partial(opening_section, verdict, origin, remark),
-        partial(figure_section, verdict),
-        partial(laws_section, verdict),
+        *middle,
         partial(parameters_section, verdict),
         partial(remarks_section, verdict),
         partial(record_and_checks, verdict.checks),
@@ -49,7 +57,7 @@ def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple
 
 
 def opening_section(
-    verdict: BandVerdict, origin: Origin, remark: str, figure: Figure | None = None
+    verdict: Verdict, origin: Origin, remark: str, figure: Figure | None = None
 ) -> Section:
     """Return the section that a reader may stop after."""
     words = verdict.words
@@ -64,15 +72,12 @@ def opening_section(
     )
 
 
-def _estimates(verdict: BandVerdict) -> list[tuple[Estimate, Estimate]]:
+def _estimates(verdict: Verdict) -> list[tuple[Estimate, Estimate]]:
     """Return the parameters, if the named law holds and whichever does, levels and slopes first."""
-    fit = verdict.closest.fit
-    assert fit is not None
-    both = zip(fit.estimates, verdict.intervals, strict=True)
-    return sorted(both, key=lambda one: importance(one[0]))
+    return sorted(verdict.stated, key=lambda one: importance(one[0]))
 
 
-def facts(verdict: BandVerdict) -> list[Fact]:
+def facts(verdict: Verdict) -> list[Fact]:
     """Return the parameters of the named law with their intervals, three at most."""
     found = []
     for own, every in _estimates(verdict):
@@ -147,22 +152,20 @@ def laws_section(verdict: BandVerdict) -> Section:
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
-def parameters_section(verdict: BandVerdict) -> Section | None:
+def parameters_section(verdict: Verdict) -> Section | None:
     """Return the parameters: under the named law, and whichever law has them."""
-    fit = verdict.closest.fit
-    assert fit is not None
-    if not fit.estimates:
+    if not verdict.stated:
         return None
     rows = []
     for own, every in _estimates(verdict):
-        unit = "" if own.quantity.unit == "1" else own.quantity.unit
-        value, doubt = own.parts
+        unit = "" if own.quantity.unit == "1" or not own.bounded else own.quantity.unit
+        value, doubt = own.parts if own.bounded else ("not identified", "")
         rows.append(
             Row(
                 cells=(
                     Name(text=f"${own.quantity.symbol}$", aside=_words_of(own)),
                     Number(value=value, doubt=doubt, unit=unit),
-                    with_unit(interval(every.low, every.high), unit),
+                    with_unit(interval(every.low, every.high), unit if every.bounded else ""),
                 )
             )
         )
@@ -180,7 +183,7 @@ def parameters_section(verdict: BandVerdict) -> Section | None:
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=(table,))
 
 
-def remarks_section(verdict: BandVerdict) -> Section | None:
+def remarks_section(verdict: Verdict) -> Section | None:
     """Return what is open beyond what the opening says; None without more."""
     lines = verdict.words.cannot_tell[MOST:]
     if not lines:

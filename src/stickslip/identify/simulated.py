@@ -34,16 +34,18 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from stickslip.identify.bands import Array
-from stickslip.identify.fits import BLOCKS, effective_size
+from stickslip.identify.fits import BLOCKS, Estimate, effective_size
 from stickslip.identify.posterior import allotted
 from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
 from stickslip.show.formatting import significant
 
 ROUNDS = 40
@@ -66,6 +68,9 @@ TAILS = THRESHOLDS.freedom
 WHITE = 0.7
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
+
+UNTOLD = 0.7
+"""Deviation of draws over that of their prior, above which the rows tell nothing of a parameter."""
 
 Watch: TypeAlias = Callable[[str, float], object]
 
@@ -108,6 +113,8 @@ class Simulated(ABC):
     """Draws about which proposals are made with derivatives of their own; 0 for none."""
     proposed: int = PROPOSED
     """Draws of a family in each round."""
+    no_run: str = "no run works"
+    """What is said of a law of which no run gives rows."""
 
     @abstractmethod
     def prior(self, family: str) -> float:
@@ -124,6 +131,45 @@ class Simulated(ABC):
     @abstractmethod
     def simulate(self, asked: Mapping[str, Array]) -> Mapping[str, Array]:
         """Return rows (n, k) for points (k, p) by family; NaN where a run fails or is no law."""
+
+    # what fits and verdicts read from draws
+    def title(self, family: str) -> str:
+        """Return the name of a family in running text."""
+        return family
+
+    def sought(self, family: str) -> Sequence[str]:
+        """Return the paths of the parameters that are estimated, in the order of their report."""
+        return self.vary(family).names
+
+    def derived(self, family: str) -> Mapping[str, Quantity]:
+        """Return what follows from the parameters and is reported with an interval, by path."""
+        return {}
+
+    @abstractmethod
+    def quantities(self, family: str) -> Mapping[str, Quantity]:
+        """Return symbols and units of the parameters, by path."""
+
+    def read(self, family: str, points: Array, coefficients: Array) -> Mapping[str, Array]:
+        """Return parameters, and what is derived (k,), SI, by path, of draws (k, p) and (k, q)."""
+        return dict(zip(self.sought(family), points.T, strict=True))
+
+    @abstractmethod
+    def result(self, family: str, values: Mapping[str, float]) -> tuple[Any, Mechanism]:
+        """Return the law and the mechanism with values of parameters, by path."""
+
+    def told(
+        self, family: "FamilyPosterior", name: str, estimates: Sequence[Estimate]
+    ) -> Sequence[Estimate]:
+        """Return the estimates of a law, those that rows do not tell with the reason."""
+        return estimates
+
+    def leaves(self, family: "FamilyPosterior", name: str) -> float:
+        """Return the root mean square of what a law leaves, in the unit of the kind."""
+        return family.rms
+
+    def contains(self, name: str, other: str) -> bool:
+        """Return whether a family is another one at some values of its parameters."""
+        return False
 
 
 @dataclass(eq=False)
@@ -179,6 +225,11 @@ class FamilyPosterior:
     """Quantiles of 2.5, 50 and 97.5 % of the rows (3, n), without their noise."""
     rms: float
     """Root mean square of what the mode leaves; infinite where no run works."""
+
+    def is_prior(self, name: str) -> bool:
+        """Return whether draws of a coordinate are as wide as its prior."""
+        at = self.unknowns.names.index(name)
+        return float(np.std(self.points[:, at])) > UNTOLD * float(self.unknowns.deviation[at])
 
     @property
     def few_draws(self) -> tuple[str, ...]:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.data import (
-    Checks,
     LawEstimates,
     Measurement,
     as_turning,
@@ -23,10 +22,9 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.identify.bands import Foreseen, Interval, PredictionBand
-from stickslip.identify.candidates import Candidate, Verdict, score_scale
+from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
-    Fit,
     as_informed,
     as_loaded,
     estimates_for,
@@ -52,13 +50,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class LawFit(Fit[FrictionLaw]):
+class LawFit(JudgedFit[FrictionLaw]):
     """A law of the set with its parameters and their intervals."""
 
     judgement: Judgement
     """The posterior of the force balance, projected on the laws."""
-    measurement: Measurement
-    """What was fitted."""
     structure: Structure
     """The terms of the law."""
     largest_speed: float
@@ -105,35 +101,12 @@ class LawFit(Fit[FrictionLaw]):
             raise InputError("this fit is part of a verdict: call predict of the verdict.")
         return self.verdict.predict(measurement)
 
-    @property
-    def route(self) -> str:
-        """How it was fitted."""
-        return "" if self.verdict is None else self.verdict.route
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """What the measurement does not tell, in sentences."""
-        return () if self.verdict is None else self.verdict.words.cannot_tell
-
-    def _notes(self) -> Sequence[str]:
-        return self.sentences
-
     def to_dict(self) -> Mapping[str, Any]:
+        found = super().to_dict()
         if self.verdict is None:
-            return super().to_dict()
-        words = self.verdict.words
-        return {
-            **super().to_dict(),
-            "route": self.verdict.route,
-            "verdict": words.verdict,
-            "within": self.verdict.closest.distance,
-            "leaves": self.verdict.closest.left,
-            "correlation": self.correlation.tolist(),
-            "settles": list(words.settles),
-            "cannot_tell": list(words.cannot_tell),
-            "measure_next": list(words.measure_next),
-            "remarks": list(self.remarks),
-        }
+            return found
+        within = self.verdict.closest.distance
+        return {**found, "within": within, "correlation": self.correlation.tolist()}
 
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
@@ -147,9 +120,6 @@ class LawFit(Fit[FrictionLaw]):
             band=self.judgement.band(rows),
         )
         return plot_band(drawing, ax)
-
-    def __str__(self) -> str:
-        return f"{self.law.title}: {', '.join(map(str, self.estimates))}"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -215,8 +185,6 @@ class BandVerdict(Verdict[LawCandidate]):
     """Band of the friction there [N] or [N m]."""
     other_specimen: PredictionBand | None = None
     """Band of friction of another run or specimen there, where several were measured."""
-    checks: Checks
-    """What is doubtful about the measurement."""
     route_name: str
     """Route that made it."""
     second: Measurement | None = None
@@ -229,8 +197,6 @@ class BandVerdict(Verdict[LawCandidate]):
     """Expected width of the band after what is proposed, over today's."""
     places: tuple[float, ...] = ()
     """Velocities that are proposed [m/s] or [rad/s]."""
-    intervals: tuple[Estimate, ...] = field(default=())
-    """Parameters of the named law with their intervals whichever law of the set has them."""
 
     @property
     def route(self) -> str:
@@ -308,10 +274,6 @@ class BandVerdict(Verdict[LawCandidate]):
         """
         judgement = self.judgement
         return judgement.acting(judgement.problem.at(velocity, load, inputs))
-
-    @property
-    def closest(self) -> LawCandidate:
-        return self.candidates[0]
 
     @property
     def law(self) -> FrictionLaw:

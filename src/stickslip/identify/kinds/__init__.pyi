@@ -1,10 +1,4 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.identify.kinds.features.fit import fit_features as fit_features
-from stickslip.identify.kinds.features.result import FeatureFit as FeatureFit
-from stickslip.identify.kinds.features.selection import select_features as select_features
-from stickslip.identify.kinds.features.verdict import FeatureCandidate as FeatureCandidate
-from stickslip.identify.kinds.features.verdict import FeatureVerdict as FeatureVerdict
-from stickslip.identify.kinds.features.verdict import OtherSetting as OtherSetting
 from stickslip.identify.kinds.kind import Column as Column
 from stickslip.identify.kinds.kind import Comparison as Comparison
 from stickslip.identify.kinds.kind import FitSummary as FitSummary
@@ -29,6 +23,10 @@ from stickslip.identify.kinds.report import drawn_laws as drawn_laws
 from stickslip.identify.kinds.report import verdict_page as verdict_page
 from stickslip.identify.kinds.report import write_report as write_report
 from stickslip.identify.kinds.report import write_verdict as write_verdict
+from stickslip.identify.kinds.simulated import SimulatedCandidate as SimulatedCandidate
+from stickslip.identify.kinds.simulated import SimulatedFit as SimulatedFit
+from stickslip.identify.kinds.simulated import SimulatedKind as SimulatedKind
+from stickslip.identify.kinds.simulated import SimulatedVerdict as SimulatedVerdict
 from stickslip.identify.kinds.travels.fit import TravelFit as TravelFit
 from stickslip.identify.kinds.travels.fit import fit_travels as fit_travels
 from stickslip.identify.kinds.travels.plan.page import plan_page as plan_page
@@ -42,15 +40,11 @@ from stickslip.identify.kinds.travels.selection import select_travels as select_
 from stickslip.identify.kinds.travels.verdict import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels.verdict import TravelVerdict as TravelVerdict
 from stickslip.identify.kinds.trials import TrialComparison as TrialComparison
-from stickslip.identify.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
-from stickslip.identify.kinds.velocity_steps.result import RateStateFit as RateStateFit
-from stickslip.identify.kinds.velocity_steps.selection import select_rate_state as select_rate_state
-from stickslip.identify.kinds.velocity_steps.slider import SliderHistory as SliderHistory
-from stickslip.identify.kinds.velocity_steps.slider import simulate_velocity_steps as simulate_velocity_steps
-from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate as RateStateCandidate
-from stickslip.identify.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
+from stickslip.identify.kinds.velocity_steps import fit_rate_state as fit_rate_state
 from stickslip.identify.kinds.verbs import fit as fit
 from stickslip.identify.kinds.verbs import select as select
+from stickslip.identify.problems.rate_state_slider import SliderHistory as SliderHistory
+from stickslip.identify.problems.rate_state_slider import simulate_velocity_steps as simulate_velocity_steps
 from stickslip.identify.problems.slip_features import StickSlipFeatures as StickSlipFeatures
 from stickslip.identify.problems.slip_features import features_of as features_of
 
@@ -58,18 +52,15 @@ __all__ = [
     "AnyKind",
     "Column",
     "Comparison",
-    "FeatureCandidate",
-    "FeatureFit",
-    "FeatureVerdict",
     "FitSummary",
     "Kind",
     "Law",
-    "OtherSetting",
     "Plan",
-    "RateStateCandidate",
-    "RateStateFit",
-    "RateStateVerdict",
     "Request",
+    "SimulatedCandidate",
+    "SimulatedFit",
+    "SimulatedKind",
+    "SimulatedVerdict",
     "SliderHistory",
     "StickSlipFeatures",
     "TravelCandidate",
@@ -78,7 +69,6 @@ __all__ = [
     "data_row",
     "features_of",
     "fit",
-    "fit_features",
     "fit_rate_state",
     "fit_travels",
     "kind_of",
@@ -88,8 +78,6 @@ __all__ = [
     "plan",
     "refuse_unused",
     "select",
-    "select_features",
-    "select_rate_state",
     "select_travels",
     "simulate_velocity_steps",
     "terminal_table",

@@ -11,7 +11,7 @@ from typing_extensions import TypeVar
 
 from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw, specification
-from stickslip.identify.candidates import Candidate, Verdict, score_scale
+from stickslip.identify.candidates import Candidate, Verdict
 from stickslip.identify.fits import (
     AGREE,
     LAW,
@@ -23,13 +23,11 @@ from stickslip.identify.fits import (
     names_of,
 )
 from stickslip.identify.kinds.trials import TrialComparison
-from stickslip.identify.ladder import probability_text
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import (
     NO_VALUE,
     EstimateText,
     Scale,
-    count,
     number,
     percent,
     with_unit,
@@ -38,17 +36,13 @@ from stickslip.show.report import (
     Axis,
     Cell,
     Colour,
-    Fact,
     Number,
     Origin,
     Row,
-    Section,
     SectionMaker,
     Table,
     error_axis,
     error_plot,
-    opening,
-    reproduce,
 )
 from stickslip.show.report import Column as PageColumn
 
@@ -275,31 +269,6 @@ class FitSummary:
     """Whether several trials share the law."""
 
 
-def opening_section(verdict: Verdict, kicker: str, remark: str) -> Section:
-    """Return the section that a reader may stop after."""
-    return opening(verdict.words, kicker, remark, no_score=verdict.words.no_score)
-
-
-def candidates_section(columns: Columns[Any], verdict: Verdict) -> Section:
-    """Return the section that compares all laws."""
-    table = page_table(
-        columns,
-        verdict.candidates,
-        cells={},
-        scale=score_scale([one.score for one in verdict.candidates], verdict.score_unit),
-        colour=lambda one: "c1" if one is verdict.best else "muted",
-        chosen=lambda one: one is verdict.best,
-        caption="",
-    )
-    heading = count(len(verdict.candidates), "candidate")
-    return Section(id="models", nav="Models compared", heading=heading, blocks=(table,))
-
-
-def reproduce_section(verdict: Verdict, origin: Origin) -> Section:
-    """Return the section with commands, versions, hashes and sources."""
-    return reproduce(origin, laws=[one.fit.law for one in verdict.candidates if one.fit])
-
-
 class Kind(ABC, Generic[F, V]):
     """How one kind of measurement is fitted, compared and shown; the only place that knows.
 
@@ -330,8 +299,6 @@ class Kind(ABC, Generic[F, V]):
     """Whether fitted laws can be simulated, and written as rig files."""
     conditions: ClassVar[frozenset[str]] = frozenset()
     """Names of the conditions of trials that are used, without their units."""
-    columns: ClassVar[Columns[Any]] = ()
-    """What tables say of each candidate, where `comparison` and `sections` are the usual ones."""
 
     def __init_subclass__(cls) -> None:
         """Check the names of options and settings: a misspelt one would never be used."""
@@ -394,25 +361,19 @@ class Kind(ABC, Generic[F, V]):
     def select(self, request: Request) -> V:
         """Compare laws and name one."""
 
+    @abstractmethod
     def comparison(self, verdict: V) -> Comparison:
         """Return the table of a verdict."""
-        heads, rows = terminal_table(self.columns, verdict.candidates)
-        notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates if one.outcome]
-        return Comparison(heads=heads, rows=rows, notes=notes)
 
+    @abstractmethod
     def summary(
         self, fit: F, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
         """Return what a terminal shows of a fit, with its error on a second record."""
-        return FitSummary()
 
+    @abstractmethod
     def sections(self, verdict: V, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
         """Return what makes the sections of the page of a verdict."""
-        return (
-            partial(opening_section, verdict, origin.data, remark),
-            partial(candidates_section, self.columns, verdict),
-            partial(reproduce_section, verdict, origin),
-        )
 
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
         """Return the contact inputs that laws may depend on."""
@@ -433,17 +394,6 @@ class Kind(ABC, Generic[F, V]):
         be said.
         """
         return ""
-
-
-def probable_text(share: float, laws: int) -> str:
-    """Return how probable the closest of several laws is, as a sentence; empty if there is one."""
-    return f"{probability_text(share)} probable among {laws} laws. " if laws > 1 else ""
-
-
-def share_fact(share: float, laws: int) -> tuple[Fact, ...]:
-    """Return how probable the closest of several laws is, for a page; nothing if there is one."""
-    fact = Fact(value=probability_text(share), what=f"probability among {laws} laws")
-    return (fact,) if laws > 1 else ()
 
 
 def restarts_text(agreeing: int, starts: int) -> str:

@@ -9,12 +9,12 @@ from stickslip.data import Measurement, as_readings
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import law_type
 from stickslip.identify.fits import called, check_inputs
-from stickslip.identify.kinds.features.kind import FeatureKind
+from stickslip.identify.kinds.features import FeatureKind
 from stickslip.identify.kinds.joints import JointKind
 from stickslip.identify.kinds.kind import Kind, Request
 from stickslip.identify.kinds.records import FrictionTableKind, RecordKind
 from stickslip.identify.kinds.travels.kind import TravelKind
-from stickslip.identify.kinds.velocity_steps.kind import VelocityStepKind
+from stickslip.identify.kinds.velocity_steps import VelocityStepKind
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import name_taken, plugins
 from stickslip.show.formatting import joined

@@ -125,7 +125,7 @@ def fit(
     Returns
     -------
     Fit
-        A `TravelFit`, `RecordFit`, `FeatureFit` or `RateStateFit`: the fitted law, estimates with
+        A `LawFit`, `TravelFit`, `RecordFit` or `SimulatedFit`: the fitted law, estimates with
         intervals, predictions.
 
     Raises
@@ -234,7 +234,7 @@ def select(
     -------
     Verdict
         A `BandVerdict` of tables and of records of one coordinate, else a `TravelVerdict`,
-        `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`, or that of a kind
+        `JointVerdict` or `SimulatedVerdict`, or that of a kind
         of another package: candidates, the law to use, what the data settle and what they cannot
         tell.
 

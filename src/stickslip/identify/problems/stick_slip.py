@@ -37,21 +37,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import Array
 from stickslip.identify.posterior import Places
 from stickslip.identify.problems.limit_cycles import limit_cycles
-from stickslip.identify.problems.slip_features import READ, StickSlipFeatures
-from stickslip.identify.simulated import Always, FamilyPosterior, Simulated, Unknowns
+from stickslip.identify.problems.run_laws import LawRuns, RunLaw
+from stickslip.identify.problems.slip_features import COMPARED, READ, StickSlipFeatures
+from stickslip.identify.simulated import Always, FamilyPosterior
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import TowedBlock
-from stickslip.quantities import Quantity, fields_of, parameters
 
 MASS, STIFFNESS = "mechanism.mass", "mechanism.stiffness"
 DOUBTS = {MASS: 0.05, STIFFNESS: 0.1}
 """Prior deviations of logarithms of what nobody states an uncertainty of: see above."""
-SPREADS = {"level": 0.5, "surplus": 1.2, "speed": 1.5, "slope": 0.5, "other": 1.5}
-"""Prior deviations of coordinates of laws: see above."""
 LACKS = ((0.005, 0.45), (0.015, 0.35), (0.05, 0.2))
 """Sizes of what laws lack and of what differs from run to run, with their probability."""
 SHARES = np.array([1.0, 1.0, 2.0])
@@ -103,37 +100,7 @@ class Setting:
         return np.asarray(np.cov(self.stretches.T) + np.diag(np.square(read)))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PulledLaw:
-    """A law that is compared: with values of what is held, and what is looked for."""
-
-    law: FrictionLaw
-    free: tuple[str, ...]
-    """Paths of its parameters that are looked for."""
-    given: bool = False
-    """Whether its values were given: a search begins there, too."""
-    title: str = ""
-
-    @property
-    def quantities(self) -> Mapping[str, Quantity]:
-        """What its parameters are, by path."""
-        return {f"friction.{name}": one for name, one in fields_of(type(self.law)).items()}
-
-    def above(self, path: str) -> str:
-        """Return the path of the parameter that one does not fall below; empty without one."""
-        base = self.quantities[path].at_least
-        return "" if base is None else f"friction.{base}"
-
-    def kind(self, path: str) -> str:
-        """Return what the prior of a parameter goes by."""
-        one = self.quantities[path]
-        if one.at_least is not None:
-            return "surplus"
-        scale = "level" if one.scale == "force" else one.scale.rstrip("+-")
-        return scale if scale in SPREADS else "other"
-
-
-class StickSlip(Simulated):
+class StickSlip(LawRuns):
     """Features of stretches of records, in units of how they scatter.
 
     Parameters
@@ -142,7 +109,7 @@ class StickSlip(Simulated):
         The block as it is stated.
     settings : sequence of Setting
         The records.
-    laws : mapping of str to PulledLaw
+    laws : mapping of str to RunLaw
         What is compared.
     doubts : mapping of str to float
         Prior deviations of logarithms of parameters of the block, by path.
@@ -150,17 +117,31 @@ class StickSlip(Simulated):
 
     places, proposed = 150, 1200
     """Three features leave a ridge of values; runs take 30 us."""
+    alike = "other values give the same features"
+    no_run = "no run has a limit cycle: check the mass, stiffness and speed of the block"
 
     def __init__(
         self,
         block: TowedBlock,
         settings: Sequence[Setting],
-        laws: Mapping[str, PulledLaw],
+        laws: Mapping[str, RunLaw],
         doubts: Mapping[str, float],
     ) -> None:
-        self.block, self.settings, self.laws = block, settings, laws
-        self.doubts = {path: doubt for path, doubt in doubts.items() if doubt > 0.0}
-        self._stated = {path: value for path, _, value in parameters(block, "mechanism")}
+        self.settings = settings
+        logs = [one.features.stretches.mean(axis=0) for one in settings if not one.slides]
+        _, mean, scatter = np.exp(np.mean(logs, axis=0)).tolist()
+        first = self.first.block
+        slip = first.speed + 2.0 * scatter * first.steady_load / math.sqrt(
+            first.stiffness * first.mass
+        )
+        load = block.steady_load
+        super().__init__(
+            block,
+            laws,
+            doubts,
+            sizes={"level": mean, "surplus": scatter, "speed": slip, "slope": mean * load / slip},
+            load=load,
+        )
         self._roots = [np.linalg.inv(np.linalg.cholesky(one.covariance)) for one in settings]
         self._counts = [len(one.features.stretches) for one in settings]
         self.measured = np.concatenate([
@@ -168,18 +149,8 @@ class StickSlip(Simulated):
             for one, root in zip(settings, self._roots, strict=True)
         ])  # fmt: skip
         self.weights = np.ones(len(self.measured))
-        logs = [one.features.stretches.mean(axis=0) for one in settings if not one.slides]
-        _, self.mean, self.scatter = np.exp(np.mean(logs, axis=0)).tolist()
         self.middle = float(np.mean([_speed_of(one.block) for one in settings]))
-        first = self.first.block
-        self.slip = first.speed + 2.0 * self.scatter * first.steady_load / math.sqrt(
-            first.stiffness * first.mass
-        )
         self.always = self._always()
-        least = min(len(one.free) for one in laws.values())
-        simple = [name for name, one in laws.items() if len(one.free) == least]
-        stages = simple, [name for name in laws if name not in simple]
-        self.stages = tuple(stage for stage in stages if stage)
 
     @property
     def first(self) -> Setting:
@@ -215,93 +186,27 @@ class StickSlip(Simulated):
         law = self.laws[family]
         return any(law.kind(path) == "speed" for path in law.quantities)
 
-    # ------------------------------------------------------------------ coordinates
-    def _coordinate(self, family: str, path: str) -> tuple[float, float]:
-        """Return the prior mean and the deviation of a coordinate."""
-        if path in self.doubts:
-            return math.log(self._stated[path]), self.doubts[path]
-        law = self.laws[family]
-        kind = law.kind(path)
-        scale = law.quantities[path].scale
-        unit = self.block.steady_load if scale == "force" else 1.0
-        middles = {"level": self.mean, "surplus": self.scatter, "speed": self.slip, "slope": 1.0}
-        middle = middles.get(kind, 0.0) * unit
-        if kind == "other":
-            middle = abs(self._held(family, path))
-        return (0.0 if kind == "slope" else math.log(middle)), SPREADS[kind]
-
-    def _held(self, family: str, path: str) -> float:
-        name = path.partition(".")[2]
-        return float(getattr(self.laws[family].law, name) or 0.0)
-
-    @property
-    def _steep(self) -> float:
-        return float(self.mean * self.block.steady_load / self.slip)
-
-    def paths(self, family: str) -> tuple[str, ...]:
-        """Return the paths of what is unknown of a family: those of the law, then the block's."""
-        return (*self.laws[family].free, *self.doubts)
-
-    def vary(self, family: str) -> Unknowns:
-        numbers = np.array([self._coordinate(family, path) for path in self.paths(family)])
-        numbers = numbers.reshape(-1, 2)
-        return Unknowns(names=self.paths(family), mean=numbers[:, 0], deviation=numbers[:, 1])
-
-    def values(self, family: str, points: Array) -> dict[str, Array]:
-        """Return values (k,) by path, SI, at points (k, p); of the block those of `block`."""
-        law, found = self.laws[family], dict[str, Array]()
-        for path, x in zip(self.paths(family), points.T, strict=True):
-            slope = path not in self.doubts and law.kind(path) == "slope"
-            found[path] = self._steep * np.maximum(x, 0.0) if slope else np.exp(np.minimum(x, 50.0))
-        for path in law.free:
-            if above := law.above(path):
-                found[path] = found[path] + found.get(above, self._held(family, above))
-        return found
-
-    def _point(self, family: str, values: Mapping[str, float]) -> Array:
-        """Return the point (p,) with some values, and the prior's for the others."""
-        law, point = self.laws[family], []
-        for path in self.paths(family):
-            x = values.get(path)
-            kind = "log" if path in self.doubts else law.kind(path)
-            if x is not None and kind == "surplus":
-                x = x - values.get(law.above(path), self._held(family, law.above(path)))
-            if kind == "slope":
-                point.append(0.01 if x is None else max(x / self._steep, 0.01))
-            elif x is None or x <= 0.0:
-                point.append(self._coordinate(family, path)[0])
-            else:
-                point.append(math.log(x))
-        return np.array(point)
-
-    def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
-        law, first = self.laws[family], self.first
+    def tried(self, family: str) -> list[dict[str, float]]:
+        law, first, tried = self.laws[family], self.first, list[dict[str, float]]()
+        mean, scatter = self.sizes["level"], self.sizes["surplus"]
         swing = first.features.frequency * 2.0 * math.pi
         block = first.block
         rigid = block.speed * math.sqrt(block.stiffness * block.mass) / block.steady_load
-        swung = math.sqrt(max(2.0 * self.scatter**2 - rigid**2, 0.01 * self.scatter**2))
-        surpluses = {1.7 * self.scatter, 0.3 * self.scatter, swung}
+        swung = math.sqrt(max(2.0 * scatter**2 - rigid**2, 0.01 * scatter**2))
         machines: list[dict[str, float]] = [{}]
         if self.doubts.get(MASS, 0.0) > DOUBTS[MASS]:
             machines.append({MASS: block.stiffness / swing**2})
-        tried: list[dict[str, float]] = []
         for machine in machines:
-            for surplus in sorted(surpluses):
-                levels = {path: self.mean for path in law.free if law.kind(path) == "level"}
-                above = {
-                    path: self.mean + surplus for path in law.free if law.kind(path) == "surplus"
-                }
+            for surplus in sorted({1.7 * scatter, 0.3 * scatter, swung}):
+                levels = {path: mean for path in law.free if law.kind(path) == "level"}
+                above = {path: mean + surplus for path in law.free if law.kind(path) == "surplus"}
                 for share in (0.3, 3.0):
                     speeds = {
-                        path: share * self.slip for path in law.free if law.kind(path) == "speed"
-                    }
+                        path: share * self.sizes["speed"]
+                        for path in law.free if law.kind(path) == "speed"
+                    }  # fmt: skip
                     tried.append({**levels, **above, **speeds, **machine})
-        for name, end in ends.items():
-            values = {path: float(x[0]) for path, x in self.values(name, end[None]).items()}
-            tried.append({path: x for path, x in values.items() if path in self.paths(family)})
-        if law.given:
-            tried.append({path: self._held(family, path) for path in law.free})
-        return np.unique([self._point(family, one) for one in tried], axis=0)
+        return tried
 
     # ------------------------------------------------------------------ runs
     def cycles(self, family: str, points: Array, blocks: Sequence[TowedBlock]) -> Array:
@@ -311,11 +216,11 @@ class StickSlip(Simulated):
         for path in ("mass", "stiffness", "speed", "damping"):
             own = f"mechanism.{path}"
             stated = np.tile([float(getattr(one, path)) for one in blocks], count)
-            ratio = 1.0 if own not in rows else rows[own] / self._stated[own]
+            ratio = 1.0 if own not in rows else rows[own] / self.given[own]
             rows[own] = stated * ratio
         rows["mechanism.load"] = np.tile([one.steady_load for one in blocks], count)
         period = np.tile([self._period(one) for one in blocks], count)
-        found = limit_cycles(self.block, self.laws[family].law, rows, period)
+        found = limit_cycles(self.mechanism, self.laws[family].law, rows, period)
         return np.asarray(found.reshape(count, several, 3))
 
     def _period(self, block: TowedBlock) -> float:
@@ -324,7 +229,7 @@ class StickSlip(Simulated):
             if one.block == block and not one.slides:
                 return 1.0 / one.features.frequency
         natural = 2.0 * math.pi * math.sqrt(block.mass / block.stiffness)
-        sticks = 4.0 * self.scatter * block.steady_load / (block.stiffness * block.speed)
+        sticks = 4.0 * self.sizes["surplus"] * block.steady_load / (block.stiffness * block.speed)
         return float(natural + sticks)
 
     def simulate(self, asked: Mapping[str, Array]) -> dict[str, Array]:
@@ -338,6 +243,25 @@ class StickSlip(Simulated):
             rows = np.concatenate(parts)
             found[family] = np.where(np.isfinite(rows), rows, np.nan)
         return found
+
+    # ------------------------------------------------------------------ results
+    def modes(self, family: FamilyPosterior, name: str) -> Array:
+        """Return frequency, mean and scatter (r, 3) of the likeliest limit cycle in each record."""
+        blocks = [one.block for one in self.settings]
+        return np.asarray(self.cycles(name, family.mode[None], blocks)[0])
+
+    def errors(self, family: FamilyPosterior, name: str) -> dict[str, float]:
+        """Return relative errors of the features, root mean squares with the sign of the mean."""
+        off = np.array([
+            one.rows(features[None])[0] - one.centre
+            for one, features in zip(self.settings, self.modes(family, name), strict=True)
+            if not one.slides
+        ])  # fmt: skip
+        errors = np.sqrt(np.mean(np.expm1(off) ** 2, axis=0)) * np.sign(off.sum(axis=0) + 1e-300)
+        return dict(zip(COMPARED, errors.tolist(), strict=True))
+
+    def leaves(self, family: FamilyPosterior, name: str) -> float:
+        return float(np.sqrt(np.mean(np.square([*self.errors(family, name).values()]))))
 
     def foreseen(
         self, name: str, family: FamilyPosterior, blocks: Sequence[TowedBlock], which: Places

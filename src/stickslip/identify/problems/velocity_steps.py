@@ -30,22 +30,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.friction import RateState, RateStateForm
-from stickslip.identify.bands import Array
+from stickslip.identify.bands import ENDS, Array
+from stickslip.identify.fits import Estimate
 from stickslip.identify.problems.velocity_step_paths import STRETCHES, Path, path_of
 from stickslip.identify.problems.velocity_step_runs import Sliders, coefficients_of
-from stickslip.identify.simulated import Always, Simulated, Unknowns
+from stickslip.identify.simulated import Always, FamilyPosterior, Simulated, Unknowns
+from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.mechanisms import TowedBlock
+from stickslip.quantities import Quantity, fields_of
 from stickslip.show.formatting import number, quantity
 
 DIRECT, EVOLVED, DISTANCE = "direct_effect", "evolution_effect", "critical_distance"
 SECOND, FURTHER, STRESS = "second_evolution_effect", "second_critical_distance", "stress_effect"
 STIFFNESS, LEVEL = "stiffness", "reference_coefficient"
-UNKNOWN = math.log(10.0)
-"""Prior deviation of the logarithm of a stiffness that is looked for: what is given is a guess."""
+RATE = "friction.rate"
+"""Path of a - b, less b_2 of a second state: how friction changes with speed in the long run."""
+ORDER = (DIRECT, EVOLVED, DISTANCE, STIFFNESS, LEVEL, STRESS, SECOND, FURTHER)
+"""Parameters in the order in which they are told."""
 PRIORS = {
     STIFFNESS: (1.0, 0.3),
     LEVEL: (1.0, 0.5),
@@ -241,6 +246,17 @@ class SteppedLaw:
         return (*own, STIFFNESS) if own else ()
 
 
+def path_of_parameter(name: str) -> str:
+    """Return the path of a parameter of a law, or of the stiffness.
+
+    Examples
+    --------
+    >>> path_of_parameter("stiffness"), path_of_parameter("direct_effect")
+    ('mechanism.stiffness', 'friction.direct_effect')
+    """
+    return f"mechanism.{name}" if name == STIFFNESS else f"friction.{name}"
+
+
 class VelocitySteps(Simulated):
     """Means of the coefficient over short stretches of a record, weighted by their samples.
 
@@ -250,10 +266,10 @@ class VelocitySteps(Simulated):
         The record.
     laws : mapping of str to SteppedLaw
         What is compared.
-    stiffness : float
-        Stiffness over the load as stated [1/m].
+    block : TowedBlock
+        The machine as stated.
     doubt : float
-        Prior deviation of its logarithm; 0 if it is held.
+        Prior deviation of the logarithm of its stiffness; 0 if it is held.
     reference : float
         Speed at which the level holds [m/s].
     drift : {"auto", "none", "linear"}
@@ -262,19 +278,25 @@ class VelocitySteps(Simulated):
         Lower bound of the evolution effect.
     """
 
+    no_run = (
+        "the slider runs away from every start: check the stiffness of the machine and the units of"
+        " pull and friction"
+    )
+
     def __init__(
         self,
         record: Record,
         laws: Mapping[str, SteppedLaw],
         *,
-        stiffness: float,
+        block: TowedBlock,
         doubt: float,
         reference: float,
         drift: str = "auto",
         lowest: float = 0.0,
     ) -> None:
         self.record, self.laws, self.reference, self.lowest = record, laws, reference, lowest
-        self.stiffness, self.doubt = stiffness, doubt
+        self.block, self.doubt = block, doubt
+        self.stiffness = block.stiffness / record.load
         self.times, self.measured, count = record.stretches()
         self.weights = count / count.mean()
         self.size = float(np.average(self.measured, weights=count))
@@ -511,26 +533,75 @@ class VelocitySteps(Simulated):
             logs[here], V = path[:-1], np.exp(path[-1])
         return np.asarray(a * (logs - math.log(self.reference)))
 
-    def law(self, family: str, values: Mapping[str, float], level: float) -> RateState:
-        """Return the law with values by name."""
+    # ------------------------------------------------------------------ results
+    def title(self, family: str) -> str:
+        return self.laws[family].form.title
+
+    def sought(self, family: str) -> tuple[str, ...]:
+        free = (*self._free(family), *([LEVEL] if self.level is None else []))
+        return tuple(path_of_parameter(name) for name in ORDER if name in free)
+
+    def derived(self, family: str) -> Mapping[str, Quantity]:
         form = self.laws[family].form
-        own = {name: values[name] for name in form.fit_order if name != LEVEL}
-        own.setdefault(DIRECT, 0.0)
-        return RateState(
-            reference_coefficient=level,
+        if not {DIRECT, EVOLVED, SECOND} & {*self._free(family)}:
+            return {}
+        return {RATE: Quantity("a - b - b_2" if form.second else "a - b")}
+
+    def quantities(self, family: str) -> Mapping[str, Quantity]:
+        own = {path_of_parameter(name): one for name, one in fields_of(RateState).items()}
+        return {**own, path_of_parameter(STIFFNESS): Quantity("k", "N/m", above=0)}
+
+    def read(self, family: str, points: Array, coefficients: Array) -> dict[str, Array]:
+        values = self.values(family, points)
+        values.setdefault(LEVEL, coefficients[:, 0])
+        values[STIFFNESS] = values[STIFFNESS] * self.record.load
+        found = {path_of_parameter(name): x for name, x in values.items()}
+        zero = np.zeros_like(values[LEVEL])
+        effects = [values.get(name, zero) for name in (DIRECT, EVOLVED, SECOND)]
+        return {**found, RATE: effects[0] - effects[1] - effects[2]}
+
+    def result(self, family: str, values: Mapping[str, float]) -> tuple[RateState, TowedBlock]:
+        law, form = self.laws[family], self.laws[family].form
+        own = {name: values[path_of_parameter(name)] for name in form.fit_order}
+        found = RateState(
             reference_velocity=self.reference,
             evolution=form.evolution,
-            regularised=self.laws[family].regularised,
-            **own,
+            regularised=law.regularised,
+            **{DIRECT: 0.0, **own},
         )
+        stiffness = values[path_of_parameter(STIFFNESS)]
+        return found, replace(self.block, load=self.record.load, stiffness=stiffness)
 
-    def on(self, record: Record) -> "VelocitySteps":
-        """Return the same laws and machine on another record, of which runs are asked for."""
+    def told(
+        self, family: FamilyPosterior, name: str, estimates: Sequence[Estimate]
+    ) -> list[Estimate]:
+        found = {one.path: one for one in estimates}
+        draws = self.values(name, family.points)
+        direct = (
+            abs(float(self.values(name, family.mode[None])[DIRECT][0])) if DIRECT in draws else 0.0
+        )
+        for effect, distance in ((EVOLVED, DISTANCE), (SECOND, FURTHER)):
+            own, way = path_of_parameter(effect), path_of_parameter(distance)
+            if way not in found:
+                continue
+            spent = float(np.quantile(np.abs(draws[effect]), ENDS[0]))
+            if family.is_prior(distance) or spent < THRESHOLDS.material * direct:
+                symbols = (fields_of(RateState)[one].symbol for one in (effect, distance))
+                why = "{} may be 0, and then {} has no effect".format(*symbols)
+                if own in found:  # draws end above 0, where a law has no state
+                    found[own] = replace(found[own], low=min(found[own].low, 0.0))
+                found[way] = replace(found[way], low=-math.inf, high=math.inf, reason=why)
+        return [*found.values()]
+
+    def contains(self, name: str, other: str) -> bool:
+        return self.laws[name].form.contains(self.laws[other].form)
+
+    def foreseen(self, family: FamilyPosterior, name: str, record: Record) -> Array:
+        """Return the coefficient (n,) that a law predicts of another record of the machine.
+
+        What changed along the way of this record is of this record.
+        """
         other = copy.copy(self)
         other.record = record
-        return other
-
-    @property
-    def segments(self) -> NDArray[np.intp]:
-        """Piece of constant speed that each row belongs to (n,)."""
-        return np.searchsorted(self.record.path.steps, self.times, side="right").astype(np.intp)
+        seen = other.at({name: family.mode[None]}, record.time)[name][:, 0]
+        return np.asarray(seen + family.usual[0])

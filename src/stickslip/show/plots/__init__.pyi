@@ -8,7 +8,6 @@ from stickslip.show.plots.animations import picture_of as picture_of
 from stickslip.show.plots.axes import Sizes as Sizes
 from stickslip.show.plots.axes import horizon as horizon
 from stickslip.show.plots.axes import on_axes as on_axes
-from stickslip.show.plots.axes import thinned as thinned
 from stickslip.show.plots.dispatch import PLOTS as PLOTS
 from stickslip.show.plots.dispatch import plot as plot
 from stickslip.show.plots.dispatch import thumbnail as thumbnail
@@ -18,7 +17,6 @@ from stickslip.show.plots.fits import Piece as Piece
 from stickslip.show.plots.fits import draw_intervals as draw_intervals
 from stickslip.show.plots.fits import draw_pieces as draw_pieces
 from stickslip.show.plots.fits import draw_residuals as draw_residuals
-from stickslip.show.plots.fits import panel_of as panel_of
 from stickslip.show.plots.fits import piece_sizes as piece_sizes
 from stickslip.show.plots.fits import plot_fit as plot_fit
 from stickslip.show.plots.fits import plot_friction_map as plot_friction_map
@@ -26,8 +24,6 @@ from stickslip.show.plots.fits import plot_joints as plot_joints
 from stickslip.show.plots.fits import plot_residuals as plot_residuals
 from stickslip.show.plots.fits import plot_scores as plot_scores
 from stickslip.show.plots.fits import plot_verdict as plot_verdict
-from stickslip.show.plots.fits import residual_sizes as residual_sizes
-from stickslip.show.plots.fits import sampled as sampled
 from stickslip.show.plots.laws import MAP_SIZES as MAP_SIZES
 from stickslip.show.plots.laws import characteristic_sizes as characteristic_sizes
 from stickslip.show.plots.laws import draw_characteristic as draw_characteristic

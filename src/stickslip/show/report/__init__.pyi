@@ -10,14 +10,12 @@ from stickslip.show.report.blocks import Figure as Figure
 from stickslip.show.report.blocks import Gallery as Gallery
 from stickslip.show.report.blocks import KeyValue as KeyValue
 from stickslip.show.report.blocks import KeyValues as KeyValues
-from stickslip.show.report.blocks import LawLine as LawLine
 from stickslip.show.report.blocks import MOST as MOST
 from stickslip.show.report.blocks import Math as Math
 from stickslip.show.report.blocks import Note as Note
 from stickslip.show.report.blocks import Opening as Opening
 from stickslip.show.report.blocks import Origin as Origin
 from stickslip.show.report.blocks import Page as Page
-from stickslip.show.report.blocks import PageSections as PageSections
 from stickslip.show.report.blocks import Panel as Panel
 from stickslip.show.report.blocks import Paragraph as Paragraph
 from stickslip.show.report.blocks import Reference as Reference
@@ -32,23 +30,18 @@ from stickslip.show.report.blocks import versions as versions
 from stickslip.show.report.blocks import write as write
 from stickslip.show.report.markup import formula_text as formula_text
 from stickslip.show.report.markup import inline as inline
-from stickslip.show.report.markup import label_of as label_of
 from stickslip.show.report.markup import mathml as mathml
 from stickslip.show.report.markup import plain as plain
 from stickslip.show.report.markup import published_dict as published_dict
 from stickslip.show.report.markup import symbol as symbol
 from stickslip.show.report.markup import symbol_text as symbol_text
-from stickslip.show.report.markup import typeset as typeset
 from stickslip.show.report.runs import ContactsReport as ContactsReport
 from stickslip.show.report.runs import RunReport as RunReport
 from stickslip.show.report.runs import contacts_page as contacts_page
 from stickslip.show.report.runs import run_page as run_page
-from stickslip.show.report.shared_sections import candidates_heading as candidates_heading
 from stickslip.show.report.shared_sections import characterization_page as characterization_page
-from stickslip.show.report.shared_sections import identified_heading as identified_heading
 from stickslip.show.report.shared_sections import law_references as law_references
 from stickslip.show.report.shared_sections import opening as opening
-from stickslip.show.report.shared_sections import parameters as parameters
 from stickslip.show.report.shared_sections import record_and_checks as record_and_checks
 from stickslip.show.report.shared_sections import reproduce as reproduce
 from stickslip.show.report.tables import Axis as Axis
@@ -83,7 +76,6 @@ __all__ = [
     "Gallery",
     "KeyValue",
     "KeyValues",
-    "LawLine",
     "Mark",
     "Math",
     "Name",

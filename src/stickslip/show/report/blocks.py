@@ -7,7 +7,7 @@ says and which template shows it; it computes nothing.
 import platform
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib import resources
@@ -17,7 +17,6 @@ from typing import (
     TYPE_CHECKING,
     ClassVar,
     Final,
-    Generic,
     Literal,
     Protocol,
     TypeAlias,
@@ -524,27 +523,6 @@ CAUGHT: tuple[type[Exception], ...] = (Exception,)
 
 
 @dataclass(frozen=True, kw_only=True)
-class LawLine:
-    """A line of the law with its numbers, ready to copy.
-
-    Parameters
-    ----------
-    label : str
-        What the line is of, such as a direction or a parameter.
-    formula : str
-        The formula; equations stand between dollar signs.
-
-    Examples
-    --------
-    >>> LawLine(label="forward", formula="$F$ = 21.1 N + 158 N s/m × $v$").label
-    'forward'
-    """
-
-    label: str
-    formula: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class Opening:
     """The verdict: a reader may stop after it and leave with the right decision.
 
@@ -560,8 +538,6 @@ class Opening:
         What the record leaves open, one to three items. Never empty.
     figure : Figure, optional
         What a reader has to see beside the verdict.
-    law : tuple of LawLine
-        The law with its numbers.
     facts : tuple of Fact
         Up to three numbers one would quote.
     settles, measure_next : tuple of str
@@ -591,7 +567,6 @@ class Opening:
     lede: str
     cannot_tell: tuple[str, ...]
     figure: Figure | None = None
-    law: tuple[LawLine, ...] = ()
     facts: tuple[Fact, ...] = ()
     settles: tuple[str, ...] = ()
     measure_next: tuple[str, ...] = ()
@@ -729,26 +704,6 @@ class Origin:
 SectionMaker: TypeAlias = partial[Section] | partial[Section | None]
 """A function ``..._section`` with its arguments."""
 V = TypeVar("V")
-
-
-@dataclass(frozen=True, kw_only=True)
-class PageSections(Generic[V]):
-    """The sections of the page of one kind of verdict, in the order in which a reader decides."""
-
-    opening: Callable[[V, str, str], Section]
-    """Made of the verdict, the data in one line, and a remark."""
-    middle: Sequence[Callable[[V], Section | None]]
-    """Made of the verdict alone; None where there is nothing to show."""
-    reproduce: Callable[[V, Origin], Section]
-    """How to make the verdict again."""
-
-    def __call__(self, verdict: V, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
-        """Return what makes the sections of a page."""
-        return (
-            partial(self.opening, verdict, origin.data, remark),
-            *(partial(maker, verdict) for maker in self.middle),
-            partial(self.reproduce, verdict, origin),
-        )
 
 
 def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:

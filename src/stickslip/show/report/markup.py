@@ -6,7 +6,6 @@ cut into branches where they have some, and plain text for terminals.
 
 import html
 import re
-from collections.abc import Iterable
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 from unicodedata import normalize
@@ -16,7 +15,6 @@ from markupsafe import Markup, escape
 
 from stickslip.errors import InputError
 from stickslip.friction import PrintedForm, RightEquation
-from stickslip.identify.fits import Estimate
 from stickslip.show.formatting import unbroken
 
 # Inline HTML that is safe: all text is escaped, and a small markup gives it symbols and weight.
@@ -33,7 +31,7 @@ _PLAIN: Final = "0123456789+−"
 _SUBSCRIPTS: Final = MappingProxyType(str.maketrans(_PLAIN, "₀₁₂₃₄₅₆₇₈₉₊₋"))
 _SUPERSCRIPTS: Final = MappingProxyType(str.maketrans(_PLAIN, "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻"))
 _TOKEN: Final = re.compile(
-    r"\$(?P<symbol>[A-Za-z][A-Za-z0-9_+-]*)\$"
+    r"\$(?P<symbol>[A-Za-z][A-Za-z0-9_+-]*(?: - [A-Za-z][A-Za-z0-9_+-]*)*)\$"
     r"|\*\*(?P<bold>\S(?:.*?\S)?)\*\*"
     r"|`(?P<code>[^`]+)`"
     r"|\^\{(?P<sup>[^{}]*)\}"
@@ -41,6 +39,8 @@ _TOKEN: Final = re.compile(
     r"|(?P<raised>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)",
     re.DOTALL,
 )
+DIFFERENCE: Final = " - "
+"""Stands between symbols of which one is taken from another."""
 _FUNCTION: Final = re.compile(r"[A-Za-z]{2,}")
 THIN: Final = "0.17em"
 """Space about the name of a function, which some browsers set too wide and some not at all."""
@@ -51,16 +51,18 @@ _RAISED: Final = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "−0123456789"
 
 
 def symbol(name: str) -> Markup:
-    """Return a symbol as HTML: an italic letter with an upright subscript.
+    """Return a symbol, or a difference of them, as HTML: italic letters, upright subscripts.
 
     Examples
     --------
-    >>> print(symbol("mu_d"), symbol("F_v-"))
-    <i class="v">μ</i><sub>d</sub> <i class="v">F</i><sub>v−</sub>
+    >>> print(symbol("mu_d"), symbol("F_v-"), symbol("a - b"))
+    <i class="v">μ</i><sub>d</sub> <i class="v">F</i><sub>v−</sub> <i class="v">a</i> − ...
     """
-    letter, subscript = _parts(name)
-    below = Markup("<sub>{}</sub>").format(subscript) if subscript else ""
-    return Markup('<i class="v">{}</i>{}').format(letter, below)
+    found = []
+    for letter, subscript in map(_parts, name.split(DIFFERENCE)):
+        below = Markup("<sub>{}</sub>").format(subscript) if subscript else ""
+        found.append(Markup('<i class="v">{}</i>{}').format(letter, below))
+    return Markup(" − ").join(found)
 
 
 def symbol_text(name: str) -> str:
@@ -70,11 +72,11 @@ def symbol_text(name: str) -> str:
 
     Examples
     --------
-    >>> symbol_text("sigma_0"), symbol_text("mu_d")
-    ('σ₀', 'μ_d')
+    >>> symbol_text("sigma_0"), symbol_text("mu_d"), symbol_text("a - b_2")
+    ('σ₀', 'μ_d', 'a − b₂')
     """
-    letter, subscript = _parts(name)
-    return lowered(letter, subscript) if subscript else letter
+    parts = map(_parts, name.split(DIFFERENCE))
+    return " − ".join(lowered(letter, below) if below else letter for letter, below in parts)
 
 
 def lowered(text: str, subscript: str) -> str:
@@ -216,31 +218,6 @@ def _plain_token(match: re.Match[str]) -> str:
     if kind in ("sub", "sup"):
         return (lowered if kind == "sub" else raised)("", content)
     return plain(content) if kind == "bold" else content
-
-
-def typeset(text: str, symbols: Iterable[str]) -> str:
-    """Return text whose symbols stand between dollar signs, which the page typesets.
-
-    Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
-
-    Examples
-    --------
-    >>> typeset("mu_- and sigma_- trade off (-0.98).", ["mu_-", "sigma_-", "J"])
-    '$mu_-$ and $sigma_-$ trade off (−0.98).'
-    """
-    text = re.sub(r"(?<![\w$.])-(?=\d)", "−", text)
-    for name in sorted((s for s in symbols if "_" in s), key=len, reverse=True):
-        text = re.sub(rf"(?<![\w$]){re.escape(name)}(?![\w$+-])", lambda m: f"${m[0]}$", text)
-    return text
-
-
-def label_of(estimate: Estimate) -> str:
-    """Return a parameter in words with its symbol."""
-    if estimate.path == "measurement.offset.friction":
-        name = "Offset of the force sensor"
-    else:
-        name = estimate.path.rpartition(".")[2].replace("_", " ").capitalize()
-    return f"{name} ${estimate.quantity.symbol}$"
 
 
 # Equations in LaTeX, cut into branches for the page and set as plain text for terminals.

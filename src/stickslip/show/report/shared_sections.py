@@ -1,7 +1,7 @@
 """Sections that several kinds of pages share, with their headings: from the verdict to sources."""
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -9,7 +9,6 @@ from stickslip.data import Checks
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import CITATIONS, FrictionLaw, RateState
 from stickslip.identify import Wording
-from stickslip.identify.fits import Estimate
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
     fixed,
@@ -24,14 +23,13 @@ from stickslip.show.formatting import (
 )
 from stickslip.show.plots import draw_characteristic, inline_svg
 from stickslip.show.report import blocks as page
-from stickslip.show.report.markup import label_of, typeset
-from stickslip.show.report.tables import Column, Name, Number, Row, Table
+from stickslip.show.report.tables import Column, Name, Row, Table
 from stickslip.study.characterization import Characteristic, Characterization
 
 CERTIFICATE: Final = "Certificate of the computation"
 
 
-def checks_heading(warned: int, source: str = "its checks") -> str:
+def checks_heading(warned: int) -> str:
     """Return the heading of the section on a record and its checks.
 
     Examples
@@ -42,7 +40,7 @@ def checks_heading(warned: int, source: str = "its checks") -> str:
     if not warned:
         return "The record: no warnings from its checks"
     noun = "warning" if warned == 1 else "warnings"
-    return f"The record: {in_words(warned)} {noun} from {source}"
+    return f"The record: {in_words(warned)} {noun} from its checks"
 
 
 def ended_early(t: float) -> str:
@@ -54,21 +52,6 @@ def ended_early(t: float) -> str:
     'The run ends early, at 0.25 s'
     """
     return f"The run ends early, at {quantity(t, 's')}"
-
-
-def identified_heading(count: int) -> str:
-    """Return the heading of the section on parameters that are all identified.
-
-    Examples
-    --------
-    >>> identified_heading(2), identified_heading(5)
-    ('Both parameters are identified', 'All five parameters are identified')
-    """
-    if count == 1:
-        return "The parameter is identified"
-    if count == 2:
-        return "Both parameters are identified"
-    return f"All {in_words(count)} parameters are identified"
 
 
 MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn", "error": "bad"}
@@ -98,102 +81,34 @@ def opening(
     kicker: str,
     remark: str = "",
     *,
-    symbols: Collection[str] = (),
     figure: page.Figure | None = None,
-    law: Sequence[page.LawLine] = (),
     facts: Sequence[page.Fact] = (),
     settles: Sequence[str] | None = None,
-    no_score: str = "",
     record: str = "record",
 ) -> page.Section:
-    """Return the section that a reader may stop after: the verdict and what one would quote.
-
-    Symbols in the sentences are typeset; `settles` stands for what the wording says is settled.
-    """
-
-    def typeset_all(lines: Sequence[str]) -> tuple[str, ...]:
-        return tuple(typeset(line, symbols) for line in lines[: page.MOST])
-
+    """Return the section that a reader may stop after; it may settle less than the wording says."""
     block = page.Opening(
         kicker=kicker,
-        verdict=typeset(words.verdict, symbols),
-        lede=typeset(" ".join(part for part in (words.lede, no_score, remark) if part), symbols),
+        verdict=words.verdict,
+        lede=" ".join(part for part in (words.lede, remark) if part),
         figure=figure,
-        law=tuple(law),
         facts=tuple(facts[: page.MOST]),
-        settles=tuple(settles[: page.MOST]) if settles is not None else typeset_all(words.settles),
-        cannot_tell=typeset_all(words.cannot_tell),
-        measure_next=typeset_all(words.measure_next),
+        settles=tuple((words.settles if settles is None else settles)[: page.MOST]),
+        cannot_tell=tuple(words.cannot_tell[: page.MOST]),
+        measure_next=tuple(words.measure_next[: page.MOST]),
         record=record,
     )
     return page.Section(id="verdict", nav="Verdict", heading="", blocks=(block,))
 
 
-def candidates_heading(count: int, judged_on: str) -> str:
-    """Return the heading of the section that compares all laws.
-
-    Examples
-    --------
-    >>> candidates_heading(1, "held-out blocks"), candidates_heading(3, "held-out blocks")
-    ('One candidate, scored on held-out blocks', 'Three candidates, scored on held-out blocks')
-    """
-    noun = "candidate" if count == 1 else "candidates"
-    return f"{in_words(count).capitalize()} {noun}, scored on {judged_on}"
-
-
-def parameters(
-    formula: str,
-    estimates: Sequence[Estimate],
-    last: tuple[str, Callable[[Estimate, str], str]],
-    *,
-    heading: str,
-    caption: str,
-    more: Sequence[page.Block] = (),
-    remarks: tuple[str, Sequence[str]],
-    label: Callable[[Estimate], str] = label_of,
-) -> page.Section:
-    """Return the section on the parameters of a law: its formula, their table, and remarks.
-
-    `last` has the title of the last column, and what it says of an estimate with its unit.
-    """
-    (head, said), (title, lines) = last, remarks
-
-    def row(estimate: Estimate) -> Row:
-        value, doubt = estimate.parts
-        unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
-        shown = (
-            Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus
-        )
-        name = Name(text=label(estimate), aside="" if estimate.bounded else estimate.reason)
-        return Row(cells=(name, shown, said(estimate, unit)))
-
-    columns = (
-        Column(head="parameter"),
-        Column(head="estimate, 95 % interval", numeric=True),
-        Column(head=head, numeric=True, phone="label"),
-    )
-    table = Table(columns=columns, rows=tuple(map(row, estimates)), caption=caption)
-    blocks: list[page.Block] = [page.Math(latex=formula), table, *more]
-    if lines:
-        items = tuple(page.KeyValue(key="Note", value=line) for line in lines)
-        blocks += [page.Subheading(text=title), page.KeyValues(items=items)]
-    return page.Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
-
-
-def record_and_checks(
-    checks: Checks,
-    *,
-    blocks: Sequence[page.Block] = (),
-    items: Sequence[page.KeyValue] = (),
-    source: str = "its checks",
-) -> page.Section | None:
-    """Return the section on the record: what is said of it, and what was checked of it."""
-    found = (*items, *check_items(checks))
-    shown = (*blocks, *([page.KeyValues(items=found)] if found else []))
-    if not shown:
+def record_and_checks(checks: Checks) -> page.Section | None:
+    """Return the section on what was checked of the record."""
+    found = check_items(checks)
+    if not found:
         return None
-    heading = checks_heading(sum(item.mark != "none" for item in found), source)
-    return page.Section(id="record", nav="Record and checks", heading=heading, blocks=shown)
+    heading = checks_heading(sum(item.mark != "none" for item in found))
+    blocks = (page.KeyValues(items=found),)
+    return page.Section(id="record", nav="Record and checks", heading=heading, blocks=blocks)
 
 
 def certificate(items: Sequence[page.KeyValue]) -> page.Section:

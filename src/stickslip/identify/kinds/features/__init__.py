@@ -1,1 +1,0 @@
-"""The force of a spring that pulls a block, compared by features of stick-slip."""

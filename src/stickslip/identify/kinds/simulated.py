@@ -1,0 +1,663 @@
+"""Kinds whose readings only runs of laws tell: their fit, verdict, words and page.
+
+A kind gives a `Simulated` problem (rows, runs of a law, what is unknown with its priors), six texts
+and its figures. One posterior weighs all laws (`stickslip.identify.simulated`), and everything that
+is said is read from its draws:
+
+* the most probable law is *named*, unless it contradicts what was measured (`SimulatedKind.fault`);
+* laws within 100 : 1 of it are not told apart, and those that contain it may hold as well;
+* parameters have the quantiles of their draws, under the named law and whichever of these holds.
+
+A fit is the selection in which no other law is compared.
+"""
+
+from abc import abstractmethod
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+
+import numpy as np
+
+from stickslip.data import Checks, LawEstimates, Measurement, levels_at
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.identify import (
+    parameter_sentence,
+    probability_text,
+    sections_of,
+)
+from stickslip.identify.bands import ENDS, Array, PredictionBand, correlation_of
+from stickslip.identify.candidates import (
+    MOST,
+    NOT_DISTINGUISHED,
+    ONE_LAW,
+    TOO_SHORT,
+    UNMEASURED,
+    Candidate,
+    JudgedFit,
+    Verdict,
+    Wording,
+    corrections,
+    longer,
+    not_distinguished,
+    on_second_record,
+    plain,
+    score_text,
+)
+from stickslip.identify.fits import LAW, AnyLaw_co, Estimate, Parameters, estimates_for
+from stickslip.identify.judgement import RIVAL
+from stickslip.identify.kinds.kind import (
+    Column,
+    Columns,
+    Comparison,
+    FitSummary,
+    Kind,
+    Request,
+    SeveralLaws,
+    data_row,
+    page_table,
+    terminal_table,
+)
+from stickslip.identify.selection import checked
+from stickslip.identify.simulated import FamilyPosterior, Simulated, SimulatedPosterior
+from stickslip.mechanisms import Mechanism
+from stickslip.show.formatting import Scale, capital, count, joined, significant
+from stickslip.show.report import Figure, Origin, Section, SectionMaker
+
+if TYPE_CHECKING:
+    from stickslip.show.display import Drawing, Target
+
+PLAIN: Final = Scale(1.0, "")
+"""What laws leave is shown as it is."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class SimulatedFit(JudgedFit[AnyLaw_co]):
+    """A law whose runs have the readings of a measurement.
+
+    Law and mechanism are those where the posterior is largest; intervals are quantiles of draws.
+    """
+
+    kind: "SimulatedKind" = field(repr=False)
+    """The kind of measurement."""
+    name: str
+    """Name of the law among those that were compared."""
+    problem: Any = field(repr=False)
+    """The measurement as rows, and its priors."""
+    posterior: SimulatedPosterior = field(repr=False)
+    """The posterior that all is read from."""
+    derived: tuple[Estimate, ...] = ()
+    """What follows from the parameters, such as a difference of them."""
+
+    @property
+    def family(self) -> FamilyPosterior:
+        """What the posterior says of this law."""
+        return self.posterior.families[self.name]
+
+    @cached_property
+    def draws(self) -> Mapping[str, Array]:
+        """Draws (k,) of parameters, SI, by path."""
+        found: Mapping[str, Array] = self.problem.read(
+            self.name, self.family.points, self.family.coefficients
+        )
+        return found
+
+    @cached_property
+    def rms(self) -> float:
+        """Root mean square of what the law leaves, in the unit of the verdict's scores."""
+        return float(self.problem.leaves(self.family, self.name))
+
+    @cached_property
+    def details(self) -> Mapping[str, Any]:
+        """What only fits of this kind say, as plain numbers and strings."""
+        return self.kind.details(self)
+
+    def judged(self, measurement: Measurement) -> Mapping[str, float]:
+        """Return what the law is off on another record of the mechanism, by what is compared.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            One record of the same kind.
+        """
+        return self.kind.errors(self, measurement)
+
+    def law_estimates(self) -> LawEstimates:
+        table = correlation_of(np.array([self.draws[one.path] for one in self.estimates]))
+        np.fill_diagonal(table, 1.0)
+        return estimates_for(
+            self.law,
+            self.estimates,
+            table,
+            levels=self.kind.levels or levels_at(self.mechanism),
+            largest_speed=self.kind.largest_speed(self),
+        )
+
+    def to_dict(self) -> Mapping[str, Any]:
+        drawn = {"effective_draws": self.family.effective, "cancelled": self.cancelled}
+        return {**super().to_dict(), **drawn, **self.details}
+
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.show.plots import C1, DATA, MAP_SIZES, on_axes
+
+        pieces, (what, unit) = self.kind.pieces(self, ()), self.kind.drawn
+        if not pieces:
+            return super()._plot(ax)
+        _, t, measured, predicted = pieces[0]
+
+        def draw(figure: Any, narrow: bool) -> None:  # noqa: ARG001
+            axes = figure.subplots()
+            axes.plot(t, measured, "o", color=DATA, markersize=2.2, label="measured")
+            for title, y in predicted.items():
+                axes.plot(t, y, color=C1, label=title)
+            axes.set_xlabel("time, s")
+            axes.set_ylabel(what if unit == "1" else f"{what}, {unit}")
+            axes.legend()
+
+        return on_axes(draw, ax, MAP_SIZES["wide"])
+
+
+AnyFit: TypeAlias = SimulatedFit[Any]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SimulatedCandidate(Candidate[AnyFit]):
+    """A law of a selection: its fit, its probability, and what speaks against it."""
+
+    kind: "SimulatedKind" = field(repr=False)
+    """The kind of measurement."""
+    share: float = 0.0
+    """Probability of the law among those compared."""
+    second: Mapping[str, float] = field(default_factory=dict)
+    """What it is off on the record given to validate, if there is one."""
+
+    @property
+    def law(self) -> Any:
+        """The fitted law; None without a fit."""
+        return self.fit.law if self.fit else None
+
+    @property
+    def score(self) -> float | None:
+        """Root mean square of what the law leaves."""
+        return self.fit.rms if self.fit else None
+
+    def to_row(self) -> Mapping[str, Any]:
+        return data_row(self.kind.all_columns, self)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        texts = {"title": self.title, "dropped": plain(self.dropped)}
+        return {**super().to_dict(), **texts, "second_record": dict(self.second) or None}
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SimulatedVerdict(Verdict[SimulatedCandidate]):
+    """A verdict on a measurement whose readings only runs of laws tell."""
+
+    kind: "SimulatedKind" = field(repr=False)
+    """The kind of measurement."""
+    near: tuple[str, ...]
+    """Names of laws that are not told from the named one, or contain it; the named one first."""
+    rivals: tuple[str, ...]
+    """Names of those of them that may hold instead of it."""
+    advised: tuple[Any, ...] = ()
+    """Further records by what they would tell, the most telling first."""
+
+    @property
+    def route(self) -> str:
+        return self.kind.routes[0]
+
+    @property
+    def score_unit(self) -> str:
+        return "1"
+
+    @property
+    def fits(self) -> tuple[AnyFit, ...]:
+        """Fits of the laws that are near, the named one first."""
+        return tuple(one.fit for one in self.candidates if one.fit and one.name in self.near)
+
+    @property
+    def stated(self) -> Sequence[tuple[Estimate, Estimate]]:
+        fit = self.fits[0]
+        derived = [(one, over_all(self.fits, one)) for one in fit.derived]
+        return [*zip(fit.estimates, self.intervals, strict=True), *derived]
+
+    def predict(self, setting: Any) -> PredictionBand:
+        """Return the 95 % band of another record, whichever of the laws holds that are near.
+
+        Parameters
+        ----------
+        setting : Mechanism
+            The mechanism as it is set for that record; other records are not foreseen by all kinds.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and medians (m,) of what is compared, in its order; for stick-slip features
+            frequency [Hz], mean and standard deviation of the force over the load, 0 as far as the
+            block may slide steadily.
+        """
+        rows = [
+            np.nanquantile(self.kind.foreseen(one, setting), (ENDS[0], 0.5, ENDS[1]), axis=0)
+            for one in self.fits
+        ]
+        low, high = np.min([x[0] for x in rows], axis=0), np.max([x[2] for x in rows], axis=0)
+        return PredictionBand(low=low, median=rows[0][1], high=high)
+
+    def _details(self) -> Mapping[str, Any]:
+        return {
+            "not_distinguished_from": list(self.rivals),
+            "parameters": [
+                {**own.to_dict(), "low_any": over["low"], "high_any": over["high"]}
+                for own, every in self.stated for over in [every.to_dict()]
+            ],
+            "checks": self.checks.to_dict(),
+            "next_measurements": [one._asdict() for one in self.advised],
+        }  # fmt: skip
+
+
+def pooled(fits: Sequence[AnyFit], path: str) -> tuple[float, float]:
+    """Return between which values a parameter lies, whichever of the laws holds that have it."""
+    ends = [np.quantile(one.draws[path], ENDS) for one in fits if path in one.draws]
+    return min(float(low) for low, _ in ends), max(float(high) for _, high in ends)
+
+
+def over_all(fits: Sequence[AnyFit], one: Estimate) -> Estimate:
+    """Return an estimate with its interval whichever of the laws holds that have the parameter."""
+    low, high = pooled(fits, one.path)
+    return replace(one, low=min(low, one.low), high=max(high, one.high))
+
+
+def _second(one: SimulatedCandidate) -> float | None:
+    """Return the root mean square of what a law is off on a second record; None without one."""
+    errors = [*one.second.values()]
+    return float(np.sqrt(np.mean(np.square(errors)))) if errors else None
+
+
+COLUMNS: Final[Columns[SimulatedCandidate]] = (
+    Column(
+        key="law", title="law", page="law", numeric=False,
+        value=lambda one: one.name, text=lambda one: one.title,
+    ),
+    Column(
+        key="parameters", title="parameters", page="parameters", phone="label",
+        value=lambda one: one.parameters,
+        text=lambda one: str(one.parameters) if one.fit else None,
+    ),
+    Column(
+        key="leaves", title="leaves", page="leaves", phone="label",
+        value=lambda one: one.score, text=lambda one: score_text(PLAIN, one.score).value,
+    ),
+    Column(
+        key="share", title="probability", page="probability", phone="label",
+        value=lambda one: one.share,
+        text=lambda one: probability_text(one.share) if one.fit else None,
+    ),
+)  # fmt: skip
+"""What tables say of each law of any kind, ..."""
+LAST: Final[Columns[SimulatedCandidate]] = (
+    Column(
+        title="second record", page="second record", phone="label", optional=True,
+        value=_second, text=lambda one: score_text(PLAIN, _second(one)).value,
+    ),
+    Column(
+        key="outcome", page="outcome", numeric=False, phone="label",
+        value=lambda one: plain(one.outcome), text=lambda one: one.outcome,
+    ),
+)  # fmt: skip
+"""... after what they say of some."""
+
+
+class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
+    """What is measured, six texts, and figures."""
+
+    uses = frozenset({"route", "validate"})
+    these: ClassVar[str] = "this record"
+    """What was measured, as the subject of a sentence."""
+    levels: ClassVar[Any] = None
+    """What levels of the laws are over, if the mechanism does not say it."""
+    drawn: ClassVar[tuple[str, str]]
+    """What the figure shows, and its unit."""
+    unasked: ClassVar[Collection[str]] = ("drift",)
+    """Kinds of findings of `check` of which no correction is asked for."""
+    starts: ClassVar[int] = 4
+    """Searches of each law that are followed to their end."""
+
+    # what is measured
+    @abstractmethod
+    def laws(self, laws: SeveralLaws | None) -> Mapping[str, Any]:
+        """Return the laws that are compared by name: those given, or the usual ones."""
+
+    def refused(self, law: Any) -> str:
+        """Return why nothing that was measured tells a law; empty if something does."""
+        return ""
+
+    @abstractmethod
+    def problem(
+        self,
+        mechanism: Mechanism,
+        laws: Mapping[str, Any],
+        measurement: Measurement,
+        vary: str | Sequence[str] | None,
+        fixed: Mapping[str, float] | None,
+    ) -> Simulated:
+        """Return the measurement as rows, with laws and what is looked for of them."""
+
+    def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
+        """Return what a law is off on another record, by what is compared."""
+        raise InputError(f"other {self.measured} are not predicted: give them as trials instead.")
+
+    # six texts
+    @abstractmethod
+    def called(self, fit: AnyFit) -> str:
+        """Return what a law is called within a sentence."""
+
+    def fault(self, fit: AnyFit) -> str:
+        """Return what the closest law does that contradicts the measurement, as a predicate."""
+        return ""
+
+    def doubt(self, fit: AnyFit) -> str:
+        """Return why a law is closest, but not all that acts, as a clause; empty if it may be."""
+        return ""
+
+    def about(self, fit: AnyFit) -> str:
+        """Return what is to be said first of the closest law, in sentences."""
+        return f"It leaves {significant(fit.rms, 2)}, root mean square."
+
+    def untold(self, fit: AnyFit) -> Iterable[str]:
+        """Return what the measurement does not tell, in sentences."""
+        return ()
+
+    def advice(
+        self, fit: AnyFit, others: Sequence[AnyFit], advised: Sequence[Any]
+    ) -> Iterable[str]:
+        """Return what to measure next, given which laws are not told apart, in sentences."""
+        return ()
+
+    # further numbers and figures
+    own_columns: ClassVar[Columns[SimulatedCandidate]] = ()
+    """What tables say of each law beside what they say of all."""
+
+    def details(self, fit: AnyFit) -> Mapping[str, Any]:
+        """Return what only fits of this kind say, as plain numbers and strings."""
+        return {}
+
+    def largest_speed(self, fit: AnyFit) -> float | None:
+        """Return the largest speed that was measured [m/s]; None if it is not known."""
+        return None
+
+    def advised(self, fits: Sequence[AnyFit]) -> Sequence[Any]:
+        """Return further records by what they would tell, as named tuples."""
+        return ()
+
+    def foreseen(self, fit: AnyFit, setting: Any) -> Array:
+        """Return draws (k, m) of what is compared, of another record."""
+        raise InputError(f"other {self.measured} are not foreseen: give them as trials instead.")
+
+    def pieces(
+        self, fit: AnyFit, others: Sequence[AnyFit]
+    ) -> Sequence[tuple[str, Array, Array, Mapping[str, Array]]]:
+        """Return what the figure shows: name, times, measured, and by title what laws have (n,)."""
+        return ()
+
+    # what all kinds share
+    @property
+    def all_columns(self) -> Columns[SimulatedCandidate]:
+        """What tables say of each law."""
+        return (*COLUMNS, *self.own_columns, *LAST)
+
+    def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
+        return [*self.laws(laws)]
+
+    def fit(self, request: Request) -> AnyFit:
+        watch, laws = request.progress, self.laws([request.law])
+        verdict = self._verdict(
+            replace(request, progress=watch and (lambda _, rms: watch(rms))), laws, request.vary
+        )
+        assert verdict.closest.fit is not None
+        return replace(verdict.closest.fit, verdict=verdict)
+
+    def select(self, request: Request) -> SimulatedVerdict:
+        unknown = Parameters.of(
+            request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
+        ).unknown
+        return self._verdict(request, self.laws(request.laws), [LAW, *unknown])
+
+    def _verdict(
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
+    ) -> SimulatedVerdict:
+        mechanism, measurement = request.mechanism, request.measurement
+        checks = checked(mechanism, measurement, request.validate, conditions=self.conditions)
+        refused = {name: why for name, law in laws.items() if (why := self.refused(law))}
+        tried = {name: law for name, law in laws.items() if name not in refused}
+        if not tried:
+            raise InputError(self._none(refused))
+        problem = self.problem(mechanism, tried, measurement, vary, request.fixed)
+        settings = request.settings
+        starts = settings.starts if settings and "starts" in self.settings else self.starts
+        posterior = SimulatedPosterior(
+            problem, starts=starts, seed=settings.seed if settings else 0, watch=request.progress
+        )
+        every = [
+            SimulatedCandidate(
+                kind=self, name=name, title=law.title, fit=None, dropped=refused[name]
+            )
+            if name in refused
+            else self._candidate(name, problem, posterior, request)
+            for name, law in laws.items()
+        ]
+        if all(one.fit is None for one in every):
+            raise ConvergenceError(self._none({one.title: one.dropped for one in every}))
+        ordered = sorted(every, key=lambda one: (one.fit is None, -one.share))
+        return self._judged(ordered, problem, request, checks)
+
+    def _none(self, why: Mapping[str, str]) -> str:
+        texts = "; ".join(f"{name}: {text}" for name, text in why.items())
+        return f"no law can be compared with {self.these}: {texts}"
+
+    def _candidate(
+        self, name: str, problem: Simulated, posterior: SimulatedPosterior, request: Request
+    ) -> SimulatedCandidate:
+        """Return a candidate with its fit; one of which no run works has the reason."""
+        bare = SimulatedCandidate(kind=self, name=name, title=problem.title(name), fit=None)
+        family = posterior.families[name]
+        if not np.isfinite(family.rms):
+            return replace(bare, dropped=problem.no_run)
+        draws = problem.read(name, family.points, family.coefficients)
+        mode = problem.read(name, family.mode[None], family.usual[None])
+        values = {path: float(x[0]) for path, x in mode.items()}
+        law, mechanism = problem.result(name, values)
+        known = problem.quantities(name)
+
+        def estimate(path: str, quantity: Any) -> Estimate:
+            low, high = np.quantile(draws[path], ENDS).tolist()
+            return Estimate(
+                path=path, quantity=quantity, value=values[path], low=min(low, values[path]),
+                high=max(high, values[path]), interval="95 %",
+            )  # fmt: skip
+
+        estimates = [estimate(path, known[path]) for path in problem.sought(name)]
+        fit = SimulatedFit(
+            law=law,
+            mechanism=mechanism,
+            estimates=tuple(problem.told(family, name, estimates)),
+            derived=tuple(estimate(path, one) for path, one in problem.derived(name).items()),
+            cancelled=posterior.cancelled,
+            kind=self,
+            measurement=request.measurement,
+            name=name,
+            problem=problem,
+            posterior=posterior,
+        )
+        second = {} if request.validate is None else fit.judged(request.validate)
+        return replace(bare, fit=fit, share=posterior.shares[name], second=second)
+
+    def _judged(
+        self,
+        ordered: Sequence[SimulatedCandidate],
+        problem: Simulated,
+        request: Request,
+        checks: Checks,
+    ) -> SimulatedVerdict:
+        """Return the verdict on candidates, the most probable first, in words."""
+        closest, *others = ordered
+        assert closest.fit is not None
+        near = [one for one in others if one.fit and one.share * RIVAL > closest.share]
+        rivals = [one for one in near if not problem.contains(one.name, closest.name)]
+        fits = [closest.fit, *(one.fit for one in near if one.fit)]
+        fault = self.fault(closest.fit)
+
+        def outcome(one: SimulatedCandidate) -> str:
+            if one is closest:
+                return f"closest, but {fault}" if fault else "named"
+            if one.fit is None:
+                return f"not fitted: {one.dropped}"
+            if one in near:
+                return NOT_DISTINGUISHED if one in rivals else "contains the named law"
+            return f"{probability_text(one.share)} probable"
+
+        told = [replace(one, outcome=outcome(one)) for one in ordered]
+        advised = tuple(self.advised(fits))
+        intervals = tuple(over_all(fits, one) for one in closest.fit.estimates)
+        return SimulatedVerdict(
+            kind=self,
+            mechanism=request.mechanism,
+            measurement=request.measurement,
+            words=self._words(closest, near, rivals, intervals, advised, checks, len(others)),
+            candidates=tuple(told),
+            best=None if fault else told[0],
+            ranked=bool(others) and not rivals,
+            checks=checks,
+            intervals=intervals,
+            near=tuple(one.name for one in fits),
+            rivals=tuple(one.name for one in rivals),
+            advised=advised,
+        )
+
+    def _words(
+        self,
+        closest: SimulatedCandidate,
+        near: Sequence[SimulatedCandidate],
+        rivals: Sequence[SimulatedCandidate],
+        intervals: Sequence[Estimate],
+        advised: Sequence[Any],
+        checks: Checks,
+        others: int,
+    ) -> Wording:
+        fit = closest.fit
+        assert fit is not None
+        alike = [one.fit for one in (closest, *rivals) if one.fit]
+        phrase, fault, doubt = self.called(fit), self.fault(fit), self.doubt(fit)
+        if fault:
+            verdict = f"No law compared explains {self.these}; the closest, {phrase}, {fault}."
+        else:
+            verdict = f"{capital(phrase)} is closest, but {doubt}" if doubt else f"Use {phrase}"
+            names = [self.called(one) for one in alike[1:]]
+            verdict += f"; {not_distinguished(names, self.these)}." if names else "."
+        fits = [fit, *(one.fit for one in near if one.fit)]
+        pairs = [*zip(fit.estimates, intervals, strict=True)]
+        pairs += [(one, over_all(fits, one)) for one in fit.derived]
+        shares = [
+            f"{self.called(one.fit)} is {probability_text(one.share)} probable"
+            for one in near if one.fit
+        ]  # fmt: skip
+        which = "Which law" if rivals else "Whether there is more"
+        cannot = [f"{which}: {joined(shares)}."] if shares else []
+        cannot += fit.family.few_draws
+        cannot += [f"${one.quantity.symbol}$: {one.reason}." for one in fit.estimates if one.reason]
+        cannot += self.untold(fit)
+        if fit.cancelled:
+            cannot.append("Whether there is a better fit: the search was stopped before its end.")
+        further = [*self.advice(fit, fits[1:], advised), *corrections(checks, but=self.unasked)]
+        further += longer(checks) if TOO_SHORT not in self.unasked else ()
+        share = f"{probability_text(closest.share)} probable among {others + 1} laws. "
+        same = joined(list(map(self.called, alike)))
+        no_score = f"No ranking of {same}: each may hold." if rivals else ""
+        return Wording(
+            verdict=verdict,
+            lede=share * bool(others) + self.about(fit),
+            settles=() if fault else tuple(
+                parameter_sentence(own, every, phrase) for own, every in pairs if own.bounded
+            ),
+            cannot_tell=(*cannot, UNMEASURED),
+            measure_next=tuple(further[:MOST]),
+            no_score=no_score if others else ONE_LAW,
+        )  # fmt: skip
+
+    def comparison(self, verdict: SimulatedVerdict) -> Comparison:
+        heads, rows = terminal_table(self.all_columns, verdict.candidates)
+        closest = verdict.candidates[0]
+        values = [own for own, _ in verdict.stated]
+        return Comparison(
+            heads=heads,
+            rows=rows,
+            notes=[f"{one.title}: {one.outcome}" for one in verdict.candidates],
+            checks=verdict.checks,
+            fitted=(f"{closest.title}, if it holds", values) if values else None,
+        )
+
+    def summary(
+        self, fit: AnyFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        assert fit.verdict is not None
+        words = fit.verdict.words
+        lines = [words.verdict, words.lede]
+        second = {} if validate is None else fit.judged(validate)
+        if second:
+            errors = [f"{name.replace('_', ' ')} {significant(x, 2)}" for name, x in second.items()]
+            lines.append(on_second_record(joined(errors)))
+        return FitSummary(
+            lines=[*lines, *fit.remarks],
+            open=("Limitations", fit.sentences),
+            second=second or None,
+        )
+
+    def sections(
+        self, verdict: SimulatedVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        middle = partial(figure_section, verdict), partial(laws_section, verdict)
+        return sections_of(verdict, origin, remark, *middle)
+
+
+def figure_section(verdict: SimulatedVerdict) -> Section | None:
+    """Return the figure of what was measured and what laws have; None without any."""
+    from stickslip.show.plots import Piece, draw_pieces, inline_svg, piece_sizes
+
+    fit = verdict.fits[0]
+    others = [one.fit for one in verdict.candidates[1:] if one.fit is not None]
+    others.sort(key=lambda one: one.name not in verdict.rivals)
+    pieces = [Piece(*one) for one in verdict.kind.pieces(fit, others[:1])]
+    if not pieces:
+        return None
+    (what, unit), titles = verdict.kind.drawn, [*pieces[0].predicted]
+    svg = inline_svg(
+        draw_pieces(pieces, what, unit, chosen=fit.law.title),
+        alt=f"{capital(what)} over time, measured and by {joined(titles)}",
+        prefix="runs-figure",
+        **piece_sizes(len(pieces)),
+    )
+    caption = (
+        f"**{capital(what)}**, measured (grey) and by {joined(titles)}. Error: measured less that."
+    )
+    block = Figure(svg=svg, caption=caption)
+    return Section(id="runs", nav="Runs", heading=f"Measured and fitted {what}", blocks=(block,))
+
+
+def laws_section(verdict: SimulatedVerdict) -> Section:
+    """Return the table of the laws."""
+    table = page_table(
+        verdict.kind.all_columns,
+        verdict.candidates,
+        cells={},
+        scale=PLAIN,
+        colour=lambda one: "c1" if one is verdict.best else "muted",
+        chosen=lambda one: one is verdict.best,
+        caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
+        " all values of their parameters, of what is not known of the mechanism, and of what no law"
+        " has. Leaves: root mean square of the residuals. Draws of the closest law, weighed by"
+        f" their own runs, count as {significant(verdict.fits[0].family.effective, 2)} independent"
+        " ones.",
+    )
+    heading = f"{count(len(verdict.candidates), 'law')} by probability"
+    if verdict.rivals:
+        heading = f"{len(verdict.near)} laws are not told apart by {verdict.kind.these}"
+    return Section(id="models", nav="Laws", heading=heading, blocks=(table,))

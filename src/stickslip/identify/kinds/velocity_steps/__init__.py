@@ -1,1 +1,0 @@
-"""Velocity steps of a load point, fitted by rate-and-state friction."""
