@@ -1,4 +1,4 @@
-"""Bristle states along a motion: machine code against arrays, and laws that have no machine code."""
+"""Bristle states along a motion: machine code against arrays, and laws without machine code."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar

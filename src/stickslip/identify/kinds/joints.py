@@ -12,7 +12,7 @@ from stickslip.identify import (
     select_joints,
 )
 from stickslip.identify.candidates import in_sentence
-from stickslip.identify.fits import JOINTS
+from stickslip.identify.joint_request import JOINTS
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.show.formatting import percent

@@ -14,7 +14,6 @@ Source: M. Hochbruck, A. Ostermann, "Exponential integrators", Acta Numerica 19,
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,19 +40,6 @@ class Path:
     """Displacement in each step (n - 1,) [m]."""
     inputs: Mapping[str, Array] = field(default_factory=dict)
     """Contact inputs at the samples (n,), by name."""
-    input_slopes: Mapping[str, Array] = field(default_factory=dict)
-    """Slopes (n, k) of those that change with parameters of the mechanism that are looked for."""
-
-    def moved(self, change: Array) -> "Path":
-        """Return the same motion with parameters of the mechanism changed by (k,)."""
-        if not self.input_slopes:
-            return self
-        new = {name: self.inputs[name] + x @ change for name, x in self.input_slopes.items()}
-        return replace(self, inputs={**self.inputs, **new})
-
-    def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
-        """Return a law that sees the contact inputs of some samples (k, 1)."""
-        return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
 
     def steps(self) -> Array:
         """Return durations, velocities, loads and inputs of the steps (3 + inputs, n - 1)."""

@@ -5,6 +5,7 @@ what it smears at reversals, it smears in all of them, and no estimate shifts. R
 friction there balances the other forces, as far as a law can hold it.
 """
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -23,22 +24,8 @@ from stickslip.data import (
     with_voltage,
 )
 from stickslip.errors import InputError
-from stickslip.identify.fits.contact_inputs import inputs_along
+from stickslip.identify.fits.contact_inputs import check_loads, inputs_along, load_along
 from stickslip.identify.fits.estimation.bristle_integration import Path
-from stickslip.identify.fits.force_map.data import (
-    BEYOND,
-    FINEST,
-    QUIET,
-    SEGMENTS,
-    SLOW,
-    MotionSegment,
-    blur_of,
-    check_loads,
-    load_along,
-    reach_of,
-    smoothed,
-    weighs,
-)
 from stickslip.identify.fits.series.applied_force import applied_force, goes_straight
 from stickslip.identify.fits.series.inverse_dynamics import (
     HARMONICS,
@@ -50,11 +37,24 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     times_of,
 )
 from stickslip.identify.fits.settings import Hold
-from stickslip.identify.fits.signals import derivative, play
+from stickslip.identify.fits.signals import LowPass, derivative, low_pass, play
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
 
+QUIET = 0.005
+"""Standard deviation that noise may leave in velocities, over the largest speed. The less they are
+smoothed, the less reversals shift."""
+SEGMENTS = 40
+"""Segments of a record where no length is given."""
+BEYOND = 4.0
+"""Standard deviations of the noise of positions from which a displacement is one: one in 16,000
+samples of normal noise lies beyond."""
+FINEST = 1e-5
+"""Least displacement over the range of positions that is resolved: what is finer may come from a
+filter before the record."""
+SLOW = 0.01
+"""Share of the largest speed below which a body may be at rest, if positions do not change."""
 GLIMPSE = 0.1
 """Share of a row that is seen through the filter and overlooked: of slow samples, in a row that
 slips, and of the memory of the filter, a rest."""
@@ -73,6 +73,35 @@ CHATTER = 2.0
 """Reach within which positions that bristles follow are chatter, over the noise that is left."""
 OVERSAMPLED = 0.25
 """Most that the filter passes over half the frequency of these samples."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionSegment:
+    """A record between two gaps: friction, and the motion that it came with."""
+
+    record: int
+    """Which record it is of."""
+    path: Path
+    """The motion."""
+    friction: Array
+    """Derived friction force (n,) [N]."""
+    segment: NDArray[np.intp]
+    """Segment that each sample belongs to (n,); below 0 if it is not compared."""
+    regressors: Array
+    """What a unit of mass takes off derived friction (n, 1), filtered as it is: acceleration."""
+    held: Array
+    """Friction (n,) [N] that would balance all other forces on a body at rest."""
+    passed: float
+    """What the filter of derived friction passes, over half the sampling frequency."""
+    blur: float
+    """Weight of both neighbours of a sample in the mean force that second differences see. A
+    triangle from one original sample before to one after has a variance of a sixth of a step."""
+
+    def seen(self, force: Array) -> Array:
+        """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
+        padded = np.concatenate([force[:1], force, force[-1:]])
+        bend = padded[:-2] - 2.0 * force + padded[2:]
+        return smoothed(force + self.blur * bend, self.passed)
 
 
 def balanced(
@@ -171,12 +200,9 @@ def _stretch(
         friction=smoothed(rest - mass * a, passed)[picked],
         segment=np.where(kept, 0, -1)[picked],
         regressors=smoothed(a, passed)[picked, None],
-        resting=motion.resting[picked],
         held=rest[picked],
-        resolution=motion.resolution,
         passed=passed * every,
         blur=blur_of(every),
-        weighed=weighs(mechanism, record),
     )
 
 
@@ -343,16 +369,6 @@ def filtered_motion(
     )
 
 
-def resting_motion(raw: Array, noise: float) -> FilteredMotion:
-    """Return positions (n,) with noise as those of a body at rest, which at most drifts."""
-    return FilteredMotion(
-        position=smoothed(raw, min(2.0 * HARMONICS / len(raw), HIGHEST)),
-        velocity=np.zeros_like(raw),
-        resting=np.ones(len(raw), dtype=bool),
-        resolution=2.0 * reach_of(raw, noise),
-    )
-
-
 def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     """Return rests (n,) of more than so many samples: shorter ones are reversals.
 
@@ -365,15 +381,13 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     return found
 
 
-def compared(
-    motion: FilteredMotion, passed: float, *, slipping: bool, throughout: bool = False
-) -> NDArray[np.bool_]:
+def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
     """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
 
-    None are where nothing moves, unless asked for.
+    None are where nothing moves.
     """
     v = motion.velocity
-    kept = np.full(len(v), throughout or not motion.resting.all())
+    kept = np.full(len(v), not motion.resting.all())
     ends = int(np.ceil(2.0 / passed))
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
     if slipping:
@@ -394,3 +408,30 @@ def _cut(one: MotionSegment, length: float, first: int) -> Iterator[MotionSegmen
     numbers = np.full(len(time), -1, dtype=np.intp)
     numbers[kept] = first + np.unique(share[kept], return_inverse=True)[1]
     yield replace(one, segment=numbers)
+
+
+def blur_of(every: int) -> float:
+    """Return `MotionSegment.blur` where every so many original samples one was picked.
+
+    Examples
+    --------
+    >>> 2.0 * blur_of(1), 2.0 * blur_of(3) * 3**2  # the variance, in squared original steps
+    (0.16666666666666666, 0.16666666666666666)
+    """
+    return 1.0 / (12.0 * every**2)
+
+
+def reach_of(position: Array, noise: float) -> float:
+    """Return the displacement to either side that positions with noise do not resolve."""
+    return max(BEYOND * noise, FINEST * float(np.ptp(position)))
+
+
+def smoothed(columns: Array, passed: float) -> Array:
+    """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed."""
+    return _low_pass(passed).passed(columns)
+
+
+@functools.lru_cache(maxsize=64)
+def _low_pass(passed: float) -> LowPass:
+    """Return the filter, whose design takes as long as its use on a few seconds of a record."""
+    return low_pass(0.5, passed, most=1.0)
