@@ -184,7 +184,7 @@ def laws_to_compare(
             continue
         fitted = isinstance(one, WholeLaw)
         law = one.kind if fitted else law_type(one) if isinstance(one, str) else one
-        kind = law if isinstance(law, type) else type(law)
+        kind: type[FrictionLaw] = law if isinstance(law, type) else type(law)
         whole = one if fitted else WholeLaw(kind=kind, found=tuple(law.fit_order))
         family = None
         if whole.is_family or kind.states or not whole.found:

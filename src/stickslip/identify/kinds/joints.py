@@ -1,4 +1,4 @@
-"""Records of several joints: fitted by inverse dynamics, judged joint by joint."""
+"""Records of several joints: judged joint by joint, with the links that all tell together."""
 
 from collections.abc import Collection, Sequence
 
@@ -20,7 +20,7 @@ from stickslip.show.report import Origin, SectionMaker
 
 
 class JointKind(Kind[JointLawFit, JointVerdict]):
-    """Friction of every joint; fits have the parameters of all in one problem."""
+    """Friction of every joint."""
 
     routes = (JOINTS,)
     measured = "records of several joints"

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.data import Measurement, between_gaps
 from stickslip.errors import InputError
@@ -150,7 +151,7 @@ def resting_of(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...
     )
 
 
-def _moving(places: list[Array], times: Array) -> Array:
+def _moving(places: list[Array], times: Array) -> NDArray[np.bool_]:
     """Return which joints move (m,), from their positions (n,).
 
     A joint moves if it is displaced by more than its sensor may miss while the fastest joint makes
@@ -167,7 +168,4 @@ def _moving(places: list[Array], times: Array) -> Array:
     share = max(QUICKEST * fastest / math.pi, 2.0 * HARMONICS / len(times))
     share = min(share, HIGHEST)
     quickest = [float(np.max(np.abs(np.gradient(smoothed(x, share))))) for x in followed]
-    found: Array = moving & (
-        (np.array(quickest) > 2.0 * share * np.array(reaches)) | (ranges > FAR)
-    )
-    return found
+    return moving & ((np.array(quickest) > 2.0 * share * np.array(reaches)) | (ranges > FAR))

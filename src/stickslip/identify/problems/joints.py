@@ -364,6 +364,7 @@ class Reduced:
     def of(
         cls, own: Sequence[Record], records: JointRecords, name: str, paths: Sequence[str]
     ) -> "Reduced":
+        """Return the balance of a joint, with columns for parameters (paths)."""
         balance = Balance(own, highest=records.widest)
         rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
         sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
@@ -535,9 +536,7 @@ class _Piece:
         inputs = recorded_inputs(self.record, self.time, name)
         external = self._external(name, place, v)
         if external is not None:  # of what is measured friction is a part
-            motion = FilteredMotion(
-                position=q[:, i], velocity=v[:, i], resting=v[:, i] == 0.0, resolution=0.0
-            )
+            motion = FilteredMotion(position=q[:, i], velocity=v[:, i], resting=v[:, i] == 0.0)
             inputs |= gear_torques(
                 motion, self.force[:, i], taken[:, i], external, 2.0 * step * band,
                 unknown=[*slopes[:, i, : len(torques.linear)].T],

@@ -174,7 +174,9 @@ def told_links(
     count = parts[0].slopes.shape[1]
     at = [*told, *range(len(paths), count)]
     parts = weighed([replace(one, slopes=one.slopes[:, at]) for one in parts])
-    triangle = np.linalg.qr(np.vstack([_rows(one) for one in parts]), mode="r")
+    triangle = np.asarray(
+        np.linalg.qr(np.vstack([_rows(one) for one in parts]), mode="r"), dtype=float
+    )
     poses = _poses(robot, measurement)
     kept, values = list(range(len(told))), dict[str, float]()
     while kept:

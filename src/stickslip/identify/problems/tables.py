@@ -882,7 +882,13 @@ def _table(mechanism: Mechanism, record: Measurement) -> tuple[Rows, Array]:
     force = record.values("force") if isinstance(record.force, np.ndarray) else math.nan
     number = np.arange(len(friction), dtype=float)
     inputs = inputs_along(own, record, number, velocity=velocity, force=np.asarray(force))
-    rows = Rows(velocity=velocity, load=load, inputs=inputs, run=0.0 * number, order=number)
+    rows = Rows(
+        velocity=velocity,
+        load=load,
+        inputs=inputs,
+        run=np.zeros(len(number), dtype=np.intp),
+        order=number,
+    )
     return rows, friction
 
 

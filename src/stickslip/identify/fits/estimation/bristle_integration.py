@@ -7,13 +7,15 @@ Euler steps,
 .. math:: z_k \leftarrow z_k + \frac{e^{h J_k} - 1}{J_k}\, \dot z_k(z) ,
           \qquad J_k = \partial \dot z_k / \partial z_k ,
 
-which are exact where the rate is linear in the deflection, in `PARTS` parts of each step.
+which are exact where the rate is linear in the deflection, in `PARTS` parts of each step. Dahl's
+bristle with an exponent other than 1 moves by its closed form.
 
 Source: M. Hochbruck, A. Ostermann, "Exponential integrators", Acta Numerica 19, 2010.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +24,11 @@ from stickslip.engine.kernels.states import MOST_PARTS as PARTS
 from stickslip.engine.kernels.states import NUDGE
 from stickslip.engine.solver import states_along
 from stickslip.friction import FrictionLaw, bound
+from stickslip.identify.fits.settings import ROUNDING
 
 Array = NDArray[np.float64]
+TINY = float(np.finfo(float).eps)
+"""Share of the way to the limit that is none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,7 +71,7 @@ def follow(law: FrictionLaw, path: Path, start: Array) -> Array:
     """
     inputs = {name: path.inputs[name] for name in law.inputs}
     steps = replace(path, inputs=inputs).steps().T
-    found = states_along(law, steps, tuple(inputs), start)
+    found = None if _power(law) is not None else states_along(law, steps, tuple(inputs), start)
     return _in_arrays(law, steps, tuple(inputs), start) if found is None else np.asarray(found)
 
 
@@ -95,26 +100,68 @@ def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Arra
 
 
 def _in_arrays(law: FrictionLaw, motion: Array, inputs: tuple[str, ...], start: Array) -> Array:
-    """Return states (b, steps + 1, copies) along a motion of a law without machine code."""
+    """Return states (b, steps + 1, copies) along a motion, of a law in arrays."""
     states = np.empty((len(start), len(motion) + 1, start.shape[1]))
     states[:, 0] = z = start
-    size = 0.0
-    for i, (duration, v, n, *beside) in enumerate(motion):
-        at, h = bound(law, dict(zip(inputs, beside, strict=True))), duration / PARTS
-        for _ in range(PARTS):
-            f = _rates(at, v, n, z)
-            size = max(size, float(np.max(np.abs(z) + np.abs(h * f))))
-            nudge = NUDGE * size + 1e-300
-            slopes = np.empty_like(z)
-            for k in range(len(z)):
-                moved = z.copy()
-                moved[k] += nudge
-                slopes[k] = (_rates(at, v, n, moved)[k] - f[k]) / nudge
-            x = np.minimum(h * slopes, 50.0)
-            safe = np.where(np.abs(x) < NUDGE, 1.0, x)
-            z = z + h * f * np.where(np.abs(x) < NUDGE, 1.0, np.expm1(safe) / safe)
+    closed, size = _power(law) is not None, 0.0
+    for i, (h, v, n, *beside) in enumerate(motion):
+        at = bound(law, dict(zip(inputs, beside, strict=True)))
+        for _ in range(1 if closed else PARTS):
+            if closed:
+                z = _yielded(at, v, n, z, h)
+            else:
+                z, size = _stepped(at, v, n, z, h / PARTS, size)
         states[:, i + 1] = z
     return states
+
+
+def _stepped(
+    law: FrictionLaw, v: float, n: float, z: Array, h: float, size: float
+) -> tuple[Array, float]:
+    """Return states after an exponential Euler step of h, and the largest deflection so far."""
+    f = _rates(law, v, n, z)
+    size = max(size, float(np.max(np.abs(z) + np.abs(h * f))))
+    nudge = NUDGE * size + 1e-300
+    slopes = np.empty_like(z)
+    for k in range(len(z)):
+        moved = z.copy()
+        moved[k] += nudge
+        slopes[k] = (_rates(law, v, n, moved)[k] - f[k]) / nudge
+    x = np.minimum(h * slopes, 50.0)
+    safe = np.where(np.abs(x) < NUDGE, 1.0, x)
+    return z + h * f * np.where(np.abs(x) < NUDGE, 1.0, np.expm1(safe) / safe), size
+
+
+def _yielded(law: Any, v: float, n: float, z: Array, h: float) -> Array:
+    """Return the state (1, ...) of Dahl's bristle after a step of h by its closed form."""
+    power = _power(law)
+    assert power is not None
+    names = law.made_of.memory.names
+    probe = law.break_away(1.0) / getattr(law, names.get("bristle_stiffness", "bristle_stiffness"))
+    probe = np.broadcast_to(probe, z.shape)
+    moves = v != 0.0
+    way, along = np.where(moves, v, 1.0), np.where(v < 0.0, -1.0, 1.0)
+    # at a deflection against the way, the spring stands further from its limit than unbent
+    curve = ((_rates(law, v, n, -along * probe) / way) ** (1.0 / power) - 1.0) / probe
+    left = 1.0 - curve * along * z
+    size = np.abs(left)
+    bend = 1.0 - power
+    worn = curve * np.abs(v) * h * np.maximum(size, TINY) ** -bend
+    plain = np.abs(bend) < ROUNDING
+    spent = np.where(plain, 0.0, bend * worn)
+    kept = np.log1p(-np.minimum(spent, 1.0 - TINY)) / np.where(plain, 1.0, bend)
+    size = np.where(spent >= 1.0, 0.0, size * np.exp(np.where(plain, -worn, kept)))
+    return np.where(moves, along * (1.0 - np.copysign(size, left)) / curve, z)
+
+
+def _power(law: Any) -> Array | None:
+    """Return the exponents with which a Dahl bristle yields, if any is not 1; None of others."""
+    made = getattr(law, "made_of", None)
+    leaf = None if made is None else made.memory
+    if leaf is None or leaf.part.name != "dahl":
+        return None
+    power = np.asarray(getattr(law, leaf.names.get("yield_exponent", "yield_exponent")))
+    return None if np.all(power == 1.0) else power
 
 
 def _rates(law: FrictionLaw, v: float, n: float, z: Array) -> Array:

@@ -7,9 +7,7 @@ friction there balances the other forces, as far as a law can hold it.
 
 import functools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +35,7 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     times_of,
 )
 from stickslip.identify.fits.settings import Hold
-from stickslip.identify.fits.signals import LowPass, derivative, low_pass, play
+from stickslip.identify.fits.signals import LowPass, low_pass, play
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
@@ -45,8 +43,6 @@ Array = NDArray[np.float64]
 QUIET = 0.005
 """Standard deviation that noise may leave in velocities, over the largest speed. The less they are
 smoothed, the less reversals shift."""
-SEGMENTS = 40
-"""Segments of a record where no length is given."""
 BEYOND = 4.0
 """Standard deviations of the noise of positions from which a displacement is one: one in 16,000
 samples of normal noise lies beyond."""
@@ -85,23 +81,10 @@ class MotionSegment:
     """The motion."""
     friction: Array
     """Derived friction force (n,) [N]."""
-    segment: NDArray[np.intp]
-    """Segment that each sample belongs to (n,); below 0 if it is not compared."""
-    regressors: Array
-    """What a unit of mass takes off derived friction (n, 1), filtered as it is: acceleration."""
+    kept: NDArray[np.bool_]
+    """Samples (n,) that are compared."""
     held: Array
     """Friction (n,) [N] that would balance all other forces on a body at rest."""
-    passed: float
-    """What the filter of derived friction passes, over half the sampling frequency."""
-    blur: float
-    """Weight of both neighbours of a sample in the mean force that second differences see. A
-    triangle from one original sample before to one after has a variance of a sixth of a step."""
-
-    def seen(self, force: Array) -> Array:
-        """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
-        padded = np.concatenate([force[:1], force, force[-1:]])
-        bend = padded[:-2] - 2.0 * force + padded[2:]
-        return smoothed(force + self.blur * bend, self.passed)
 
 
 def balanced(
@@ -109,15 +92,10 @@ def balanced(
     measurement: Measurement,
     *,
     hold: Hold,
-    segment: float | None = None,
     samples: float = SAMPLES,
     slipping: bool = False,
-    wider: float = 1.0,
-    resolved: bool = False,
 ) -> tuple[MotionSegment, ...]:
-    """Return stretches of friction by inverse dynamics, with the acceleration they came from.
-
-    Those that are to be `resolved`, as bristles ask for, pass what the noise of positions allows.
+    """Return stretches of friction by inverse dynamics.
 
     Examples
     --------
@@ -126,28 +104,20 @@ def balanced(
     >>> v = np.cos(2.0 * t)
     >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
     >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
-    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first")
-    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(v)))) < 0.3)
+    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first", slipping=True)
+    >>> bool(np.max(np.abs(one.friction - 5.0 * np.sign(v))[one.kept]) < 0.3)
     True
     """
     check_loads(measurement)
     found: list[MotionSegment] = []
     for number, given in enumerate(measurement.records()):
-        t = times_of(given)
+        times_of(given)
         record = with_voltage(mechanism, given, hold)
         set_up = as_recorded(mechanism, record)
-        length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
-                x = positions_of(piece)
-                band, finest = (
-                    min(wider * passed_by_balance(x, resolved=fine), HIGHEST)
-                    for fine in (resolved, True)
-                )
-                stretch = partial(_stretch, set_up, piece, hold, samples, slipping=slipping)
-                one = stretch(passed=band, finest=finest, resolved=resolved)
-                first = max((int(one.segment.max()) + 1 for one in found), default=0)
-                found += _cut(replace(one, record=number), length, first)
+                one = _stretch(set_up, piece, hold, samples, slipping=slipping)
+                found += [replace(one, record=number)] * bool(one.kept.any())
     if not found:
         raise InputError(
             f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
@@ -164,11 +134,8 @@ def _stretch(
     samples: float,
     *,
     slipping: bool,
-    passed: float,
-    finest: float,
-    resolved: bool,
 ) -> MotionSegment:
-    """Return friction by inverse dynamics; rows that are not compared have no segment (-1).
+    """Return friction by inverse dynamics.
 
     Bristles follow the motion as finely as noise allows even where the common filter passes less:
     unlike friction, what they do is not linear in the motion, and no filter makes up for it.
@@ -176,8 +143,9 @@ def _stretch(
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
+    passed, finest = (passed_by_balance(raw, resolved=fine) for fine in (False, True))
     tracked = "position" in record.quantities()
-    motion = filtered_motion(raw, dt, passed, tracked=tracked, resolved=resolved)
+    motion = filtered_motion(raw, dt, passed, tracked=tracked)
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
@@ -198,11 +166,8 @@ def _stretch(
             inputs={name: one[picked] for name, one in inputs.items()},
         ),
         friction=smoothed(rest - mass * a, passed)[picked],
-        segment=np.where(kept, 0, -1)[picked],
-        regressors=smoothed(a, passed)[picked, None],
+        kept=kept[picked],
         held=rest[picked],
-        passed=passed * every,
-        blur=blur_of(every),
     )
 
 
@@ -313,8 +278,6 @@ class FilteredMotion:
     """Their rates (n,) [m/s], 0 at rest."""
     resting: NDArray[np.bool_]
     """Samples (n,) at which the sensor does not resolve any motion."""
-    resolution: float
-    """Displacement [m] that it may not resolve."""
 
     def within(self, rows: slice) -> "FilteredMotion":
         """Return some of the samples."""
@@ -332,24 +295,19 @@ def filtered_motion(
     passed: float,
     *,
     tracked: bool,
-    resolved: bool = False,
     noise: float | None = None,
 ) -> FilteredMotion:
     """Return the motion that positions (n,) show, whose noise is given if they are interpolated.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
-    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What is to
-    be `resolved`, as bristles ask for, rests only where the noise of measured positions explains
-    all motion: a heavy body that swings on bristles by 10 um after a stop does not. Its velocities
-    are those of the fourth order, which overshoot where others break away.
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
     """
     noise = positive_noise(raw) if noise is None else noise
     x = smoothed(raw, _passed_of_motion(raw, noise, passed))
-    v = derivative(x, dt) if resolved else np.gradient(x, dt)
+    v = np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
-    reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = BEYOND * noise if resolved else reach_of(raw, noise)
+        reach = reach_of(raw, noise)
         steps = np.diff(play(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")
@@ -361,12 +319,7 @@ def filtered_motion(
         least = max(GLIMPSE / passed, 1.0)
         resting &= edges[number + 1] - edges[number] > least
         resting = _lasting(resting, least)
-    return FilteredMotion(
-        position=x,
-        velocity=np.where(resting, 0.0, v),
-        resting=resting,
-        resolution=2.0 * reach,
-    )
+    return FilteredMotion(position=x, velocity=np.where(resting, 0.0, v), resting=resting)
 
 
 def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
@@ -395,30 +348,6 @@ def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArra
         sure = kept & (smoothed(slow.astype(float), passed) < GLIMPSE)
         kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
     return kept
-
-
-def _cut(one: MotionSegment, length: float, first: int) -> Iterator[MotionSegment]:
-    """Yield a stretch with its segments numbered from one on; none if no row says anything."""
-    kept, time = one.segment >= 0, one.path.time
-    if not kept.any():
-        return
-    span = float(np.ptp(time))
-    count = max(1, round(span / length))
-    share = np.minimum((time - time[0]) / span * count, count - 1).astype(np.intp)
-    numbers = np.full(len(time), -1, dtype=np.intp)
-    numbers[kept] = first + np.unique(share[kept], return_inverse=True)[1]
-    yield replace(one, segment=numbers)
-
-
-def blur_of(every: int) -> float:
-    """Return `MotionSegment.blur` where every so many original samples one was picked.
-
-    Examples
-    --------
-    >>> 2.0 * blur_of(1), 2.0 * blur_of(3) * 3**2  # the variance, in squared original steps
-    (0.16666666666666666, 0.16666666666666666)
-    """
-    return 1.0 / (12.0 * every**2)
 
 
 def reach_of(position: Array, noise: float) -> float:

@@ -137,7 +137,7 @@ class StartEstimate:
     ) -> "StartEstimate":
         """Return what some stretches say; the offset is looked for if it is not given."""
         rows = [
-            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.segment >= 0]
+            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.kept]
             for one in stretches
         ]
         v, n, f = np.concatenate(rows, axis=1)
