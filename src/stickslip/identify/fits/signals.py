@@ -1,4 +1,4 @@
-"""What columns of a record show: filters and slopes, and the noise of a sensor."""
+"""Filters of columns of a record, and the gaps in them."""
 
 from dataclasses import dataclass
 
