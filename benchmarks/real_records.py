@@ -22,7 +22,6 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 from unittest import mock
@@ -38,9 +37,10 @@ from stickslip.data.readers.binary import parquet_data
 from stickslip.errors import StickslipError
 from stickslip.identify import BandVerdict
 from stickslip.identify.bands import Array, Foreseen
-from stickslip.identify.fits import JointFitter, RecordSettings
+from stickslip.identify.fits import RecordSettings
+from stickslip.identify.joint_request import JointRequest
 from stickslip.identify.judgement import Judgement
-from stickslip.identify.problems.joints import JointRecords
+from stickslip.identify.problems.links import JointBalances
 from stickslip.identify.problems.record_columns import Balance
 from stickslip.identify.problems.record_curves import OtherRows
 from stickslip.identify.problems.record_rows import MIDDLE
@@ -444,16 +444,15 @@ def plain_rows(rows: Rows) -> dict[str, Array]:
 
 def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, Balance]]:
     """Return balances of both parts by joint, with what is looked for of the mechanism as given."""
-    fitter = JointFitter.of(
-        case.mechanism, "viscous", case.first, vary=["friction.*", *case.unknown],
-        settings=case.settings,
-    )  # fmt: skip
-    motion, held = fitter.motion, fitter.asked_hold != "first"
-    made = partial(
-        JointRecords.of, motion.mechanism, unknown=motion.torques.linear, resting=motion.resting
+    settings = case.settings or RecordSettings()
+    zeros, held = bool(settings.position_zeros), settings.hold != "first"
+    request = JointRequest.of(
+        case.mechanism, "viscous", ["friction.*", *case.unknown], None, case.first, zeros=zeros
     )
-    first = made(case.first)
-    second = made(other, bands=first.bands)
+    balances = JointBalances.of(
+        request.mechanism, case.first, request.linear, held=held, zeros=zeros
+    )
+    first, second = balances.records, balances.made(other)
     found = {}
     for name in first.records.keys() & second.records.keys():
         own, rest = ([replace(one, held=held) for one in x.records[name]] for x in (first, second))

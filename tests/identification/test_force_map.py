@@ -29,7 +29,6 @@ from stickslip.errors import InputError
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw
 from stickslip.identify.fits.estimation.bristle_integration import Path as Motion
 from stickslip.identify.fits.estimation.bristle_integration import follow
-from stickslip.identify.fits.force_map.data import stretches_of
 
 Array = NDArray[np.float64]
 
@@ -168,17 +167,6 @@ def strokes_and_rests(rate: float, noise: float) -> tuple[Array, Array, Array]:
     v = np.where(np.floor(t / 4) % 2, -v, v)
     x = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) / rate)])
     return t, x + np.random.default_rng(1).normal(0.0, noise, len(t)), v
-
-
-def test_an_encoder_that_flickers_at_rest_is_at_rest():
-    t, x, v = strokes_and_rests(1000.0, 0.0)
-    count = 1e-5
-    flicker = (v == 0.0) & (np.random.default_rng(3).random(len(t)) < 0.3)
-    position = count * (np.rint(x / count) + flicker)
-    record = Measurement(time=t, position=position, friction=2.0 * np.sign(v))
-    (own,) = stretches_of(AXIS, record)
-    resting = np.interp(own.path.time, t, v == 0.0) == 1.0
-    assert np.mean(own.path.velocity[resting] == 0.0) > 0.99
 
 
 SLIDING = [name for name in TRUE if name not in ("dahl", "lugre")]

@@ -88,9 +88,9 @@ def test_where_the_record_does_not_tell_the_hold_intervals_include_either():
 
 def test_measured_friction_and_free_decays_have_no_hold():
     v = np.linspace(-1.0, 1.0, 50)
-    assert hold_of(AXIS, Measurement(velocity=v, friction=2.0 * v), None) is None
+    assert hold_of(Measurement(velocity=v, friction=2.0 * v), None) is None
     t = np.linspace(0.0, 5.0, 500)
-    assert hold_of(AXIS, Measurement(time=t, position=np.exp(-t)), None) is None
+    assert hold_of(Measurement(time=t, position=np.exp(-t)), None) is None
 
 
 @pytest.mark.parametrize(

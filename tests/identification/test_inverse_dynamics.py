@@ -9,7 +9,7 @@ from stickslip import Axis, Measurement
 from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
-from stickslip.identify.fits.series.start_values import inertia_of
+from stickslip.identify.fits.series.start_values import regressed
 
 T = np.arange(0.0, 20.0, 1e-3)
 J, F_V, F_C, OFFSET = 4.0, 6.0, 2.0, -0.5
@@ -102,18 +102,16 @@ def test_standard_deviations_are_those_of_independent_errors():
     assert least < found.deviations[1] < 3.0 * least
 
 
-def test_a_mass_is_looked_for_by_its_name_only():
+def test_a_mass_to_start_from_is_that_of_a_regression_where_it_is_looked_for():
     axis = Axis(inertia=1.0)
-    assert inertia_of(axis, record_of(), ()) is None
-    assert inertia_of(axis, record_of(), ("inertia",)).start == pytest.approx(J, rel=2e-3)
-    with pytest.raises(InputError, match="not 'stiffness'"):
-        inertia_of(axis, record_of(), ("stiffness",))
+    assert regressed(axis, record_of()) == 1.0
+    assert regressed(axis, record_of(), ("mechanism.inertia",)) == pytest.approx(J, rel=2e-3)
 
 
 def test_forces_of_the_wrong_sign_have_no_mass():
     clean = record_of()
     with pytest.raises(InputError, match="gain -1"):
-        inertia_of(Axis(inertia=1.0), replace(clean, force=-clean.force), ("inertia",))
+        regressed(Axis(inertia=1.0), replace(clean, force=-clean.force), ("mechanism.inertia",))
 
 
 @pytest.mark.parametrize(

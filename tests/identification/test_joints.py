@@ -212,7 +212,7 @@ BAD = {
             time=t[:20], position={k: x[:20] for k, x in q.items()},
             force={k: x[:20] for k, x in u.items()},
         ),
-        "at least 30 samples",
+        "at least 60 samples",
     ),
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from stickslip import CoulombViscous, Measurement, TwoLinkArm, fit, load_rig
 from stickslip.data import catalogue
 from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError
-from stickslip.identify.fits.records.links import told_links
+from stickslip.identify.problems.links import told_links
 from stickslip.mechanisms import Robot, RobotJoint, read_urdf
 
 DESK = files("stickslip.mechanisms") / "desk_arm.urdf"
@@ -77,10 +77,10 @@ def planar():
 
 def test_two_links_in_a_plane_have_seven_base_parameters(monkeypatch):
     """M. Gautier: moments of both, inertias of both and the armature of the second."""
-    monkeypatch.setattr("stickslip.identify.fits.records.links.SURE", 0.0)
+    monkeypatch.setattr("stickslip.identify.problems.links.SURE", 0.0)
     robot = planar()
     other = replace(robot, joints=(replace(robot.joints[0], mass=2.1), robot.joints[1]))
-    _, told = told_links(other, excited(robot, 1), "first", zeros=False)
+    _, told = told_links(other, excited(robot, 1), held=False, zeros=False)
     assert len(told) == 7
     assert sum("moment" in path for path in told) == 4
 
@@ -106,7 +106,7 @@ def test_friction_is_found_beside_links_that_are_described_wrongly(seed):
 
 def test_links_that_are_described_rightly_are_left_as_they_are():
     robot = undamped(read_urdf(DESK).robot)
-    _, told = told_links(robot, excited(robot, 5, noise=0.02), "first", zeros=False)
+    _, told = told_links(robot, excited(robot, 5, noise=0.02), held=False, zeros=False)
     assert len(told) <= 4  # by chance, of some twenty that could be told
 
 

@@ -2,12 +2,19 @@
 
 import numpy as np
 import pytest
+from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, TRUTH
+from tests.arm_cases import record as of_arm
 from tests.identification.test_own_laws import Weakening
+from tests.identify.test_decays import RIG, swings
 
 from stickslip import (
     Axis,
+    Coulomb,
     CoulombViscous,
+    CoulombViscousStatic,
     Dahl,
+    DirectionalStribeck,
+    DirectionDependent,
     LuGre,
     Measurement,
     Stribeck,
@@ -25,6 +32,10 @@ TRUTHS = {
         viscous_coefficient=2.0,
     ),
     "own": Weakening(grip=4.0, fall=0.5, knee_speed=0.15),
+    "direction-dependent": DirectionDependent(
+        forward_kinetic_coefficient=4.0, backward_kinetic_coefficient=4.5,
+        forward_viscous_coefficient=3.0, backward_viscous_coefficient=2.5,
+    ),
 }  # fmt: skip
 
 
@@ -44,6 +55,11 @@ def record(law, seed=1):
     return Measurement(time=t, position=run.at(t)["x"] + noise, force=force)
 
 
+def numbers(found):
+    """Return what a fit says of parameters."""
+    return [(one.path, one.value, one.low, one.high) for one in found.estimates]
+
+
 @pytest.mark.parametrize("made", [table, record])
 @pytest.mark.parametrize("name", TRUTHS)
 def test_select_with_one_law_gives_the_numbers_of_fit_to_the_last_digit(name, made):
@@ -52,14 +68,73 @@ def test_select_with_one_law_gives_the_numbers_of_fit_to_the_last_digit(name, ma
     verdict = select(Axis(inertia=4.0), [law], measurement)
     chosen = verdict.closest.fit
     assert found.estimates
-    assert [(one.path, one.value, one.low, one.high) for one in found.estimates] == [
-        (one.path, one.value, one.low, one.high) for one in chosen.estimates
-    ]
+    assert numbers(found) == numbers(chosen)
     assert found.law == chosen.law
     v = np.linspace(-0.8, 0.8, 8)
     one, other = found.verdict.band(v), verdict.band(v)
     np.testing.assert_array_equal(one.low, other.low)
     np.testing.assert_array_equal(one.high, other.high)
+
+
+VARIED = {
+    "a level at rest": (
+        Axis(inertia=4.0), CoulombViscousStatic, lambda: record(TRUTHS["coulomb-viscous"]), None
+    ),
+    "a peak by direction": (
+        Axis(inertia=4.0), DirectionalStribeck, lambda: table(TRUTHS["stribeck"]), None
+    ),
+    "an inertia": (
+        Axis(inertia=3.0), CoulombViscous, lambda: record(TRUTHS["coulomb-viscous"]),
+        ["friction.*", "mechanism.inertia"],
+    ),
+    "a decay": (RIG, Coulomb, swings, None),
+    "joints": (GUESSED, CoulombViscous, lambda: of_arm(0), ["friction.*", *LINEAR]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", VARIED)
+def test_select_with_one_law_gives_the_numbers_of_fit_for_what_else_is_unknown(name):
+    mechanism, law, made, vary = VARIED[name]
+    measurement = made()
+    found = fit(mechanism, law, measurement, vary=vary)
+    chosen = select(mechanism, [law], measurement, vary=vary).closest.fit
+    assert found.estimates
+    assert numbers(found) == numbers(chosen)
+    assert found.law == chosen.law
+
+
+@pytest.mark.parametrize("level", [4.0, 2.0])
+def test_an_inertia_is_fitted_beside_a_law_that_is_held(level):
+    """A law that is held and wrong is said to be, and does not move the inertia."""
+    measurement = record(TRUTHS["coulomb-viscous"])
+    held = {"kinetic_coefficient": level, "viscous_coefficient": 3.0}
+    found = fit(Axis(inertia=3.0), CoulombViscous(**held), measurement, vary="inertia")
+    (inertia,) = found.estimates
+    assert inertia.low <= 4.0 <= inertia.high
+    assert inertia.high - inertia.low < 0.1
+    assert found.law == CoulombViscous(**held)
+    assert found.verdict.words.verdict.startswith("Use" if level == 4.0 else "None of the laws")
+    by_value = fit(Axis(inertia=3.0), CoulombViscous, measurement, vary="inertia", fixed=held)
+    assert numbers(by_value) == numbers(found)
+
+
+def test_links_are_fitted_beside_laws_that_are_held():
+    found = fit(GUESSED, TRUTH, of_arm(0), vary=LINEAR)
+    assert [one.path for one in found.estimates] == [f"mechanism.{name}" for name in LINEAR]
+    for name in LINEAR:
+        one = found.estimate(name)
+        assert one.low <= getattr(ARM, name) <= one.high
+    assert dict(found.law.members) == {name: TRUTH[name] for name in JOINTS}
+
+
+@pytest.mark.parametrize("vary", [[], "friction.*"])
+def test_a_fit_of_nothing_is_refused(vary):
+    held = {"kinetic_coefficient": 4.0, "viscous_coefficient": 3.0}
+    with pytest.raises(InputError, match="there is nothing to fit"):
+        fit(
+            Axis(inertia=4.0), CoulombViscous, table(TRUTHS["coulomb-viscous"]),
+            vary=vary, fixed=held,
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize("law", [Dahl, LuGre])
@@ -70,9 +145,7 @@ def test_select_with_one_law_of_bristles_gives_the_numbers_of_fit(law):
     )
     found = fit(Axis(inertia=4.0), law, measurement)
     chosen = select(Axis(inertia=4.0), [law], measurement).closest.fit
-    assert [(one.path, one.value, one.low, one.high) for one in found.estimates] == [
-        (one.path, one.value, one.low, one.high) for one in chosen.estimates
-    ]
+    assert numbers(found) == numbers(chosen)
 
 
 def test_a_fit_in_a_verdict_refuses_to_predict():

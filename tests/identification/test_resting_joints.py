@@ -9,7 +9,7 @@ from tests.support import quick
 
 from stickslip import CoulombViscous, Measurement, check, fit
 from stickslip.engine.formulation import JointTorques
-from stickslip.identify.fits.force_map.joint_balance import joint_pieces
+from stickslip.identify.problems.joint_motions import resting_of
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
 COUNT = 2.0 * np.pi / 4096.0
@@ -64,33 +64,8 @@ def test_a_joint_that_rests_spoils_nothing_of_its_neighbour(joint, rest):
 @pytest.mark.parametrize("rest", RESTS)
 @pytest.mark.parametrize("jitter", quick([0.1, 0.45], 0.1))
 def test_a_joint_rests_at_uneven_times_as_at_even_ones(rest, jitter):
-    (even,), (uneven,) = (
-        joint_pieces(
-            JointTorques.of(ARM, []), ARM, resting("elbow", rest, jitter=value), hold="first"
-        )
-        for value in (0.0, jitter)
-    )
-    assert [one.resting.all() for one in uneven.motions] == [False, True]
-    # steps of time that differ count among those of the motion: 6.5 % at 0.45
-    assert uneven.passed == pytest.approx(even.passed, rel=0.08)
-
-
-@pytest.mark.parametrize("jitter", [0.0, 0.3])
-def test_rests_between_motions_are_found_at_uneven_times(jitter):
-    coarse = 8.0 * COUNT
-    record = resting("elbow", "constant", jitter=jitter)
-    t, q, u = parts(record)
-    stops = np.sin(2.0 * np.pi * t / 4.0) < 0.0  # and goes there and back in the 2 s before
-    elbow = np.where(stops, 0.0, 1.0 - np.cos(np.pi * t))
-    flicker = (np.random.default_rng(1).random(len(t)) < 0.02) * stops
-    places = {"shoulder": coarse * np.rint(q["shoulder"] / coarse)}
-    places["elbow"] = coarse * (np.rint(elbow / coarse) + flicker)
-    arm = Measurement(time=t, position=places, force=u)
-    (piece,) = joint_pieces(JointTorques.of(ARM, []), ARM, arm, hold="first")
-    rests = np.interp(piece.time, t, stops) == 1.0
-    # without what the filter mixes with motion; a tenth of a rest at the most
-    assert piece.motions[1].resting[rests].mean() > 0.9
-    assert piece.motions[1].resting[~rests].mean() < 0.1
+    for value in (0.0, jitter):
+        assert resting_of(ARM, resting("elbow", rest, jitter=value)) == ("elbow",)
 
 
 def test_a_joint_that_rests_is_no_fault_of_a_record_in_which_another_moves():

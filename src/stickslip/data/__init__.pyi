@@ -31,7 +31,6 @@ from stickslip.data.differentiation import interval_of as interval_of
 from stickslip.data.differentiation import noise_of as noise_of
 from stickslip.data.differentiation import outlier_sentence as outlier_sentence
 from stickslip.data.differentiation import step_of as step_of
-from stickslip.data.differentiation import unit_differences as unit_differences
 from stickslip.data.differentiation import usual_top_speed as usual_top_speed
 from stickslip.data.differentiation import velocity_of as velocity_of
 from stickslip.data.differentiation import without_outliers as without_outliers

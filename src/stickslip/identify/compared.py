@@ -19,7 +19,7 @@ from stickslip.identify.laws import own_composition
 from stickslip.identify.own_laws import OwnLaw, is_own, starting
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.record_columns import through_gear
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.record_signals import NotToldError, Record
 from stickslip.identify.vocabulary import PARTS as PARTS_OF_LAWS
 from stickslip.show.formatting import joined
 
@@ -111,9 +111,9 @@ def held_power(terms: Collection[str], found: Collection[str]) -> Family:
     return tuple(sorted({*terms} - {"power"} | {"viscous"} if held else terms))
 
 
-def untold_states(law: type[FrictionLaw]) -> InputError:
+def untold_states(law: type[FrictionLaw]) -> NotToldError:
     """Return why a law with states is not fitted to what does not show them."""
-    return InputError(
+    return NotToldError(
         f"{law.title} friction has states that this measurement does not show, or not with"
         " these parameters alone: simulate it along a recorded force (route 'shooting'), or"
         " give a law without states."
@@ -182,17 +182,23 @@ def laws_to_compare(
         if isinstance(one, OwnLaw):
             own.append(one)
             continue
-        whole = one if isinstance(one, WholeLaw) else None
-        law = law_type(one) if isinstance(one, str) else one if whole is None else whole.kind
-        try:
-            families.append(whole.family(known) if whole else family_of_law(law, known))
-        except InputError:
-            if law.states and whole is not None:
-                raise untold_states(law) from None
-            if law.states or not law.fit_order:
-                raise
-            varied = tuple(law.fit_order) if whole is None else whole.found
-            own.append(OwnLaw(law=starting(law, {}, load), varied=varied))
+        fitted = isinstance(one, WholeLaw)
+        law = one.kind if fitted else law_type(one) if isinstance(one, str) else one
+        kind: type[FrictionLaw] = law if isinstance(law, type) else type(law)
+        whole = one if fitted else WholeLaw(kind=kind, found=tuple(law.fit_order))
+        family = None
+        if whole.is_family or kind.states or not whole.found:
+            try:
+                family = whole.family(known) if fitted else family_of_law(law, known)
+            except InputError:
+                if kind.states and fitted:
+                    raise untold_states(kind) from None
+                if kind.states or not whole.found:
+                    raise
+        if family is None:
+            own.append(OwnLaw(law=starting(law, {}, load), varied=whole.found))
+        else:
+            families.append(family)
     if not families and not own:
         raise InputError("laws is empty: name at least one law, or leave it out.")
     fitted = any(isinstance(one, WholeLaw | OwnLaw) for one in given)
@@ -224,8 +230,8 @@ def with_own_laws(problem: Any, asked: LawsToCompare) -> Any:
     told = [
         replace(one, load=usual).fitted(target.middle, target.allowed, rows) for one in asked.own
     ]
-    for one in told:
-        if not one.varied:
+    for one, given in zip(told, asked.own, strict=True):
+        if given.varied and not one.varied:
             raise InputError(
                 f"nothing that was measured depends on what is varied of {one.law.title} friction."
             )

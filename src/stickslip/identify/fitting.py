@@ -34,29 +34,32 @@ def fitted_law(
     free: Sequence[str] | None,
     known: Mapping[str, float],
     load: float,
+    unknown: Sequence[str] = (),
 ) -> LawFit:
     """Return the fit of one law, by what selects among laws.
 
     Of the law the parameters `free` are found (paths), its default if None; others have `known`
-    values, their own or usual ones under the load [N].
+    values, their own or usual ones under the load [N]. Where parameters of the mechanism are
+    `unknown`, all of the law may be held.
     """
     kind = law if isinstance(law, type) else type(law)
     names = names_to_find(kind, free, known)
-    check_varied(len(names))
+    check_varied(len(names) + len(unknown))
     if isinstance(law, type):
         refuse_open(law, {*names, *known})
     given = {} if isinstance(law, type) else {name: getattr(law, name) for name in fields_of(kind)}
     held = {**{n: x for n, x in given.items() if x is not None and n not in names}, **known}
     whole = WholeLaw(kind=kind, found=names)
     plain = all(name in OPTIONAL or (name in MAY_BE_HELD and x == 1.0) for name, x in held.items())
-    if whole.is_family and plain:
+    if names and whole.is_family and plain:
         verdict = select([whole])
         fit = _as(verdict, kind, held)
         if fit is not None:
             return _said(fit, verdict)
     if kind.states:
         raise untold_states(kind)
-    own = OwnLaw(law=starting(law, known, load), varied=names)
+    given_whole = isinstance(law, type) and not known
+    own = whole if given_whole else OwnLaw(law=starting(law, known, load), varied=names)
     verdict = select([own])
     found = _as(verdict, kind, {})
     if found is None:

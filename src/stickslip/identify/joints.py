@@ -22,8 +22,11 @@ from stickslip.data import (
     LawEstimates,
     Measurement,
     levels_at,
+    refuse_faults,
     refuse_same,
+    refuse_unused,
     volts_sentence,
+    with_doubts,
 )
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
@@ -31,21 +34,22 @@ from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import Candidate, Verdict, Wording, in_sentence
 from stickslip.identify.compared import LawsToCompare, laws_for, with_own_laws
 from stickslip.identify.fits import (
-    JOINTS,
+    MOST,
     OFFSET,
     Estimate,
     Fit,
-    JointFitter,
     RecordSettings,
     check_inputs,
     estimates_for,
-    joint_record,
     load_of,
+    names_of,
 )
 from stickslip.identify.fitting import NoLawError, fitted_law
-from stickslip.identify.forces import doubts_of
+from stickslip.identify.joint_request import JOINTS, JointRequest, suspected
 from stickslip.identify.page import figure_section, laws_section, parameters_section
-from stickslip.identify.problems.joints import JointRecords, Links, links_of
+from stickslip.identify.problems.joint_motions import joint_record, resting_of
+from stickslip.identify.problems.joints import JointRecords, Links
+from stickslip.identify.problems.links import JointBalances, told_links
 from stickslip.identify.problems.record_signals import NotToldError, Record
 from stickslip.identify.selection import (
     checked,
@@ -53,9 +57,10 @@ from stickslip.identify.selection import (
     record_verdict,
 )
 from stickslip.identify.verdict import BandVerdict, LawFit
-from stickslip.mechanisms import Axis, Mechanism, as_rotary
-from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import capital, parameter_words, with_unit
+from stickslip.mechanisms import LINKS, Axis, Mechanism, as_rotary
+from stickslip.quantities import parameters
+from stickslip.quantities import vary as with_values
+from stickslip.show.formatting import capital, parameter_words, percent, with_unit
 from stickslip.show.report import (
     KeyValue,
     KeyValues,
@@ -281,10 +286,10 @@ def select_joints(
     settings: RecordSettings | None = None,
 ) -> JointVerdict:
     """Judge records of several joints: which law each has, and what its friction is."""
-    fitter = JointFitter.of(
-        mechanism, "viscous", measurement, vary=vary, fixed=fixed, settings=settings
-    )
-    judge = _JointJudge.of(fitter, validate=validate, tolerance=tolerance)
+    judge = _JointJudge.of(
+        mechanism, "viscous", measurement, vary=vary, fixed=fixed, settings=settings,
+        validate=validate, tolerance=tolerance,
+    )  # fmt: skip
     joints = {judge.records.contacts[name]: judge.verdict_of(name, laws) for name in judge.own}
     fits = {name: one.closest.fit for name, one in joints.items() if one.closest.fit}
     return _verdict(judge, joints, fits)
@@ -330,14 +335,16 @@ def fit_joints(
     >>> round(found.law["elbow"].kinetic_coefficient, 2)
     0.1
     """
-    fitter = JointFitter.of(mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings)
-    judge, asked = _JointJudge.of(fitter), fitter.asked
+    judge = _JointJudge.of(mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings)
+    asked = judge.request
     joints, fits = dict[str, BandVerdict](), dict[str, LawFit]()
     untold = list(judge.untold)
+    of_mechanism = bool(judge.paths) and not any(asked.free.values())
     for name in judge.own:
         contact = judge.records.contacts[name]
         law = asked.laws.get(contact)
-        if law is None or (isinstance(law, FrictionLaw) and not asked.free[contact]):
+        held = isinstance(law, FrictionLaw) and not asked.free[contact]
+        if law is None or (held and not of_mechanism):
             continue
         check_inputs(
             law, mechanism, measurement, [*judge.own[name][0].inputs],
@@ -350,6 +357,7 @@ def fit_joints(
                 free=asked.free[contact],
                 known=asked.known.get(contact, {}),
                 load=load_of(judge.alone(name)),
+                unknown=judge.paths if of_mechanism else (),
             )
         except (NoLawError, NotToldError) as error:
             untold.append(f"The joint {contact} has no law. {capital(str(error))}")
@@ -372,12 +380,14 @@ def fit_joints(
 class _JointJudge:
     """Records of several joints, each as that of one coordinate with the others' motion known."""
 
-    fitter: JointFitter
-    """Motions, and what is looked for of the mechanism."""
+    mechanism: Mechanism
+    """Mechanism that was measured."""
+    measurement: Measurement
+    request: JointRequest
+    settings: RecordSettings
+    balances: JointBalances
     again: "_Again"
     """Makes records of another measurement."""
-    records: JointRecords
-    links: Links
     own: Mapping[str, Sequence[Record]]
     """Records of each joint that moves, by coordinate."""
     checks: Checks
@@ -391,43 +401,62 @@ class _JointJudge:
     @classmethod
     def of(
         cls,
-        fitter: JointFitter,
+        mechanism: Mechanism,
+        laws: Any,
+        measurement: Measurement,
         *,
+        vary: str | Sequence[str] | None,
+        fixed: Mapping[str, float] | None,
+        settings: RecordSettings | None,
         validate: Measurement | None = None,
         tolerance: float | None = None,
     ) -> "_JointJudge":
         """Return the records of a measurement, with the links that all joints tell together."""
-        motion, measurement = fitter.motion, fitter.measurement
-        checks = checked(fitter.mechanism, measurement, validate)
-        if said := fitter.wrong_columns("viscous"):
+        settings = settings or RecordSettings()
+        held, zeros = settings.hold != "first", bool(settings.position_zeros)
+        resting_of(mechanism, measurement)  # refuses records that lack a joint
+        if vary is not None and LINKS in names_of(vary):
+            mechanism, links = told_links(mechanism, measurement, held=held, zeros=zeros)
+            vary = [*(one for one in names_of(vary) if one != LINKS), *links]
+        request = JointRequest.of(mechanism, laws, vary, fixed, measurement, zeros=zeros)
+        refuse_unused(measurement)
+        refuse_faults(measurement, request.mechanism)
+        with with_doubts(measurement, request.mechanism):
+            balances = JointBalances.of(
+                request.mechanism, measurement, request.linear, held=held, zeros=zeros
+            )
+        checks = checked(mechanism, measurement, validate)
+        if said := _wrong_columns(request, measurement, balances.links.left, held=held):
             wrong = Finding(kind="joint columns", sentence=said, severity="warning")
             checks = replace(checks, findings=(wrong, *checks.findings))
-        paths, held = motion.torques.linear, fitter.asked_hold != "first"
-        doubts = doubts_of(fitter.mechanism, measurement, paths)
-        made = partial(
-            JointRecords.of, motion.mechanism, unknown=(*paths, *doubts), resting=motion.resting
-        )
-        records = made(measurement)
-        if not records.records:
-            raise InputError("no joint moves in these records: nothing tells friction.")
-        links = links_of(records, held, doubts, zeros=bool(fitter.settings.position_zeros))
-        again = _Again(partial(made, bands=records.bands), links, held=held)
+        again = _Again(balances.made, balances.links, held=held)
         seen = set[str]() if validate is None else {*again.records(validate)}
         return cls(
-            fitter=fitter, again=again, records=records, links=links,
-            own=records.at(links, held=held), checks=checks, wrong=said, validate=validate,
-            moved=frozenset(seen), tolerance=tolerance,
+            mechanism=mechanism, measurement=measurement, request=request, settings=settings,
+            balances=balances, again=again, own=balances.records.at(balances.links, held=held),
+            checks=checks, wrong=said, validate=validate, moved=frozenset(seen),
+            tolerance=tolerance,
         )  # fmt: skip
+
+    @property
+    def records(self) -> JointRecords:
+        """Records of all joints."""
+        return self.balances.records
+
+    @property
+    def links(self) -> Links:
+        """What they tell of parameters."""
+        return self.balances.links
 
     @property
     def paths(self) -> tuple[str, ...]:
         """Paths of what is looked for of the mechanism."""
-        return self.fitter.motion.torques.linear
+        return self.request.linear
 
     @property
     def untold(self) -> tuple[str, ...]:
         """What is not told of joints that rest and of the mechanism, in sentences."""
-        known = {path: q for path, q, _ in parameters(self.fitter.motion.mechanism, "mechanism")}
+        known = {path: q for path, q, _ in parameters(self.balances.mechanism, "mechanism")}
         lost = [
             f"the {parameter_words(path)} ({known[path].symbol})"
             for path in self.paths
@@ -443,16 +472,12 @@ class _JointJudge:
 
     def alone(self, name: str) -> Mechanism:
         """Return a joint as an axis."""
-        return _alone(self.fitter.motion.mechanism, name, self.records.inertias[name])
+        return _alone(self.balances.mechanism, name, self.records.inertias[name])
 
     def verdict_of(self, name: str, laws: Any) -> BandVerdict:
         """Return the verdict on a joint."""
-        alone, measurement, mechanism = (
-            self.alone(name),
-            self.fitter.measurement,
-            self.fitter.mechanism,
-        )
-        given = self.fitter.asked.offsets.get(name)
+        alone, measurement, mechanism = self.alone(name), self.measurement, self.mechanism
+        given = self.request.offsets.get(name)
         own = [*self.own[name]]
         if given is not None:
             own = [replace(one, force=one.force - given, constant=given) for one in own]
@@ -460,7 +485,7 @@ class _JointJudge:
         asked = LawsToCompare() if self.wrong else laws_for(laws, own, load_of(alone))
         judged = problem_of_records(
             alone, own, offset=given is None, families=asked.alone, turning="rad" in alone.units,
-            highest=self.records.widest, timed=self.fitter.asked_hold is not None,
+            highest=self.records.widest, timed=self.settings.hold is not None,
         )  # fmt: skip
         volts = volts_sentence(f"force.{name}")
         findings = (x for x in self.checks.findings if x.kind != "volts" or x.sentence == volts)
@@ -476,6 +501,36 @@ class _JointJudge:
             other=self.validate if name in self.moved else None,
             again=partial(self.again.of, name),
         )
+
+
+def _wrong_columns(
+    request: JointRequest, measurement: Measurement, left: float, *, held: bool
+) -> str:
+    """Return which signals would explain the forces if exchanged or converted, as a sentence.
+
+    Looked for where balances leave most of the force of some joint; empty elsewhere, and if none
+    takes most of that away.
+    """
+    if left < MOST:
+        return ""
+    found = []
+    for finding, other in suspected(measurement, request.mechanism):
+        try:
+            seen = JointBalances.about(
+                request.mechanism, other, request.linear, resting_of(request.mechanism, other),
+                held=held, zeros=request.zeros,
+            )  # fmt: skip
+        except InputError:
+            continue
+        found.append((seen.links.left, finding))
+    least, finding = min(found, default=(math.inf, ""))
+    if least > MOST * min(left, 1.0):
+        return ""
+    falls = (
+        f"what the mechanism does not explain of the forces falls from {percent(left)}"
+        f" to {percent(least)}"
+    )
+    return finding.replace("{falls}", falls)
 
 
 class _Again:
@@ -555,8 +610,8 @@ def _verdict(
     still: Mapping[str, FrictionLaw] = MappingProxyType({}),
 ) -> JointVerdict:
     """Return the verdict on all joints, in words; `still` are given laws of those that rest."""
-    rig, records, checks = judge.fitter.motion.mechanism, judge.records, judge.checks
-    mechanism, measurement = judge.fitter.mechanism, judge.fitter.measurement
+    rig, records, checks = judge.balances.mechanism, judge.records, judge.checks
+    mechanism, measurement = judge.mechanism, judge.measurement
     values = _values(rig, judge.links, judge.paths)
     along = {contact: name for name, contact in records.contacts.items()}
     of_joints = [
@@ -570,7 +625,11 @@ def _verdict(
         for one in fit.estimates
     ]
     try:
-        moved = vary(rig, "mechanism", {one.path: one.value for one in values}) if values else rig
+        moved = (
+            with_values(rig, "mechanism", {one.path: one.value for one in values})
+            if values
+            else rig
+        )
     except ParameterError:  # what the motion tells is no links one by one: those of the fit are
         moved = rig
     fitted = JointLawFit(

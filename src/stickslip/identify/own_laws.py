@@ -143,6 +143,8 @@ class OwnLaw:
         A constant offset may stand beside it where both directions were seen. What nothing tells,
         alone or beside others, is held in part: the rest stands for it.
         """
+        if not self.varied:
+            return self
         both = bool((rows.velocity > 0.0).any() and (rows.velocity < 0.0).any())
         top = float(np.max(np.abs(rows.velocity)))
         size = float(np.sqrt(np.mean(target**2))) + 1e-300

@@ -3,9 +3,12 @@ from stickslip.identify.fits.contact_inputs import VARIES as VARIES
 from stickslip.identify.fits.contact_inputs import as_informed as as_informed
 from stickslip.identify.fits.contact_inputs import as_loaded as as_loaded
 from stickslip.identify.fits.contact_inputs import check_inputs as check_inputs
+from stickslip.identify.fits.contact_inputs import check_loads as check_loads
+from stickslip.identify.fits.contact_inputs import inputs_along as inputs_along
 from stickslip.identify.fits.contact_inputs import inputs_text as inputs_text
 from stickslip.identify.fits.contact_inputs import joint_inputs as joint_inputs
 from stickslip.identify.fits.contact_inputs import known_inputs as known_inputs
+from stickslip.identify.fits.contact_inputs import load_along as load_along
 from stickslip.identify.fits.contact_inputs import load_of as load_of
 from stickslip.identify.fits.contact_inputs import measured_loads as measured_loads
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
@@ -26,12 +29,14 @@ from stickslip.identify.fits.estimation.parameters import starting_law as starti
 from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
-from stickslip.identify.fits.force_map.data import load_along as load_along
-from stickslip.identify.fits.force_map.data import stretches_of as stretches_of
+from stickslip.identify.fits.estimation.problem import Problem as Problem
+from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
-from stickslip.identify.fits.force_map.joint_balance import check_joints as check_joints
-from stickslip.identify.fits.force_map.joint_balance import contacts_along as contacts_along
-from stickslip.identify.fits.force_map.joint_balance import joint_record as joint_record
+from stickslip.identify.fits.force_map.force_balance import mean_frequency as mean_frequency
+from stickslip.identify.fits.force_map.force_balance import positive_noise as positive_noise
+from stickslip.identify.fits.force_map.force_balance import reach_of as reach_of
+from stickslip.identify.fits.force_map.force_balance import smoothed as smoothed
+from stickslip.identify.fits.force_map.start_values import StartEstimate as StartEstimate
 from stickslip.identify.fits.gears import gear_torques as gear_torques
 from stickslip.identify.fits.gears import transmitted_along as transmitted_along
 from stickslip.identify.fits.records.fit import Prediction as Prediction
@@ -40,8 +45,6 @@ from stickslip.identify.fits.records.fit import Score as Score
 from stickslip.identify.fits.records.fitting import RouteName as RouteName
 from stickslip.identify.fits.records.fitting import fit_records as fit_records
 from stickslip.identify.fits.records.fitting import route_of as route_of
-from stickslip.identify.fits.records.joint_fitting import JOINTS as JOINTS
-from stickslip.identify.fits.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identify.fits.records.problems import refuse_overrides as refuse_overrides
 from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
 from stickslip.identify.fits.results import Estimate as Estimate
@@ -57,11 +60,20 @@ from stickslip.identify.fits.series.applied_force import applied_force as applie
 from stickslip.identify.fits.series.applied_force import drives_itself as drives_itself
 from stickslip.identify.fits.series.applied_force import goes_straight as goes_straight
 from stickslip.identify.fits.series.applied_force import inside as inside
+from stickslip.identify.fits.series.inverse_dynamics import HARMONICS as HARMONICS
+from stickslip.identify.fits.series.inverse_dynamics import HIGHEST as HIGHEST
 from stickslip.identify.fits.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
+from stickslip.identify.fits.series.inverse_dynamics import positions_of as positions_of
+from stickslip.identify.fits.series.start_values import MOST as MOST
+from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
+from stickslip.identify.fits.settings import SETTLED as SETTLED
+from stickslip.identify.fits.settings import SURE as SURE
+from stickslip.identify.fits.settings import TAKES_PART as TAKES_PART
+from stickslip.identify.fits.signals import play as play
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel
 from stickslip.identify.fits.travel_model import Trial as Trial
@@ -80,10 +92,12 @@ from stickslip.identify.fits.validation import called as called
 from stickslip.identify.fits.validation import check_given as check_given
 from stickslip.identify.fits.validation import check_varied as check_varied
 from stickslip.identify.fits.validation import covers as covers
+from stickslip.identify.fits.validation import fixed_values as fixed_values
 from stickslip.identify.fits.validation import law_quantities as law_quantities
 from stickslip.identify.fits.validation import laws_of as laws_of
 from stickslip.identify.fits.validation import names_of as names_of
 from stickslip.identify.fits.validation import refuse_of_laws as refuse_of_laws
+from stickslip.identify.fits.validation import varied_paths as varied_paths
 
 __all__ = [
     "Estimate",

@@ -4,15 +4,15 @@ import math
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data import Measurement, as_recorded, command_of, unit_of_input, with_voltage
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, STEP, TAKES_PART
+from stickslip.identify.fits.settings import ROUNDING
 from stickslip.mechanisms import (
     ContactInputs,
     Mechanism,
@@ -28,13 +28,11 @@ from stickslip.mechanisms import (
 )
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, DRIVES
 from stickslip.mechanisms.drives import Drive, Sampled
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import vary
 from stickslip.show.formatting import joined, number, quantity, span
 
 Array = NDArray[np.float64]
 
-WEIGHTS = ("external", "gravity")
-"""Inputs that fall where a joint takes more force; what a gear transmits grows."""
 LOAD = "mechanism.load"
 VARIES = 0.05
 """Range of a load, its outer twentieths left out, over its median, beyond which it varies."""
@@ -185,82 +183,25 @@ def joint_inputs(
     places: Array,
     rates: Array,
     applied: Array,
-    *,
-    fitted: Sequence[str] = (),
-    weights: Array | None = None,
-    zeros: bool = False,
-) -> list[tuple[dict[str, Array], dict[str, Array]]]:
-    """Return contact inputs of each joint at each sample (n,), the motor's force as measured.
-
-    And their slopes (n, k) by parameters that are fitted, which are those of the forces that the
-    joints take at rest, `weights` (n, m, k). What changes with such a parameter otherwise is left
-    out, and what changes with the place where positions count from an unknown zero.
-    """
+) -> list[dict[str, Array]]:
+    """Return contact inputs of each joint at each sample (n,), the motor's force as measured."""
     names = mechanism.coordinates
-
-    def told_by(one: Mechanism, every: int = 1, offset: float = 0.0) -> list[dict[str, Array]]:
-        t = time[::every]
-        given = {
-            name: np.array([drive.value(float(now)) for now in t])
-            for name, drive in one.drives().items()
-            if name in told_fields(one)
-        }
-        drives = defaultdict(lambda: np.zeros_like(t), given)
-        q, q_dot = (
-            dict(zip(names, rows[::every].T, strict=True)) for rows in (places + offset, rates)
-        )
-        told = one.contact_inputs(t, q, q_dot, drives)
-        found = []
-        for name, force in zip(names, applied[::every].T, strict=True):
-            recorded = recorded_inputs(record, t, name)
-            own = _known(one, contacts.get(name, ""), told, recorded, t)
-            computed = own.keys() - given_names(one, contacts.get(name, ""))
-            own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
-            found.append(own)
-        return found
-
-    found = told_by(mechanism)
-    every = max(1, len(time) // RESOLUTION)
-    elsewhere = told_by(mechanism, every, 1.0) if zeros else None
-    nudged = [_nudged(mechanism, path) for path in fitted]
-    moved = [(told_by(one, every), step) for one, step in nudged]
-    inputs = []
-    for i, own in enumerate(found):
-        table = np.zeros((len(time), len(fitted))) if weights is None else weights[:, i]
-        known: dict[str, Array] = {}
-        slopes: dict[str, Array] = {}
-        for name, x in own.items():
-            if elsewhere is not None and not np.array_equal(x[::every], elsewhere[i][name]):
-                continue
-            seen = [(other[i][name] - x[::every]) / step for other, step in moved]
-            if not any(np.any(one) for one in seen):
-                known[name] = x
-                continue
-            side = -1.0 if name in WEIGHTS else 1.0
-            if _alike(np.column_stack(seen), side * table[::every]):
-                known[name], slopes[name] = x, side * table
-        inputs.append((known, slopes))
-    return inputs
-
-
-def _alike(seen: Array, table: Array) -> bool:
-    """Whether slopes (n, k) that a step shows are those of a table, as far as it tells."""
-    size = np.max(np.abs(table), axis=0, initial=0.0)
-    return bool(np.all(np.abs(seen - table) <= TAKES_PART * size + 1e-300))
-
-
-def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:
-    """Return a mechanism with a slightly larger parameter, or a smaller one at its upper limit.
-
-    And by how much it is larger.
-    """
-    value = {one: x for one, _, x in parameters(mechanism, "mechanism")}[path]
-    try:
-        larger = value * (1.0 + STEP) if abs(value) > ROUNDING else 2.0 * ROUNDING
-        return vary(mechanism, "mechanism", {path: larger}), larger - value
-    except ParameterError:
-        smaller = value / (1.0 + STEP)
-        return vary(mechanism, "mechanism", {path: smaller}), smaller - value
+    given = {
+        name: np.array([drive.value(float(now)) for now in time])
+        for name, drive in mechanism.drives().items()
+        if name in told_fields(mechanism)
+    }
+    drives = defaultdict(lambda: np.zeros_like(time), given)
+    q, q_dot = (dict(zip(names, rows.T, strict=True)) for rows in (places, rates))
+    told = mechanism.contact_inputs(time, q, q_dot, drives)
+    found = []
+    for name, force in zip(names, applied.T, strict=True):
+        contact = contacts.get(name, "")
+        own = _known(mechanism, contact, told, recorded_inputs(record, time, name), time)
+        computed = own.keys() - given_names(mechanism, contact)
+        own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
+        found.append(own)
+    return found
 
 
 def recorded_inputs(record: Measurement, time: Array, joint: str = "") -> dict[str, Array]:
@@ -575,3 +516,42 @@ def load_of(mechanism: Mechanism) -> float:
             f" {type(mechanism).__name__} has {load!r}."
         )
     return float(load)
+
+
+def check_loads(measurement: Measurement) -> None:
+    """Refuse trials of which some only have a measured load."""
+    loads = {"load" in record.quantities() for record in measurement.records()}
+    if len(loads) > 1:
+        raise InputError(
+            "load (N) was measured in only some of the trials: give Measurement.load [N] for each"
+            " trial, or for none to use that of the mechanism."
+        )
+
+
+def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
+    """Return the normal force at each sample (n,) [N]: measured, else the mechanism's."""
+    label = f"record {record.name!r}" if record.name else "the record"
+    if "load" in record.quantities():
+        load = np.broadcast_to(np.asarray(record.values("load"), dtype=float), count)
+        where = "Measurement.load (N)"
+    else:
+        load = np.full(count, _own_load(mechanism))
+        where = f"the load of {type(mechanism).__name__} (N)"
+    if not np.all(load > 0.0):
+        raise InputError(
+            f"{where} of {label} must be above 0 N, got {number(float(np.min(load)))}: give the"
+            " normal force in Measurement.load, one number or one for each sample."
+        )
+    return load
+
+
+def _own_load(mechanism: Mechanism) -> float:
+    """Return the normal force of a mechanism: prescribed, or the weight on a held coordinate."""
+    contact, normal = only_contact(mechanism), normal_of(mechanism)
+    if normal is None:
+        return float(cast("float", contact.load)) if contact.load is not None else 0.0
+    at = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
+    # weight is linear in the height, so that the difference over 1 m is exact
+    above = mechanism.potential_energy(0.0, {**at, normal: 0.5})
+    below = mechanism.potential_energy(0.0, {**at, normal: -0.5})
+    return float(above - below)

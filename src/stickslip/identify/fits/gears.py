@@ -8,7 +8,6 @@ from scipy.optimize import nnls
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identify.fits.contact_inputs import VARIES, inputs_along
-from stickslip.identify.fits.force_map.data import smoothed
 from stickslip.identify.fits.force_map.force_balance import (
     PATH,
     FilteredMotion,
@@ -16,8 +15,8 @@ from stickslip.identify.fits.force_map.force_balance import (
     mean_force,
     passed_by_balance,
     second_differences,
+    smoothed,
 )
-from stickslip.identify.fits.force_map.joint_balance import AHEAD
 from stickslip.identify.fits.series.applied_force import applied_force, driven, goes_straight
 from stickslip.identify.fits.series.inverse_dynamics import (
     HIGHEST,
@@ -30,6 +29,9 @@ from stickslip.mechanisms import Mechanism, input_names
 from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
+AHEAD = 5.0
+"""Positions are first filtered at so many times what the common filter passes: it changes nothing
+that passes, by 3e-6, and else noise of the first acceleration would be seen for long."""
 
 
 def transmitted_along(mechanism: Mechanism, measurement: Measurement) -> list[Array] | None:

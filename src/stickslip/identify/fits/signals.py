@@ -1,13 +1,10 @@
-"""What columns of a record show: filters and slopes, and the noise of a sensor."""
+"""Filters of columns of a record, and the gaps in them."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfilt, sosfilt_zi
-
-from stickslip.data import unit_differences
 
 Array = NDArray[np.float64]
 
@@ -43,45 +40,6 @@ def low_pass(h: float, fc: float, most: float = 0.9) -> LowPass:
     """Return the filter of fourth order with a band [Hz] at steps h [s]."""
     sections = np.asarray(butter(ORDER, min(2.0 * h * fc, most), output="sos"))
     return LowPass(sections, np.asarray(sosfilt_zi(sections)))
-
-
-def derivative(x: Array, h: float) -> Array:
-    """Return slopes by central differences of the fourth order.
-
-    Those of the second order bias the inertia by half a per cent, and the damping of a bristle that
-    vibrates with a tenth of the sampling frequency by seven.
-    """
-    found = np.gradient(x, h)
-    found[2:-2] = (x[:-4] - 8.0 * x[1:-3] + 8.0 * x[3:-1] - x[4:]) / (12.0 * h)
-    return np.asarray(found)
-
-
-def resolution(q: Array, t: Array | None = None) -> float:
-    """Return the standard deviation of what positions (n,) do not resolve, at even times or t.
-
-    The larger of the rounding, where many samples differ by one step of an encoder, and of the
-    third differences in the quietest fifth of the record.
-
-    Examples
-    --------
-    >>> q = np.sin(0.001 * np.arange(5000.0))
-    >>> resolution(np.round(q, 2)) > 0.002, resolution(q) < 1e-8
-    (True, True)
-    """
-    unit = 1e-12 * max(float(np.ptp(q)), 1e-300)
-    levels = np.unique(np.round((q - q[0]) / unit)) * unit
-    apart = np.diff(levels)
-    apart = apart[apart > 1.5 * unit]
-    step = float(apart.min()) if apart.size else 0.0
-    steps = np.abs(np.diff(q))
-    moved = steps[steps > unit]
-    share = float(np.mean(moved < 1.5 * step)) if moved.size else 0.0
-    rounded = share > 0.02 or len(levels) < len(q) / 3
-    third = np.diff(q, 3) / math.sqrt(20.0) if t is None else unit_differences(q, t, 3)
-    n = max(len(third) // 20, 1)
-    blocks = [third[i * n : (i + 1) * n] for i in range(20)]
-    quiet = float(np.quantile([one.std() for one in blocks if one.size], 0.2))
-    return max(step / math.sqrt(12.0) if rounded else 0.0, quiet)
 
 
 def play(path: Array, reach: float) -> Array:

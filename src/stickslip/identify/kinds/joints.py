@@ -1,4 +1,4 @@
-"""Records of several joints: fitted by inverse dynamics, judged joint by joint."""
+"""Records of several joints: judged joint by joint, with the links that all tell together."""
 
 from collections.abc import Collection, Sequence
 
@@ -12,7 +12,7 @@ from stickslip.identify import (
     select_joints,
 )
 from stickslip.identify.candidates import in_sentence
-from stickslip.identify.fits import JOINTS
+from stickslip.identify.joint_request import JOINTS
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.show.formatting import percent
@@ -20,7 +20,7 @@ from stickslip.show.report import Origin, SectionMaker
 
 
 class JointKind(Kind[JointLawFit, JointVerdict]):
-    """Friction of every joint; fits have the parameters of all in one problem."""
+    """Friction of every joint."""
 
     routes = (JOINTS,)
     measured = "records of several joints"

@@ -41,6 +41,7 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.trials import compared
+from stickslip.identify.problems.records import RecordProblem
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.show import formatting
@@ -80,6 +81,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             free=chosen.free,
             known=chosen.known,
             load=load_of(chosen.mechanism),
+            unknown=chosen.unknown,
         )
 
     def _refit(
@@ -186,19 +188,25 @@ class RecordKind(BandKind):
             except NotToldError:  # which runs under what was recorded may tell
                 if request.route is not None or "friction" in request.measurement.quantities():
                     raise
-        return fit_records(begin=self._begun(request), **request.arguments("law", "settings"))
+        begin, late = self._begun(request)
+        return fit_records(begin=begin, late=late, **request.arguments("law", "settings"))
 
-    def _begun(self, request: Request) -> dict[str, float]:
+    def _begun(self, request: Request) -> tuple[dict[str, float], tuple[float, float] | None]:
         """Return values that a balance has of what simulated segments look for, by path.
 
-        Those of a law with other states are of LuGre friction, whose parameters they share.
+        Those of a law with other states are of LuGre friction, whose parameters they share. And by
+        how many samples the force acts late, with the half width of its interval.
         """
         plain = replace(request, settings=None, tolerance=None)
         for law in (request.law, LuGre):
             with suppress(InputError, ConvergenceError):
                 fit = self._fit(replace(plain, law=law, vary=_of_mechanism(request.vary)))
-                return {one.path: one.value for one in fit.estimates if one.bounded}
-        return {}
+                values = {one.path: one.value for one in fit.estimates if one.bounded}
+                judgement = fit.judgement
+                if isinstance(judgement.problem, RecordProblem):
+                    return values, judgement.problem.lateness(judgement.draws)
+                return values, None
+        return {}, None
 
     def select(self, request: Request) -> BandVerdict:
         chosen = Parameters.of(

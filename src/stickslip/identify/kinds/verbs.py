@@ -106,7 +106,8 @@ def fit(
         stands for what is fitted of the law by default: of records its `fit_order`, of travels as
         much of that as different trials can pay for, of features what shapes a limit cycle. A
         constant offset, which sensors and cables have, is fitted to records unless it is fixed.
-        Parameters of the mechanism are for records and features.
+        Parameters of the mechanism are for records and features; named alone, they are fitted
+        beside a law that is held.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
     route : {"table", "balance", "shooting", "features", "rate-state"}

@@ -43,16 +43,16 @@ import numpy as np
 
 from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
+from stickslip.errors import InputError
 from stickslip.identify.bands import Array
 from stickslip.identify.fits import (
     FilteredMotion,
-    check_joints,
-    contacts_along,
     gear_torques,
     joint_inputs,
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
+from stickslip.identify.problems.joint_motions import check_joints, contacts_along
 from stickslip.identify.problems.record_columns import ZERO, Balance, Memory
 from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
 from stickslip.identify.problems.record_rows import (
@@ -86,6 +86,8 @@ encoders count from where they were switched on, or set by eye."""
 UNSHOWN = 2.0
 """Errors over those that rows show: a filter or a delay is the same in all, and rows by which a
 joint is judged were among them."""
+ROUNDS = 4
+"""Times that noise is taken again from what parameters leave."""
 SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
@@ -113,6 +115,13 @@ class JointRecords:
     """Paths of the parameters that are looked for, and of those with stated errors."""
     zeros: tuple[str, ...]
     """Paths of the zeros of the coordinates."""
+    bent: bool
+    """Whether forces are not linear in the parameters together."""
+
+    @property
+    def none_moves(self) -> str:
+        """What is to be said where there are no records."""
+        return "no joint moves in these records: nothing tells friction."
 
     @property
     def count(self) -> int:
@@ -140,6 +149,10 @@ class JointRecords:
             for piece in between_gaps(record)
             if len(np.asarray(piece.time)) >= FEWEST
         ]
+        if not pieces:
+            raise InputError(
+                f"joints need a stretch of at least {FEWEST} samples without a gap: record longer."
+            )
         return cls._made(torques, mechanism, pieces, resting, bands)
 
     def at(self, links: "Links", *, held: bool, again: bool = False) -> dict[str, list[Record]]:
@@ -218,6 +231,7 @@ class JointRecords:
             widest=widest,
             sought=torques.linear,
             zeros=tuple(ZERO + name for name in names),
+            bent=torques.bent,
             inertias={name: abs(float(mass[i, i])) for i, name in enumerate(names)},
         )
 
@@ -246,6 +260,8 @@ class Links:
     """Standard deviation of the zeros [rad] or [m]."""
     lost: tuple[str, ...]
     """Parameters that the motion does not tell from others."""
+    left: float
+    """What is left of the force of a joint at most, over its standard deviation."""
 
     @property
     def change(self) -> dict[str, float]:
@@ -274,19 +290,15 @@ def links_of(
     record as usual, or may be anywhere (`zeros`).
     """
     paths = tuple(path for path in records.sought if path not in doubts)
-    parts = [
-        _Reduced.of([replace(one, held=held) for one in own], records, name, paths)
-        for name, own in records.records.items()
-    ]
-    count = len(paths)
-    usual = LOOKED_FOR * np.min([one.usual for one in parts], axis=0)
+    parts, count = reduced_of(records, held, paths), len(paths)
+    usual = _usual(parts)
     shares = {max(ZEROS): 1.0} if zeros else ZEROS
     zero = max(shares)
 
     def prior(zero: float) -> Array:
         return np.where(np.arange(len(usual)) < count, usual, zero)
 
-    for _ in range(4):
+    for _ in range(ROUNDS):
         told = _told(parts, prior(zero))
         parts = [one.weighed(told) for one in parts]
         odds = {x: math.log(p) + _evidence(parts, prior(x)) for x, p in shares.items()}
@@ -297,17 +309,41 @@ def links_of(
     values, basis = np.linalg.eigh(gram / np.outer(scale, scale))
     apart = basis[:, values <= SAME * values.max(initial=0.0)]
     lost = np.sum(apart**2, axis=1) > SAME
+    told = _told(parts, prior(zero))
     return Links(
         doubts=doubts,
         paths=paths,
-        told=_told(parts, prior(zero)),
+        told=told,
+        left=max(one.left(told) for one in parts),
         zero=zero,
         lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
     )
 
 
+def reduced_of(records: JointRecords, held: bool, paths: Sequence[str]) -> "list[Reduced]":
+    """Return the balances of all joints less what their curves explain, forces `held` or not."""
+    return [
+        Reduced.of([replace(one, held=held) for one in own], records, name, paths)
+        for name, own in records.records.items()
+    ]
+
+
+def weighed(parts: "Sequence[Reduced]") -> "list[Reduced]":
+    """Return balances with the noise that parameters leave which may be anything."""
+    found = list(parts)
+    for _ in range(ROUNDS):
+        told = _told(found, _usual(found))
+        found = [one.weighed(told) for one in found]
+    return found
+
+
+def _usual(parts: "Sequence[Reduced]") -> Array:
+    """Return standard deviations of parameters before any balance (p,)."""
+    return np.asarray(LOOKED_FOR * np.min([one.usual for one in parts], axis=0))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Reduced:
+class Reduced:
     """The balance of a joint less what its curve explains."""
 
     name: str
@@ -319,13 +355,16 @@ class _Reduced:
     """Degrees of freedom of the rows."""
     size: float
     """Standard deviation of the noise."""
+    spread: float
+    """Standard deviation of the force that was recorded."""
     kappa: float = 1.0
     """Share of the rows that count."""
 
     @classmethod
     def of(
         cls, own: Sequence[Record], records: JointRecords, name: str, paths: Sequence[str]
-    ) -> "_Reduced":
+    ) -> "Reduced":
+        """Return the balance of a joint, with columns for parameters (paths)."""
         balance = Balance(own, highest=records.widest)
         rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
         sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
@@ -351,7 +390,12 @@ class _Reduced:
             response=both[:, -1],
             free=max(rows.count - int(kept.sum()), 1),
             size=float(np.sqrt(np.mean(rows.response**2))) + 1e-300,
+            spread=float(np.std(np.concatenate([one.force for one in own]))) + 1e-300,
         )
+
+    def left(self, told: "Told") -> float:
+        """Return what parameters leave of the force, over its standard deviation."""
+        return float(np.std(self.response - self.slopes @ told.mean)) / self.spread
 
     @property
     def gram(self) -> Array:
@@ -370,7 +414,7 @@ class _Reduced:
             np.sqrt(np.sum(self.response**2) / (np.sum(self.slopes**2, axis=0) + 1e-300))
         )
 
-    def weighed(self, told: Told) -> "_Reduced":
+    def weighed(self, told: Told) -> "Reduced":
         """Return the balance with the noise that parameters leave."""
         left = self.response - self.slopes @ told.mean
         used = float(np.sum((self.slopes @ told.root / (UNSHOWN * self.size)) ** 2)) * self.kappa
@@ -382,14 +426,14 @@ class _Reduced:
         return replace(self, size=size, kappa=kappa)
 
 
-def _told(parts: Sequence[_Reduced], prior: Array) -> Told:
+def _told(parts: Sequence[Reduced], prior: Array) -> Told:
     """Return what balances tell of parameters with prior standard deviations (p,)."""
     gram, moment = _normal(parts, prior)
     root = np.linalg.inv(np.linalg.cholesky(gram)).T
     return Told(mean=prior * (root @ (root.T @ moment)), root=UNSHOWN * prior[:, None] * root)
 
 
-def _evidence(parts: Sequence[_Reduced], prior: Array) -> float:
+def _evidence(parts: Sequence[Reduced], prior: Array) -> float:
     """Return the logarithm of the marginal likelihood of prior standard deviations (p,)."""
     gram, moment = _normal(parts, prior)
     root = np.linalg.cholesky(gram)
@@ -397,7 +441,7 @@ def _evidence(parts: Sequence[_Reduced], prior: Array) -> float:
     return float(0.5 * explained @ explained - np.sum(np.log(np.diagonal(root))))
 
 
-def _normal(parts: Sequence[_Reduced], prior: Array) -> tuple[Array, Array]:
+def _normal(parts: Sequence[Reduced], prior: Array) -> tuple[Array, Array]:
     """Return the normal equations of parameters over their priors (p, p) and (p,)."""
     gram = np.sum([one.gram for one in parts], axis=0) if parts else 0.0 * np.outer(prior, prior)
     moment = np.sum([one.moment for one in parts], axis=0) if parts else 0.0 * prior
@@ -493,9 +537,7 @@ class _Piece:
         inputs = recorded_inputs(self.record, self.time, name)
         external = self._external(name, place, v)
         if external is not None:  # of what is measured friction is a part
-            motion = FilteredMotion(
-                position=q[:, i], velocity=v[:, i], resting=v[:, i] == 0.0, resolution=0.0
-            )
+            motion = FilteredMotion(position=q[:, i], velocity=v[:, i], resting=v[:, i] == 0.0)
             inputs |= gear_torques(
                 motion, self.force[:, i], taken[:, i], external, 2.0 * step * band,
                 unknown=[*slopes[:, i, : len(torques.linear)].T],
@@ -512,7 +554,7 @@ class _Piece:
         """Return what acts on a joint beside its motor (n,); None where the mechanism is silent."""
         contacts = {along: one.name for along, one in contacts_along(self.mechanism).items()}
         own = joint_inputs(self.mechanism, contacts, self.record, self.time, q, v, self.force)
-        known, _ = own[self.mechanism.coordinates.index(coordinate)]
+        known = own[self.mechanism.coordinates.index(coordinate)]
         return known["external"] if {"motor", "external"} <= known.keys() else None
 
     def _load(self, coordinate: str, q: Array, v: Array) -> Array | None:

@@ -945,12 +945,26 @@ class RecordProblem(Problem):
             )
         ]  # fmt: skip
 
+    def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
+        """Return by how many samples the force acts late, and the half width of its interval.
+
+        It is 0 where the force goes straight to the next sample, and 0.5 where it holds until it.
+        """
+        if "delay" not in self.model.names:
+            return math.nan, math.inf
+        step = float(np.median(np.diff(self.model.balance.pieces[0].given.time)))
+        low, middle, high = np.quantile(self._late(draws) / step, (0.025, 0.5, 0.975)).tolist()
+        return middle, 0.5 * (high - low)
+
+    def _late(self, draws: Sequence[Draws]) -> Array:
+        """Return draws of how much later the force acts than recorded (n,) [s]."""
+        model = self.model
+        found = [model.split(one.node, one.random)["delay"][0] for one in draws]
+        return np.asarray(np.concatenate(found) + model.balance.pieces[0].late)
+
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
-        model = self.model
-        late = np.concatenate(
-            [model.split(one.node, one.random)["delay"][0] for one in draws]
-        ) + model.balance.pieces[0].late  # fmt: skip
+        model, late = self.model, self._late(draws)
         low, high = np.quantile(late, (0.025, 0.975)).tolist()
         step = model.balance.pieces[0].step
         middle = float(np.median(late))

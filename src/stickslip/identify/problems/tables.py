@@ -11,10 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement
+from stickslip.data import Measurement, resting_readings
 from stickslip.errors import InputError
 from stickslip.identify.bands import MeasuredPoints
-from stickslip.identify.fits import load_of, refuse_load, stretches_of, uncertainties_of
+from stickslip.identify.fits import (
+    check_loads,
+    inputs_along,
+    load_along,
+    load_of,
+    refuse_load,
+    uncertainties_of,
+)
 from stickslip.identify.forces import load_slopes
 from stickslip.identify.judgement import Candidates, Finding, Problem
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
@@ -68,7 +75,8 @@ from stickslip.identify.vocabulary import (
     parameters_of,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.show.formatting import percent, quantity
+from stickslip.quantities import vary as with_values
+from stickslip.show.formatting import joined, percent, quantity
 
 STEADY = 0.1
 """Range of the logarithm of the speed within which most runs are steps at a speed each."""
@@ -797,21 +805,20 @@ def parts_of(family: Family) -> Family:
 
 def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
     """Return the readings of a measured table that slide."""
-    segments, records = stretches_of(mechanism, measurement), measurement.records()
+    check_loads(measurement)
+    records = measurement.records()
+    tables = [_table(mechanism, record) for record in records]
     parts, frictions, stated = list[Rows](), list[Array](), list[Array]()
-    begun, total = 0, sum(len(one.friction) for one in segments)
-    for segment in segments:
-        path, count = segment.path, len(segment.friction)
-        v = path.velocity
+    begun, total = 0, sum(len(friction) for _, friction in tables)
+    for k, ((table, friction), record) in enumerate(zip(tables, records, strict=True)):
+        v, count = table.velocity, len(friction)
         # sweeps under other loads or temperatures differ by these
-        same = not any(np.ptp(x) > 0.0 for x in (path.load, *path.inputs.values()))
-        own = len(segments) == 1 and same
-        run = sweeps_of(v) if own else np.full(count, segment.record)
+        same = not any(np.ptp(x) > 0.0 for x in (table.load, *table.inputs.values()))
+        run = sweeps_of(v) if len(tables) == 1 and same else np.full(count, k)
         order = np.arange(begun, begun + count) / max(total - 1, 1)
-        rows = Rows(velocity=v, load=path.load, inputs=path.inputs, run=run, order=order)
-        parts.append(rows.where(v != 0.0))
-        frictions.append(segment.friction[v != 0.0])
-        own_errors = records[segment.record].uncertainty.get("friction", 0.0)
+        parts.append(replace(table, run=run, order=order).where(v != 0.0))
+        frictions.append(friction[v != 0.0])
+        own_errors = record.uncertainty.get("friction", 0.0)
         stated.append(np.broadcast_to(np.asarray(own_errors, dtype=float), (count,))[v != 0.0])
         begun += count
     rows = with_runs(joined_rows(parts))
@@ -827,6 +834,62 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
             f" and this table has {most}: measure friction at more speeds."
         )
     return Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+
+
+def _refuse_others(record: Measurement) -> None:
+    """Refuse a record that is not one of friction."""
+    label = f"record {record.name!r}" if record.name else "the record"
+    known = record.quantities()
+    had = f"{label} has only {joined(known)}"
+    if "friction" not in known:
+        raise InputError(f"a force map needs friction (F) [N], and {had}.")
+    if record.kind != "friction-map":
+        raise InputError(
+            f"a force map needs arrays, and {had} as single numbers: give friction and velocity"
+            " as arrays, with time [s] if the law has a memory."
+        )
+    if not {"velocity", "position"} & set(known):
+        raise InputError(
+            f"a force map needs velocity (v) [m/s] or position (x) [m] beside friction, and {had}."
+            f"{_other_way(record)}"
+        )
+    size = len(np.atleast_1d(record.values("friction")))
+    if size < FEWEST:
+        raise InputError(
+            f"a table of friction needs at least {FEWEST} rows, and {label} has {size}: measure"
+            " friction at more speeds."
+        )
+
+
+def _other_way(record: Measurement) -> str:
+    """Return what fits friction under a load point, if there is one."""
+    if "pull" not in record.quantities():
+        return ""
+    return (
+        " Friction under a load point is fitted by rate-and-state laws: leave out the route, or"
+        " give route='rate-state'."
+    )
+
+
+def _table(mechanism: Mechanism, record: Measurement) -> tuple[Rows, Array]:
+    """Return the rows of a table, 0 where they rest, with their friction (n,)."""
+    _refuse_others(record)
+    own = with_values(mechanism, "mechanism", record.overrides)
+    friction = np.asarray(record.values("friction"), dtype=float)
+    velocity = np.asarray(record.values("velocity"), dtype=float)
+    load = load_along(own, record, len(friction))
+    velocity = np.where(resting_readings(velocity, friction / load), 0.0, velocity)
+    force = record.values("force") if isinstance(record.force, np.ndarray) else math.nan
+    number = np.arange(len(friction), dtype=float)
+    inputs = inputs_along(own, record, number, velocity=velocity, force=np.asarray(force))
+    rows = Rows(
+        velocity=velocity,
+        load=load,
+        inputs=inputs,
+        run=np.zeros(len(number), dtype=np.intp),
+        order=number,
+    )
+    return rows, friction
 
 
 def load_error_of(mechanism: Mechanism, measurement: Measurement) -> float:

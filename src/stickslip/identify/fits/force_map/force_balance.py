@@ -5,10 +5,9 @@ what it smears at reversals, it smears in all of them, and no estimate shifts. R
 friction there balances the other forces, as far as a law can hold it.
 """
 
+import functools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,22 +22,8 @@ from stickslip.data import (
     with_voltage,
 )
 from stickslip.errors import InputError
-from stickslip.identify.fits.contact_inputs import inputs_along
+from stickslip.identify.fits.contact_inputs import check_loads, inputs_along, load_along
 from stickslip.identify.fits.estimation.bristle_integration import Path
-from stickslip.identify.fits.force_map.data import (
-    BEYOND,
-    FINEST,
-    QUIET,
-    SEGMENTS,
-    SLOW,
-    MotionSegment,
-    blur_of,
-    check_loads,
-    load_along,
-    reach_of,
-    smoothed,
-    weighs,
-)
 from stickslip.identify.fits.series.applied_force import applied_force, goes_straight
 from stickslip.identify.fits.series.inverse_dynamics import (
     HARMONICS,
@@ -50,11 +35,22 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     times_of,
 )
 from stickslip.identify.fits.settings import Hold
-from stickslip.identify.fits.signals import derivative, play
+from stickslip.identify.fits.signals import LowPass, low_pass, play
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
 
+QUIET = 0.005
+"""Standard deviation that noise may leave in velocities, over the largest speed. The less they are
+smoothed, the less reversals shift."""
+BEYOND = 4.0
+"""Standard deviations of the noise of positions from which a displacement is one: one in 16,000
+samples of normal noise lies beyond."""
+FINEST = 1e-5
+"""Least displacement over the range of positions that is resolved: what is finer may come from a
+filter before the record."""
+SLOW = 0.01
+"""Share of the largest speed below which a body may be at rest, if positions do not change."""
 GLIMPSE = 0.1
 """Share of a row that is seen through the filter and overlooked: of slow samples, in a row that
 slips, and of the memory of the filter, a rest."""
@@ -75,20 +71,31 @@ OVERSAMPLED = 0.25
 """Most that the filter passes over half the frequency of these samples."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionSegment:
+    """A record between two gaps: friction, and the motion that it came with."""
+
+    record: int
+    """Which record it is of."""
+    path: Path
+    """The motion."""
+    friction: Array
+    """Derived friction force (n,) [N]."""
+    kept: NDArray[np.bool_]
+    """Samples (n,) that are compared."""
+    held: Array
+    """Friction (n,) [N] that would balance all other forces on a body at rest."""
+
+
 def balanced(
     mechanism: Mechanism,
     measurement: Measurement,
     *,
     hold: Hold,
-    segment: float | None = None,
     samples: float = SAMPLES,
     slipping: bool = False,
-    wider: float = 1.0,
-    resolved: bool = False,
 ) -> tuple[MotionSegment, ...]:
-    """Return stretches of friction by inverse dynamics, with the acceleration they came from.
-
-    Those that are to be `resolved`, as bristles ask for, pass what the noise of positions allows.
+    """Return stretches of friction by inverse dynamics.
 
     Examples
     --------
@@ -97,28 +104,20 @@ def balanced(
     >>> v = np.cos(2.0 * t)
     >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
     >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
-    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first")
-    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(v)))) < 0.3)
+    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first", slipping=True)
+    >>> bool(np.median(np.abs(one.friction - 5.0 * np.sign(v))[one.kept]) < 0.1)
     True
     """
     check_loads(measurement)
     found: list[MotionSegment] = []
     for number, given in enumerate(measurement.records()):
-        t = times_of(given)
+        times_of(given)
         record = with_voltage(mechanism, given, hold)
         set_up = as_recorded(mechanism, record)
-        length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
-                x = positions_of(piece)
-                band, finest = (
-                    min(wider * passed_by_balance(x, resolved=fine), HIGHEST)
-                    for fine in (resolved, True)
-                )
-                stretch = partial(_stretch, set_up, piece, hold, samples, slipping=slipping)
-                one = stretch(passed=band, finest=finest, resolved=resolved)
-                first = max((int(one.segment.max()) + 1 for one in found), default=0)
-                found += _cut(replace(one, record=number), length, first)
+                one = _stretch(set_up, piece, hold, samples, slipping=slipping)
+                found += [replace(one, record=number)] * bool(one.kept.any())
     if not found:
         raise InputError(
             f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
@@ -135,11 +134,8 @@ def _stretch(
     samples: float,
     *,
     slipping: bool,
-    passed: float,
-    finest: float,
-    resolved: bool,
 ) -> MotionSegment:
-    """Return friction by inverse dynamics; rows that are not compared have no segment (-1).
+    """Return friction by inverse dynamics.
 
     Bristles follow the motion as finely as noise allows even where the common filter passes less:
     unlike friction, what they do is not linear in the motion, and no filter makes up for it.
@@ -147,8 +143,9 @@ def _stretch(
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
+    passed, finest = (passed_by_balance(raw, resolved=fine) for fine in (False, True))
     tracked = "position" in record.quantities()
-    motion = filtered_motion(raw, dt, passed, tracked=tracked, resolved=resolved)
+    motion = filtered_motion(raw, dt, passed, tracked=tracked)
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
@@ -169,14 +166,8 @@ def _stretch(
             inputs={name: one[picked] for name, one in inputs.items()},
         ),
         friction=smoothed(rest - mass * a, passed)[picked],
-        segment=np.where(kept, 0, -1)[picked],
-        regressors=smoothed(a, passed)[picked, None],
-        resting=motion.resting[picked],
+        kept=kept[picked],
         held=rest[picked],
-        resolution=motion.resolution,
-        passed=passed * every,
-        blur=blur_of(every),
-        weighed=weighs(mechanism, record),
     )
 
 
@@ -287,8 +278,6 @@ class FilteredMotion:
     """Their rates (n,) [m/s], 0 at rest."""
     resting: NDArray[np.bool_]
     """Samples (n,) at which the sensor does not resolve any motion."""
-    resolution: float
-    """Displacement [m] that it may not resolve."""
 
     def within(self, rows: slice) -> "FilteredMotion":
         """Return some of the samples."""
@@ -306,24 +295,19 @@ def filtered_motion(
     passed: float,
     *,
     tracked: bool,
-    resolved: bool = False,
     noise: float | None = None,
 ) -> FilteredMotion:
     """Return the motion that positions (n,) show, whose noise is given if they are interpolated.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
-    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What is to
-    be `resolved`, as bristles ask for, rests only where the noise of measured positions explains
-    all motion: a heavy body that swings on bristles by 10 um after a stop does not. Its velocities
-    are those of the fourth order, which overshoot where others break away.
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
     """
     noise = positive_noise(raw) if noise is None else noise
     x = smoothed(raw, _passed_of_motion(raw, noise, passed))
-    v = derivative(x, dt) if resolved else np.gradient(x, dt)
+    v = np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
-    reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = BEYOND * noise if resolved else reach_of(raw, noise)
+        reach = reach_of(raw, noise)
         steps = np.diff(play(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")
@@ -335,22 +319,7 @@ def filtered_motion(
         least = max(GLIMPSE / passed, 1.0)
         resting &= edges[number + 1] - edges[number] > least
         resting = _lasting(resting, least)
-    return FilteredMotion(
-        position=x,
-        velocity=np.where(resting, 0.0, v),
-        resting=resting,
-        resolution=2.0 * reach,
-    )
-
-
-def resting_motion(raw: Array, noise: float) -> FilteredMotion:
-    """Return positions (n,) with noise as those of a body at rest, which at most drifts."""
-    return FilteredMotion(
-        position=smoothed(raw, min(2.0 * HARMONICS / len(raw), HIGHEST)),
-        velocity=np.zeros_like(raw),
-        resting=np.ones(len(raw), dtype=bool),
-        resolution=2.0 * reach_of(raw, noise),
-    )
+    return FilteredMotion(position=x, velocity=np.where(resting, 0.0, v), resting=resting)
 
 
 def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
@@ -365,15 +334,13 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     return found
 
 
-def compared(
-    motion: FilteredMotion, passed: float, *, slipping: bool, throughout: bool = False
-) -> NDArray[np.bool_]:
+def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
     """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
 
-    None are where nothing moves, unless asked for.
+    None are where nothing moves.
     """
     v = motion.velocity
-    kept = np.full(len(v), throughout or not motion.resting.all())
+    kept = np.full(len(v), not motion.resting.all())
     ends = int(np.ceil(2.0 / passed))
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
     if slipping:
@@ -383,14 +350,17 @@ def compared(
     return kept
 
 
-def _cut(one: MotionSegment, length: float, first: int) -> Iterator[MotionSegment]:
-    """Yield a stretch with its segments numbered from one on; none if no row says anything."""
-    kept, time = one.segment >= 0, one.path.time
-    if not kept.any():
-        return
-    span = float(np.ptp(time))
-    count = max(1, round(span / length))
-    share = np.minimum((time - time[0]) / span * count, count - 1).astype(np.intp)
-    numbers = np.full(len(time), -1, dtype=np.intp)
-    numbers[kept] = first + np.unique(share[kept], return_inverse=True)[1]
-    yield replace(one, segment=numbers)
+def reach_of(position: Array, noise: float) -> float:
+    """Return the displacement to either side that positions with noise do not resolve."""
+    return max(BEYOND * noise, FINEST * float(np.ptp(position)))
+
+
+def smoothed(columns: Array, passed: float) -> Array:
+    """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed."""
+    return _low_pass(passed).passed(columns)
+
+
+@functools.lru_cache(maxsize=64)
+def _low_pass(passed: float) -> LowPass:
+    """Return the filter, whose design takes as long as its use on a few seconds of a record."""
+    return low_pass(0.5, passed, most=1.0)

@@ -17,7 +17,7 @@ from stickslip.identify.fits.estimation.parameters import (
     refuse_open,
     with_ranges,
 )
-from stickslip.identify.fits.force_map.data import SLOW, MotionSegment
+from stickslip.identify.fits.force_map.force_balance import SLOW, MotionSegment
 from stickslip.identify.fits.series.inverse_dynamics import HUBER
 from stickslip.identify.fits.series.start_values import LITTLE, MOST
 from stickslip.identify.fits.validation import LAW
@@ -67,13 +67,14 @@ class StartEstimate:
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Measurement
-    >>> from stickslip.identify.fits.force_map.data import stretches_of
-    >>> v = np.linspace(-1.0, 1.0, 100)
-    >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5)
-    >>> rough = StartEstimate.of(stretches_of(Axis(inertia=1.0), table))
-    >>> round(rough.level, 6), round(rough.offset, 6)
-    (2.0, 0.5)
+    >>> from stickslip import Axis, Measurement
+    >>> from stickslip.identify.fits.force_map.force_balance import balanced
+    >>> t = np.arange(0.0, 20.0, 0.01)
+    >>> force = -6.0 * np.sin(2.0 * t) + 5.0 * np.sign(np.cos(2.0 * t)) + 0.5
+    >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
+    >>> rough = StartEstimate.of(balanced(Axis(inertia=3.0), record, hold="first"))
+    >>> round(rough.level, 1), round(rough.offset, 1)
+    (5.0, 0.5)
     """
 
     level: float
@@ -136,7 +137,7 @@ class StartEstimate:
     ) -> "StartEstimate":
         """Return what some stretches say; the offset is looked for if it is not given."""
         rows = [
-            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.rows_of(None)]
+            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.kept]
             for one in stretches
         ]
         v, n, f = np.concatenate(rows, axis=1)
@@ -402,8 +403,6 @@ def _stiffness(stretches: Sequence[MotionSegment], force: float) -> float:
     """
     ways, load = [], 1.0
     for one in stretches:
-        if not one.timed:
-            continue
         load = float(np.median(one.path.load))
         x = np.concatenate([[0.0], np.cumsum(one.path.travel)])
         stroke = float(np.ptp(x))
@@ -414,7 +413,7 @@ def _stiffness(stretches: Sequence[MotionSegment], force: float) -> float:
                 ways.append(abs(x[start + reached[0]] - x[start]))
     way = float(np.median(ways)) if ways else 0.0
     if way <= 0.0:
-        travelled = [float(np.ptp(np.cumsum(one.path.travel))) for one in stretches if one.timed]
+        travelled = [float(np.ptp(np.cumsum(one.path.travel))) for one in stretches]
         way = 0.01 * max(travelled, default=1.0) or 1.0
     return force / load / way
 

@@ -206,10 +206,12 @@ def fit_records(
     settings: RecordSettings | None = None,
     progress: Watch | None = None,
     begin: Mapping[str, float] | None = None,
+    late: tuple[float, float] | None = None,
 ) -> RecordFit:
     """Fit a law to records in time by simulated segments; arguments as in `stickslip.fit`.
 
-    A search may begin at values by path too, as a force balance has them.
+    A search may begin at values by path too, as a force balance has them, and it may be known by
+    how many samples the force acts `late`, with the half width of its interval.
     """
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
     refuse_faults(measurement, chosen.mechanism, chosen.unknown)
@@ -222,6 +224,7 @@ def fit_records(
             free=chosen.free,
             known=chosen.known,
             begin=begin or {},
+            late=late,
             settings=settings,
             held=chosen.held,
             watch=progress,
@@ -237,6 +240,7 @@ def fit_record(
     free: Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
     begin: Mapping[str, float] | None = None,
+    late: tuple[float, float] | None = None,
     settings: RecordSettings | None = None,
     held: Sequence[str] = (),
     watch: Watch | None = None,
@@ -248,6 +252,7 @@ def fit_record(
         mechanism,
         measurement,
         settings or RecordSettings(),
+        late,
     )
     refuse_unused(measurement, inside(mechanism, measurement))
     wanted: Wanted = Parameters(

@@ -63,13 +63,17 @@ class RouteChoice:
 
     @classmethod
     def of(
-        cls, mechanism: Mechanism, measurement: Measurement, settings: RecordSettings
+        cls,
+        mechanism: Mechanism,
+        measurement: Measurement,
+        settings: RecordSettings,
+        late: tuple[float, float] | None = None,
     ) -> "RouteChoice":
-        """Return the segments, and the hold, of a record."""
+        """Return the segments, and the hold, of a record whose force acts so late, in samples."""
         settings = with_usual_segment(settings, measurement)
         if drives_itself(mechanism, measurement):
             settings = _whole(measurement, settings)
-        found = hold_of(mechanism, measurement, settings.hold)
+        found = hold_of(measurement, settings.hold, late)
         return cls(settings=settings if found is None else found.applied(settings), hold=found)
 
 
@@ -151,7 +155,7 @@ class _ShootingBuilder:
             RecordedMotion(
                 record=one.record,
                 path=one.path,
-                held=0.0 if one.held is None else float(one.held[0]),
+                held=float(one.held[0]),
             )
             for one in found
         )

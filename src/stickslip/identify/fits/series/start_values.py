@@ -10,12 +10,11 @@ from stickslip.identify.fits.estimation.parameters import WIDE, FreeParameter
 from stickslip.identify.fits.series.applied_force import driven
 from stickslip.identify.fits.series.inverse_dynamics import (
     InverseDynamics,
-    check_is_mass,
     inverse_dynamics,
     mass_of,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, full_path, parameters
+from stickslip.quantities import Quantity
 from stickslip.show.formatting import number
 
 LITTLE = 0.01
@@ -24,26 +23,6 @@ MOST = 0.5
 """Share of a force that explains it: where a regression leaves more, its signs accuse no channel,
 and a level of less brakes nothing. A force recorded with the wrong sign fits as well as with the
 right one."""
-
-
-def inertia_of(
-    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
-) -> FreeParameter | None:
-    """Return the mass of a mechanism where it is looked for, to start from by robust regression."""
-    check_is_mass(unknown)
-    if not unknown:
-        return None
-    known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
-    path = full_path(unknown[0].rpartition(".")[2], known)
-    both, apart = (
-        _regressed(mechanism, measurement, vary=["inertia"], directional=side)
-        for side in (False, True)
-    )
-    check_signs(both, driven=driven(measurement))
-    value = apart["inertia"] if apart["inertia"] > 0.0 else mass_of(mechanism)
-    return FreeParameter(
-        path=path, quantity=known[path], start=value, low=value / WIDE, high=value * WIDE, log=True
-    )
 
 
 def _regressed(

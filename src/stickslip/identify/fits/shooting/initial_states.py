@@ -345,7 +345,7 @@ class FirstDeflections:
     def slopes(self) -> Array:
         """Their slopes by the unknowns (k, b, p)."""
         own = self._copies(slopes=True)
-        found = self._at_starts(self._along(own, self._followed[..., 0]))
+        found = self._at_starts(self._along(own))
         table = np.zeros((*found.shape[:2], own.free_parameters))
         moved = found[..., 1 : 1 + len(own.moved)]
         table[..., list(own.columns)] = (moved - found[..., :1]) / own.moved
@@ -361,13 +361,13 @@ class FirstDeflections:
             self.law, self.free_parameters, self.values, constant="", slopes=slopes
         )
 
-    def _along(self, own: PerturbedLaws, guess: Array | None = None) -> Array:
+    def _along(self, own: PerturbedLaws) -> Array:
         """Return deflections along the motion (b, n, copies); 0 where they cannot be found."""
         first = np.zeros((own.bristles, own.count))
         with np.errstate(all="ignore"):  # a law that fails far out is refused by its runs
             if self.path.velocity[0] == 0.0:  # at rest bristles balance the other forces
                 first[:] = balancing(own.law, self.path, self.motion.held, own.bristles)
-            return np.nan_to_num(follow(own.law, self.path, first, guess))
+            return np.nan_to_num(follow(own.law, self.path, first))
 
     def _at_starts(self, states: Array) -> Array:
         """Return deflections at the starts (k, b, copies), straight between samples."""
