@@ -81,6 +81,19 @@ def _remark(found: PaperAudit) -> str:
     )
 
 
+def result_sections(found: PaperAudit) -> tuple[Section, ...]:
+    """Return the sections whose tables the terminal shows."""
+    makers = (
+        table.table_section,
+        table.ranking_section,
+        unpublished_section,
+        trial_section,
+        cart.cart_section,
+        cart.choice_section,
+    )
+    return tuple(maker(found) for maker in makers)
+
+
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     """Return the audit of the paper as one HTML page."""
     makers: tuple[Callable[[PaperAudit], Section], ...] = (

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -123,11 +124,17 @@ def _animation(study: CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
-    html = plots.animation_html(
-        exact, study.cart, alt=alt, fps=ANIMATED, until=2.0 * study.period, narrow=(358, 560)
-    )
+    until, narrow = 2.0 * study.period, (358, 560)
     return report.Animation(
-        html=html,
+        html=partial(
+            plots.animation_html,
+            exact,
+            study.cart,
+            alt=alt,
+            fps=ANIMATED,
+            until=until,
+            narrow=narrow,
+        ),
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
         " the torque.",
@@ -168,20 +175,14 @@ def _cycle_figure(study: CartStudy) -> report.Figure:
     keys = ("exact", "printed-1", "fixed-held")
     runs = {study.run(key).title: study.run(key).run for key in keys}
     last = study.run("exact").run.span[1]
-    return report.Figure(
-        svg=plots.inline_svg(
-            plots.draw_cycles(
-                runs, chosen=study.run("exact").title, cycle=(last - study.period, last)
-            ),
-            alt="Displacement of the cart in all cycles, and its velocity near zero in the last",
-            prefix="fig2b",
-            **plots.CYCLE_SIZES,
-        ),
-        caption=(
-            "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
-            f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
-            f" Yellow: the exact run sticks. {_same_text(study)}"
-        ),
+    return report.figure(
+        plots.draw_cycles(runs, chosen=study.run("exact").title, cycle=(last - study.period, last)),
+        "Displacement of the cart in all cycles, and its velocity near zero in the last",
+        "fig2b",
+        "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
+        f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
+        f" Yellow: the exact run sticks. {_same_text(study)}",
+        plots.CYCLE_SIZES,
     )
 
 
@@ -291,9 +292,11 @@ def _choice_table(study: CartStudy) -> report.Table:
                 text=f"{run.law.title}, {_label(run)}", aside=values_of(run.law)
             ),
         ),
+        (numbers("travel\nm"), lambda run: significant(run.travel, 3)),
         (FIRST_CYCLE, lambda run: fixed(1e3 * run.travels[0], 2)),
         (numbers("last cycle\nmm"), lambda run: fixed(1e3 * run.travels[-1], 2)),
         (BACK_SLIP, lambda run: back_slip_text(run.mean_return)),
+        (LOWEST_VELOCITY, lambda run: significant(1e3 * run.least_velocity, 2)),
         (
             numbers("lowest normal\nforce, N", "lowest normal force, N"),
             lambda run: fixed(run.least_normal_force, 3),
@@ -318,18 +321,14 @@ def _choice_figure(study: CartStudy) -> report.Figure:
             )
         )
         apart = ", and by how much that of the paper’s example differs"
-    return report.Figure(
-        svg=plots.inline_svg(
-            plots.draw_motion(runs, views=views),
-            alt="Displacement and velocity of the cart with the law that select names, and with"
-            " the paper’s",
-            prefix="fig11",
-            wide=(880, 300),
-            narrow=(358, 600),
-        ),
-        caption="**In place of Fig. 11. The cart under Coulomb + viscous"
-        " friction**, the paper’s example, and under the law that select names, both solved"
-        f" exactly: displacement in all cycles, velocity in the last whole stroke{apart}.",
+    return report.figure(
+        plots.draw_motion(runs, views=views),
+        "Displacement and velocity of the cart with the law that select names, and with the paper’s",
+        "fig11",
+        "**In place of Fig. 11. The cart under Coulomb + viscous friction**, the paper’s example,"
+        " and under the law that select names, both solved exactly: displacement in all cycles,"
+        f" velocity in the last whole stroke{apart}.",
+        {"wide": (880, 300), "narrow": (358, 600)},
     )
 
 

@@ -21,7 +21,15 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.report import Column, Name, Paragraph, Row, Section, Subheading, Table
+from stickslip.show.report import (
+    Column,
+    Name,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    table_of,
+)
 
 # What the parameters that the paper does not print would have to be.
 
@@ -30,26 +38,18 @@ def unpublished_section(found: PaperAudit) -> Section:
     """Show the value behind each published row with its range, for a push and for a spring."""
     total = sum(row.published.travel is not None for row in found.table)
     reached = {key: _reached(found, key) for key in "AB"}
-    columns = (
-        Column(head="row"),
-        numbers("published\nm"),
-        numbers("A, push: would need", "A would need"),
-        numbers("B, spring: would need", "B would need"),
-        Column(head="what that means"),
-    )
     needs = {(need.law, need.reading): need for need in found.requirements}
-    rows = tuple(
-        Row(
-            cells=(
-                row.law.title,
-                fixed(row.published.travel or 0.0, 2),
-                *(_value(needs[row.law.name, key]) for key in "AB"),
-                needs[row.law.name, "A"].text,
-            )
+    heads = ["row", "published\nm", "A, push: would need", "B, spring: would need"]
+    rows = [
+        (
+            row.law.title,
+            fixed(row.published.travel or 0.0, 2),
+            *(_value(needs[row.law.name, key]) for key in "AB"),
+            needs[row.law.name, "A"].text,
         )
         for row in found.table
         if (row.law.name, "A") in needs
-    )
+    ]
     return Section(
         id="unpublished",
         nav="Unpublished values",
@@ -65,7 +65,7 @@ def unpublished_section(found: PaperAudit) -> Section:
                     " that it was used."
                 )
             ),
-            Table(columns=columns, rows=rows),
+            table_of([*heads, "what that means"], rows),
             Subheading(text=_step_heading(found)),
             _step_table(found),
         ),
@@ -103,35 +103,27 @@ def _step_heading(found: PaperAudit) -> str:
 def _step_table(found: PaperAudit) -> Table:
     """Show what steps of 10 ms make of the push, by the friction in the first step."""
     titles = {row.law.name: row.law.title for row in found.table}
-    columns = (
-        Column(head="row"),
-        numbers("published\nm"),
-        numbers("sgn 0 = 0\nm"),
-        numbers("from break-away\nm"),
-        Column(head="with"),
-    )
-    rows = tuple(
-        Row(
-            cells=(
-                titles[step_travel.row],
-                fixed(step_travel.published, 2),
-                *step_cells(step_travel),
-                values_of(step_travel.law, found.values.load)
-                if step_travel.scatter is None
-                else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
-            )
+    rows = [
+        (
+            titles[step_travel.row],
+            fixed(step_travel.published, 2),
+            *_step_cells(step_travel),
+            values_of(step_travel.law, found.values.load)
+            if step_travel.scatter is None
+            else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
         )
         for step_travel in found.step_travels
-    )
+    ]
     caption = (
         "The push by forward Euler in the sample time that the paper states for its cart. The 0.16"
         " m of both Coulomb rows need sgn 0 = 0 in the first step; bristles have no such step."
         " Which of these it was cannot be told from the paper."
     )
-    return Table(columns=columns, rows=rows, caption=caption)
+    heads = ["row", "published\nm", "sgn 0 = 0\nm", "from break-away\nm", "with"]
+    return table_of(heads, rows, caption)
 
 
-def step_cells(travel: StepTravel) -> tuple[str, str]:
+def _step_cells(travel: StepTravel) -> tuple[str, str]:
     """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
     if travel.scatter is None:
         return fixed(travel.travel, 3), fixed(travel.static, 3)

@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from stickslip.data import Checks
 from stickslip.engine.trajectory import Trajectory
@@ -25,7 +26,7 @@ from stickslip.show.formatting import (
 from stickslip.show.plots import draw_characteristic, inline_svg
 from stickslip.show.report import blocks as page
 from stickslip.show.report.markup import label_of, typeset
-from stickslip.show.report.tables import Column, Name, Number, Row, Table
+from stickslip.show.report.tables import Column, Name, Number, Row, Table, table_of
 from stickslip.study.characterization import Characteristic, Characterization
 
 CERTIFICATE: Final = "Certificate of the computation"
@@ -127,6 +128,15 @@ def opening(
         record=record,
     )
     return page.Section(id="verdict", nav="Verdict", heading="", blocks=(block,))
+
+
+def figure(
+    draw: Any, alt: str, prefix: str, caption: str, sizes: Mapping[str, Any] = MappingProxyType({})
+) -> page.Figure:
+    """Return a figure that is drawn where it is shown: by `inline_svg`, with these arguments."""
+    return page.Figure(
+        svg=partial(inline_svg, draw, alt=alt, prefix=prefix, **sizes), caption=caption
+    )
 
 
 def candidates_heading(count: int, judged_on: str) -> str:
@@ -364,8 +374,8 @@ def _overview(found: Characterization) -> page.Section:
     for law in found.all:
         if found.others:
             blocks.append(page.Subheading(text=law.title))
-        rows = tuple(Row(cells=(title, law.told(name))) for name, title in names.items())
-        blocks.append(Table(columns=(Column(head="test"), Column(head="result")), rows=rows))
+        rows = [(title, law.told(name)) for name, title in names.items()]
+        blocks.append(table_of(["test", "result"], rows))
     heading = "What the law does" if not found.others else "What the laws do"
     return page.Section(id="overview", nav="Overview", heading=heading, blocks=tuple(blocks))
 
@@ -376,24 +386,17 @@ def _laws(found: Characterization) -> page.Section:
     for law in found.all:
         blocks.append(page.Subheading(text=law.title))
         blocks.append(page.Math(latex=law.law.formula))
-        rows = tuple(
-            Row(
-                cells=(
-                    f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$",
-                    number(getattr(law.law, name), 6),
-                    "none" if quantity.unit == "1" else quantity.unit,
-                )
+        rows = [
+            (
+                f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$",
+                number(getattr(law.law, name), 6),
+                "none" if quantity.unit == "1" else quantity.unit,
             )
             for name, quantity in fields_of(type(law.law)).items()
             if getattr(law.law, name) is not None
-        )
-        columns = (
-            Column(head="parameter"),
-            Column(head="value", numeric=True),
-            Column(head="unit", phone="label", label="unit:"),
-        )
+        ]
         if rows:
-            blocks.append(Table(columns=columns, rows=rows))
+            blocks.append(table_of(["parameter", "value", "unit"], rows))
         if law.matched:
             blocks.append(page.Caption(text=law.matched))
     heading = "The law" if not found.others else "The laws"
@@ -409,16 +412,10 @@ def _test(
     if len(found.all) == 1:
         blocks.append(page.Paragraph(text=first.sentence))
     else:
-        rows = tuple(
-            Row(cells=(Name(text=title), result.sentence)) for title, result in results.items()
-        )
-        blocks.append(Table(columns=(Column(head="law"), Column(head="result")), rows=rows))
-    svg = inline_svg(
-        draw_characteristic(results),
-        alt=f"{first.title}: {', '.join(results)}",
-        prefix=f"figure-{name}",
-    )
-    blocks.append(page.Figure(svg=svg, caption=f"**{first.title}.** {first.conditions}"))
+        rows = [(title, result.sentence) for title, result in results.items()]
+        blocks.append(table_of(["law", "result"], rows))
+    alt, caption = f"{first.title}: {', '.join(results)}", f"**{first.title}.** {first.conditions}"
+    blocks.append(figure(draw_characteristic(results), alt, f"figure-{name}", caption))
     failed = [(law.title, law.failed[name]) for law in found.all if name in law.failed]
     blocks += [page.Note(title=f"{title}: no result.", text=why) for title, why in failed]
     return page.Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))

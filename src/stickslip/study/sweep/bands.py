@@ -29,7 +29,7 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.show.display import OnAxes, Summary, Tabular
-from stickslip.show.formatting import number
+from stickslip.show.formatting import Scale, number, scale_of, within
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
 
@@ -55,6 +55,12 @@ class Spread(NamedTuple):
     """Half of the runs lie below."""
     high: float
     """Quantile 97.5 % of the runs."""
+
+    def cells(self, unit: str) -> tuple[str, str, str]:
+        """Return median, both ends and their unit as texts."""
+        scale = scale_of(self, unit)
+        low, median, high = (scale.factor * value for value in self)
+        return within(median, low, high), Scale(scale.factor, "").interval(*self[::2]), scale.unit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -178,19 +184,18 @@ class Band(OnAxes, Tabular):
 
     def _summary(self) -> Summary:
         several = len(self.travels) > 1
-        rows = [
-            (f"{what} of {name}" if several else what, *(number(x, 4) for x in spread), shown)
-            for name, unit in self.units.items()
-            if name in self.travels
-            for what, spread, shown in (
-                ("travel", self.travels[name], unit),
-                ("mean velocity", self.mean_velocities[name], f"{unit}/s"),
-            )
-        ]
-        lasted = self.count - self.ended_early
+        rows = []
+        for name, travel in self.travels.items():
+            of, unit = f" of {name}" if several else "", self.units[name]
+            cycles = [*enumerate(self.travels_by_cycle[name], 1)]
+            shown = cycles[:1] + cycles[1:][-1:]
+            rows.append((f"travel{of}", *travel.cells(unit)))
+            rows += [(f"cycle {place}{of}", *spread.cells(unit)) for place, spread in shown]
+            mean = self.mean_velocities[name].cells(f"{unit}/s")
+            rows.append((f"mean velocity{of}", *mean))
         return Summary(
-            sentence=completed(lasted, self.count),
-            head=("", "2.5 %", "median", "97.5 %", "unit"),
+            sentence=completed(self.count - self.ended_early, self.count),
+            head=("", "median", "95 % of the runs", "unit"),
             rows=rows,
             notes=self.reasons,
         )

@@ -377,10 +377,11 @@ class Validation(InPanels):
     def _summary(self) -> Summary:
         first, *rest = self.sentences()
         rows = [
-            (travel.name, number(travel.measured, 4), number(travel.predicted, 4), travel.unit)
+            (travel.name, travel.quantity.replace("_", " "), *travel.cells())
             for travel in self.travels
         ]
-        head = ("", "measured", "predicted", "unit") if rows else ()
+        columns = ("trial", "quantity", "measured", "predicted", "95 % band", "meets it")
+        head = columns if rows else ()
         return Summary(sentence=first, head=head, rows=rows, notes=rest)
 
 
