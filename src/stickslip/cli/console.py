@@ -1,6 +1,7 @@
 """What commands share: consoles, JSON documents, pages, folders written whole, numbers."""
 
 import contextlib
+import re
 import shlex
 import sys
 import tempfile
@@ -192,7 +193,9 @@ def _said(block: page.Block) -> list[tuple[str, str]]:
 def _show_rows(table: page.Table) -> None:
     """Print a table of a page without its plots."""
     places = [place for place, column in enumerate(table.columns) if not column.axis]
-    heads = [page.plain(table.columns[place].head.replace("\n", ", ")) for place in places]
+    # the unit stands in a line of its own
+    heads = [re.sub(r"\n(?=\S+$)", ", ", table.columns[place].head) for place in places]
+    heads = [page.plain(" ".join(head.split())) for head in heads]
     rows = [[_text(row.cells[place]) for place in places] for row in table.rows]
     show_table("", heads, rows)
     if table.caption:

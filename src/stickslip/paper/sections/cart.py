@@ -124,17 +124,9 @@ def _animation(study: CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
-    until, narrow = 2.0 * study.period, (358, 560)
+    shown = {"fps": ANIMATED, "until": 2.0 * study.period, "narrow": (358, 560)}
     return report.Animation(
-        html=partial(
-            plots.animation_html,
-            exact,
-            study.cart,
-            alt=alt,
-            fps=ANIMATED,
-            until=until,
-            narrow=narrow,
-        ),
+        html=partial(plots.animation_html, exact, study.cart, alt=alt, **shown),
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
         " the torque.",
@@ -323,7 +315,7 @@ def _choice_figure(study: CartStudy) -> report.Figure:
         apart = ", and by how much that of the paper’s example differs"
     return report.figure(
         plots.draw_motion(runs, views=views),
-        "Displacement and velocity of the cart with the law that select names, and with the paper’s",
+        "Displacement and velocity of the cart with the law by select, and with the paper’s",
         "fig11",
         "**In place of Fig. 11. The cart under Coulomb + viscous friction**, the paper’s example,"
         " and under the law that select names, both solved exactly: displacement in all cycles,"

@@ -28,8 +28,8 @@ def table_section(found: PaperAudit) -> report.Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
-        " for its cart. B: the spring, solved exactly; C: the block stays fastened to it. Levels are those of Table I; what the paper"
-        " does not print is assumed:"
+        " for its cart. B: the spring, solved exactly; C: the block stays fastened to it. Levels are"
+        " those of Table I; what the paper does not print is assumed:"
         f" {_assumptions(found)}. “Coulomb plus viscous plus static”, which the paper names, has no"
         " row in it."
     )
@@ -141,11 +141,8 @@ def ranking_section(found: PaperAudit) -> report.Section:
     """Apply the paper's own criteria to its table and to ours, with our verdict beside."""
     keys = ("published", "A", "B")
     names = {"published": "published", "A": "A, push", "B": "B, spring"}
-    heads = [
-        "friction model",
-        *(f"{names[key]}: both\ncriteria, rank" for key in keys),
-        "by select",
-    ]
+    judged = [f"{names[key]}: both\ncriteria, rank" for key in keys]
+    heads = ["friction model", *judged, "by select"]
     rows = [
         (row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row))
         for row in found.table
