@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import enum
 import errno
 import glob
 import hashlib
@@ -472,14 +473,16 @@ def _write_each(
 
 
 def _finite(value: Any) -> Any:
-    """Replace what JSON has no word for by null, and -0.0 by 0.0."""
+    """Replace what JSON has no word for: numbers by null, arrays by lists, members by names."""
     if isinstance(value, float):
         return value + 0.0 if math.isfinite(value) else None
     if isinstance(value, Mapping):
         return {str(key): _finite(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [_finite(item) for item in value]
-    return value
+    if isinstance(value, enum.Enum):
+        return value.name
+    return _finite(value.tolist()) if hasattr(value, "tolist") else value
 
 
 def _beside(path: Path, content: bytes) -> Path:

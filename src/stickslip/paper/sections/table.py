@@ -28,7 +28,7 @@ def table_section(found: PaperAudit) -> report.Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
-        " for its cart. B: the spring, solved exactly; C: the block stays fastened to it. Levels are"
+        " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are"
         " those of Table I; what the paper does not print is assumed:"
         f" {_assumptions(found)}. “Coulomb plus viscous plus static”, which the paper names, has no"
         " row in it."

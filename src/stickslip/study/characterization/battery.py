@@ -902,7 +902,7 @@ class Characterization(InPanels):
         result = self.results.get(test)
         if result is not None:
             return result.sentence
-        return "no result" if test in self.failed else "not made"
+        return f"no result: {self.failed[test]}" if test in self.failed else "not made"
 
 
 def characterize(
