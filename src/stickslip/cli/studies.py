@@ -89,7 +89,7 @@ TIME: Final = Quantity("t", "s")
 SIZE: Final = (700, 320)
 
 
-def run(options: SweepOptions) -> None:
+def _run_campaign(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
     given = {
         "--law": options.law,
@@ -402,7 +402,10 @@ def _figure_beside(output: Path, *, force: bool) -> Path:
 
 
 def run_sweep(options: option_groups.SweepOptions) -> None:
-    """Run the grid, write table and figure, show."""
+    """Run a campaign, or the grid: write table and figure, show."""
+    if not options.vary:
+        _run_campaign(options)
+        return
     if options.dry_run:
         raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
     output = options.output or Path("stickslip-sweep.csv")

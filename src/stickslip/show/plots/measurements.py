@@ -46,25 +46,6 @@ class Channel(NamedTuple):
     """What they are shown in; the largest chooses if not given."""
 
 
-def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, float]] = ()) -> Draw:
-    """Return a drawing of a record against time."""
-
-    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
-        panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, channel in zip(panels, channels, strict=True):
-            factor, unit = channel.scale or scale_of(channel.values, channel.unit)
-            theme.shade(axes, reverse, colour=theme.SLIP_BACK)
-            axes.plot(channel.t, factor * channel.values, color=theme.INK, linewidth=1.1)
-            axes.set_title(f"{channel.name}, {unit}", color=theme.MUTED)
-            axes.margins(x=0.0, y=0.1)
-            if np.min(channel.values) < 0.0 < np.max(channel.values):
-                axes.axhline(0.0, color=theme.DATA, linewidth=0.6, zorder=1)
-            axes.locator_params(axis="y", nbins=4)
-        panels[-1].set_xlabel("time, s")
-
-    return draw
-
-
 # A measured record at a glance: signals, speeds, and force against velocity.
 
 MOST_SIGNALS: Final = 5

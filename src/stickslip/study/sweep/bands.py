@@ -202,22 +202,22 @@ class Band(OnAxes, Tabular):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
-        travels = {name: spread._asdict() for name, spread in self.travels.items()}
-        means = {name: velocity._asdict() for name, velocity in self.mean_velocities.items()}
-        cycles = {
-            name: [spread._asdict() for spread in own]
-            for name, own in self.travels_by_cycle.items()
+        found = {
+            "travel": {name: spread._asdict() for name, spread in self.travels.items()},
+            "mean_velocity": {name: mean._asdict() for name, mean in self.mean_velocities.items()},
+            "travel_by_cycle": {
+                name: [spread._asdict() for spread in own]
+                for name, own in self.travels_by_cycle.items()
+            },
         }
-        alone = len(travels) == 1
+        alone = len(self.travels) == 1
         return {
             "runs": self.count,
             "ended_early": self.ended_early,
             "reasons": list(self.reasons),
             "seed": self.seed,
             "parameters": {path: _spread(values)._asdict() for path, values in self.draws.items()},
-            "travel": _only("travel", travels) if alone else travels,
-            "mean_velocity": _only("mean_velocity", means) if alone else means,
-            "travel_by_cycle": _only("travel_by_cycle", cycles) if alone else cycles,
+            **{name: _only(name, of) if alone else of for name, of in found.items()},
         }
 
 

@@ -286,7 +286,7 @@ class CampaignRuns(Tabular):
         early = any(not status.complete for status, _ in endings)
         return Summary(
             sentence=f"{count(len(self), 'run')}, {self.certified:,} certified, in"
-            f" {count(len(self.parts), 'file')} of {quantity(self.size / 1e6, 'MB')}, {self.folder}.",
+            f" {count(len(self.parts), 'file')} of {quantity(self.size / 1e6, 'MB')}.",
             rows=[(f"{status.name}", f"{runs:,}. {status.value}") for status, runs in endings],
             notes=[CUT_SHORT] if early else [],
         )
