@@ -27,13 +27,14 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.judge import show_verdict
-from stickslip.cli.simulate import _cells, _event_rows
 from stickslip.data import LawEstimates, bristle_remark, carried, extrapolations
 from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.engine.trajectory import Event
 from stickslip.friction import law
 from stickslip.mechanisms.drives import Sine, Sum, ThreePhase
 from stickslip.show.documents import write_folder
+from stickslip.show.report import RunReport
+from stickslip.show.report.runs import events_section
 from stickslip.study.sweep import Spread
 
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
@@ -143,7 +144,7 @@ def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
 
 def test_the_unit_of_a_band_is_that_of_its_widest_end():
     around_zero = Spread(low=-5.1e-3, median=2e-6, high=4.9e-3)
-    assert _cells(around_zero, "m") == ["0", "−5 to 5", "mm"]
+    assert around_zero.cells("m") == ("0", "−5 to 5", "mm")
 
 
 @pytest.mark.slow
@@ -326,12 +327,15 @@ def test_of_many_events_the_terminal_shows_the_first_and_the_last_and_json_all(w
     times = re.findall(r"^ *(\d+\.\d{6}) ", out, flags=re.MULTILINE)
     shown = [*events[:12], *events[-4:]]
     assert times == [f"{event['t']:.6f}" for event in shown]
-    assert f"… {len(events) - 16} further events; --json lists all" in out
+    assert f"{len(events) - 16} further events between them; --json lists all." in out
     # a note that would stand for one event leaves the place to that event
+    rig = load_rig(CART)
+    run = simulate(rig.mechanism, LAW, t_end=rig.t_end)
     for count in (16, 17, 18):
-        rows = _event_rows([Event(**event) for event in events[:count]])
-        assert any("further" in row[1] for row in rows) is (count > 17)
-        assert len(rows) == min(count, 17)
+        seen = dataclasses.replace(run, events=tuple(Event(**event) for event in events[:count]))
+        table, *more = events_section(RunReport(rig=rig, law=LAW, run=seen)).blocks
+        assert bool(more) is (count > 17)
+        assert len(table.rows) == (16 if more else count)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull
-from stickslip.paper.sections.common import numbers, table, values_of
+from stickslip.paper.sections.common import values_of
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -22,7 +22,6 @@ from stickslip.show.formatting import (
     with_unit,
 )
 from stickslip.show.report import (
-    Column,
     Name,
     Paragraph,
     Section,
@@ -151,21 +150,24 @@ def _creep_table(found: PaperAudit) -> Table:
         "Travel of the push after 10 s; the rule for rest holds the block where its velocity"
         f" changes sign, and friction begins at $F_s$. Table II has $v_s$ = {speed} mm/s."
     )
-    return table(
-        found.creeps,
+    heads = [
+        "Stribeck velocity",
+        "10 ms, no rule\nmean, m",
+        "scatter\nm",
+        "10 ms, rule\nfor rest, m",
+        "1 ms, no rule\nm",
+    ]
+    rows = [
         (
-            "Stribeck velocity",
-            lambda creep: f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
-        ),
-        (numbers("10 ms, no rule\nmean, m", "mean, m"), lambda creep: fixed(creep.mean, 2)),
-        (
-            numbers("scatter\nm"),
-            lambda creep: f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
-        ),
-        (numbers("10 ms, rule\nfor rest, m", "with rule, m"), lambda creep: fixed(creep.held, 3)),
-        (numbers("1 ms, no rule\nm", "in 1 ms, m"), lambda creep: fixed(creep.fine, 3)),
-        caption=caption,
-    )
+            f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
+            fixed(creep.mean, 2),
+            f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
+            fixed(creep.held, 4),
+            fixed(creep.fine, 4),
+        )
+        for creep in found.creeps
+    ]
+    return table_of(heads, rows, caption)
 
 
 def _value(need: Requirement) -> Name:
@@ -185,17 +187,17 @@ def _bristle_table(found: PaperAudit) -> Table:
         "The push, solved exactly; LuGre with the other values of its 1995 paper. Published: Dahl"
         " 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
     )
-    return table(
-        zip(dahl, lugre, strict=True),
-        ("bristles", lambda pair: f"{significant(pair[0].stiffness, 1)} N/m"),
-        (numbers("Dahl, held\nm"), lambda pair: fixed(pair[0].criteria.travel, 4)),
-        (numbers("LuGre, free\nm"), lambda pair: fixed(pair[1].criteria.travel, 4)),
+    heads = ["bristles", "Dahl, held\nm", "LuGre, free\nm", "LuGre, lowest\nvelocity, mm/s"]
+    rows = [
         (
-            numbers("LuGre, lowest\nvelocity, mm/s", "LuGre, lowest velocity, mm/s"),
-            lambda pair: significant(1e3 * pair[1].criteria.least_velocity, 2),
-        ),
-        caption=caption,
-    )
+            f"{significant(held.stiffness, 1)} N/m",
+            fixed(held.criteria.travel, 4),
+            fixed(free.criteria.travel, 4),
+            significant(1e3 * free.criteria.least_velocity, 2),
+        )
+        for held, free in zip(dahl, lugre, strict=True)
+    ]
+    return table_of(heads, rows, caption)
 
 
 # What the paper claims, equation by equation and figure by figure, and what became of it.
@@ -214,12 +216,9 @@ SAMPLES = 4000
 def claim_section(audit: PaperAudit) -> Section:
     """List every claim, equation and figure with the result and its number."""
     claims = (*_table_2(audit), *_rig(audit), *_equations(audit), *_phenomena(audit), *_cart(audit))
-    listed = table(
-        claims,
-        ("claim, equation or figure", lambda claim: claim[0]),
-        (Column(head="where", numeric=True), lambda claim: claim[1]),
-        ("result", lambda claim: Name(text=claim[2], aside=claim[3])),
-    )
+    heads = ["claim, equation or figure", "where", "result"]
+    rows = [(what, where, Name(text=result, aside=why)) for what, where, result, why in claims]
+    listed = table_of(heads, rows)
     return Section(
         id="claims",
         nav="Claims",

@@ -219,22 +219,20 @@ def _values_table(found: PaperAudit) -> report.Table:
         if bare
         else ""
     )
-    return table(
-        found.consequences,
-        ("equation", lambda consequence: f"{consequence.form.equation} {consequence.form.title}"),
-        (
-            report.Column(head="values as printed", phone="label", label="as printed:"),
-            lambda consequence: values_of(consequence.printed),
-        ),
-        (
-            report.Column(head="values of the corrected law", phone="label", label="corrected:"),
-            lambda consequence: report.Name(
-                text=values_of(consequence.corrected, load), aside=consequence.corrected.title
-            ),
-        ),
-        caption=f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}."
-        f" The weight $W$ of (4) is that load.{other}",
+    text = (
+        f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}. The"
+        f" weight $W$ of (4) is that load.{other}"
     )
+    rows = [
+        (
+            f"{item.form.equation} {item.form.title}",
+            values_of(item.printed),
+            report.Name(text=values_of(item.corrected, load), aside=item.corrected.title),
+        )
+        for item in found.consequences
+    ]
+    heads = ["equation", "values as printed", "values of the corrected law"]
+    return report.table_of(heads, rows, text)
 
 
 def _cell(outcome: Outcome | None) -> report.Name | str:

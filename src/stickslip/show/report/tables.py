@@ -513,7 +513,13 @@ class Table:
         return " ".join(name for name, holds in classes.items() if holds)
 
 
-def table_of(heads: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "") -> Table:
+def table_of(
+    heads: Sequence[str],
+    rows: Iterable[Sequence[object]],
+    caption: str = "",
+    *,
+    chosen: Sequence[bool] = (),
+) -> Table:
     r"""Return a table of texts, whose columns of numbers are aligned to the right.
 
     Examples
@@ -522,7 +528,10 @@ def table_of(heads: Sequence[str], rows: Iterable[Sequence[object]], caption: st
     >>> [column.numeric for column in table.columns]
     [False, True]
     """
-    made = [Row(cells=tuple(map(_cell, row))) for row in rows]
+    made = [
+        Row(cells=tuple(map(_cell, row)), chosen=bool(chosen) and chosen[place])
+        for place, row in enumerate(rows)
+    ]
     columns = []
     for place, head in enumerate(heads):
         cells = [row.cells[place] for row in made]

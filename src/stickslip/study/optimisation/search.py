@@ -242,15 +242,11 @@ class Optimum(OnAxes, Tabular):
 
     def to_dict(self) -> dict[str, Any]:
         """Return numbers and texts, for JSON."""
-        return {
+        names = ("limits", "scenarios", "evaluations", "seed", "cancelled")
+        return {name: getattr(self, name) for name in names} | {
             "goals": dict(self.units),
-            "limits": dict(self.limits),
-            "scenarios": self.scenarios,
             "motions": [_content(motion) for motion in self.motions],
             "start": _content(self.start),
-            "evaluations": self.evaluations,
-            "seed": self.seed,
-            "cancelled": self.cancelled,
             "certified": self.run.certificate.certified,
         }
 
@@ -270,9 +266,9 @@ class Optimum(OnAxes, Tabular):
         return rig_toml(self.mechanism, self.law, title=f"Best {titles}", t_end=t_end)
 
     def _summary(self) -> Summary:
-        names = [f"best {k}" for k in range(1, len(self.motions) + 1)]
-        names = ["best"] if len(names) == 1 else names
-        motions = zip([*names, "as given"], (*self.motions, self.start), strict=True)
+        several = range(1, len(self.motions) + 1) if len(self.motions) > 1 else [""]
+        names = [*(f"best {place}".strip() for place in several), "as given"]
+        motions = zip(names, (*self.motions, self.start), strict=True)
         rows = [
             [name, *motion.goals.values(), *motion.parameters.values(), motion.reason]
             for name, motion in motions

@@ -282,13 +282,12 @@ class CampaignRuns(Tabular):
 
     def in_short(self) -> Summary:
         """Return number, size and endings of the runs."""
-        endings = [(Status[name], runs) for name, runs in self.status.items()]
-        early = any(not status.complete for status, _ in endings)
+        files = f"{count(len(self.parts), 'file')} of {quantity(self.size / 1e6, 'MB')}"
+        complete = all(Status[name].complete for name in self.status)
         return Summary(
-            sentence=f"{count(len(self), 'run')}, {self.certified:,} certified, in"
-            f" {count(len(self.parts), 'file')} of {quantity(self.size / 1e6, 'MB')}.",
-            rows=[(f"{status.name}", f"{runs:,}. {status.value}") for status, runs in endings],
-            notes=[CUT_SHORT] if early else [],
+            sentence=f"{count(len(self), 'run')}, {self.certified:,} certified, in {files}.",
+            rows=[(name, f"{n:,}. {Status[name].value}") for name, n in self.status.items()],
+            notes=[] if complete else [CUT_SHORT],
         )
 
 
