@@ -7,7 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, cast
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, cast
 
 import numpy as np
 import typer
@@ -84,6 +84,7 @@ KINDS: Final[Mapping[str, type[Output]]] = {
 """Outputs by the key that says of which state or event they are."""
 FACTORS: Final[Mapping[str, type[Factor]]] = {"values": Levels, "mean": Normal, "low": Uniform}
 """Factors by the key that only they have, or have to have."""
+T = TypeVar("T")
 TIMES: Final = ("since", "last", "times")
 TIME: Final = Quantity("t", "s")
 SIZE: Final = (700, 320)
@@ -227,7 +228,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
             friction = friction_of(chosen)
             labels = {"rig": rig_name} if len(rigs) > 1 else {}
             labels |= {"law": law_name} if len(laws) > 1 else {}
-            last = _read_value(raw, "t_end", TIME, file) if "t_end" in raw else rig.t_end
+            last = _number(raw["t_end"], TIME, f"{file}: t_end") if "t_end" in raw else rig.t_end
             start = rig.start(friction)
             cases.append(
                 Case(mechanism=rig.mechanism, law=friction, t_end=last, y0=start, labels=labels)
@@ -282,35 +283,52 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         path = full_path(name, varying)
         known = varying[path]
         own: Any = given if isinstance(given, dict) else {"values": given}
-        kind = next((FACTORS[key] for key in FACTORS if key in own), None)
         at = f"{name} in {where}"
-        if kind is None:
-            raise InputError(f"{at} needs values, or low and high, or mean and sd.")
-        fields = {field.name for field in dataclasses.fields(kind)}
-        _known(own, fields, at)
         for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
             if key in own and not isinstance(own[key], kinds):
                 raise InputError(f"{at}: {key} must be {said}, got {own[key]!r}.")
-        needed = [field.name for field in dataclasses.fields(kind) if _needed(field)]
-        if lacking := [key for key in needed if key not in own]:
-            raise InputError(f"{at} lacks {' and '.join(lacking)}.")
         if own.get("times"):
             known = Quantity(known.symbol)
             own = {**own, "times": full_path(own["times"], varying)}
-        read: dict[str, Any] = {}
-        for key, value in own.items():
-            wanted = Quantity(known.symbol, known.unit) if key == "sd" else known
-            if key in ("number", "log", "times"):
-                read[key] = value
-            elif key == "values" and isinstance(value, list):
-                read[key] = [_number(text, wanted, f"{at}: {key}") for text in value]
-            else:
-                read[key] = _number(value, wanted, f"{at}: {key}")
-        try:
-            found[path] = cast("Any", kind)(**read)
-        except (ParameterError, TypeError) as error:
-            raise ParameterError(f"{at}: {error}") from None
+        wanted = dict.fromkeys(("values", "mean", "low", "high"), known)
+        wanted["sd"] = Quantity(known.symbol, known.unit)
+        needs = "values, or low and high, or mean and sd"
+        found[path] = _made(FACTORS, own, at, needs, wanted)
     return found
+
+
+def _made(
+    kinds: Mapping[str, type[T]],
+    given: Any,
+    at: str,
+    needs: str,
+    numbers: Mapping[str, Quantity],
+) -> T:
+    """Return the dataclass that has a key of a table, of its fields, some of which are numbers.
+
+    The key says which it is: the name of a field, or what stands for its first one.
+    """
+    kind = next((key for key in kinds if isinstance(given, dict) and key in given), None)
+    if kind is None:
+        raise InputError(f"{at} needs {needs}.")
+    parts = dataclasses.fields(cast("Any", kinds[kind]))
+    names = [part.name for part in parts]
+    called = dict(zip(names if kind in names else [kind, *names[1:]], parts, strict=True))
+    _known(given, called, at)
+    needed = [key for key, part in called.items() if part.default is dataclasses.MISSING]
+    if lacking := [key for key in needed if key not in given]:
+        raise InputError(f"{at} lacks {' and '.join(lacking)}.")
+
+    def read(key: str, value: Any) -> Any:
+        if isinstance(value, list):
+            return [read(key, item) for item in value]
+        return _number(value, numbers[key], f"{at}: {key}") if key in numbers else value
+
+    values = {called[key].name: read(key, value) for key, value in given.items()}
+    try:
+        return kinds[kind](**values)
+    except (ParameterError, TypeError) as error:
+        raise ParameterError(f"{at}: {error}") from None
 
 
 def _varying(case: Case) -> dict[str, Quantity]:
@@ -323,10 +341,6 @@ def _varying(case: Case) -> dict[str, Quantity]:
         path: ranges.get(path, Quantity(path.rpartition(".")[2], unit))
         for path, unit in units.items()
     }
-
-
-def _needed(field: "dataclasses.Field[Any]") -> bool:
-    return field.default is dataclasses.MISSING
 
 
 def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -345,39 +359,20 @@ def _number(value: object, known: Quantity, where: str) -> float:
         return read_number(value, known)
 
 
-def _read_value(raw: Mapping[str, Any], key: str, known: Quantity, file: str) -> float:
-    return _number(raw[key], known, f"{file}: {key}")
-
-
 def _outputs(table: object, file: str) -> dict[str, Output] | None:
     """Return what is kept of each run, by name."""
     if table is None:
         return None
     where = f"[outputs] of {file}"
-    _known(table, [*cast("dict[str, Any]", table)] if isinstance(table, dict) else [], where)
+    _known(table, table if isinstance(table, dict) else (), where)
+    needs = f'one of {", ".join(KINDS)}, such as {{final = "x"}}'
+    numbers = dict.fromkeys(TIMES, TIME)
     found: dict[str, Output] = {}
     for name, own in cast("dict[str, Any]", table).items():
         at = f"{name} in {where}"
-        kind = next((key for key in KINDS if isinstance(own, dict) and key in own), None)
-        if kind is None:
-            raise InputError(f'{at} needs one of {", ".join(KINDS)}, such as {{final = "x"}}.')
-        first, *others = [field.name for field in dataclasses.fields(cast("Any", KINDS[kind]))]
-        _known(own, [kind, *others], at)
-        if "times" in own and not isinstance(own["times"], list):
+        if isinstance(own, dict) and not isinstance(own.get("times", []), list):
             raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
-        read = {
-            key: [_number(text, TIME, f"{at}: {key}") for text in value]
-            if isinstance(value, list)
-            else _number(value, TIME, f"{at}: {key}")
-            if key in TIMES
-            else value
-            for key, value in own.items()
-            if key != kind
-        }
-        try:
-            found[name] = cast("Any", KINDS[kind])(**{first: own[kind], **read})
-        except TypeError:
-            raise InputError(f"{at} needs {', '.join([kind, *others])}.") from None
+        found[name] = _made(KINDS, own, at, needs, numbers)
     return found
 
 

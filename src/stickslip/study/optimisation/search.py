@@ -275,14 +275,13 @@ class Optimum(OnAxes, Tabular):
         ]
         rows = [[number(x, 5) if isinstance(x, float) else x for x in row] for row in rows]
         goals = [f"{goal.title}, {self.units[goal.name]}" for goal in self.goals]
-        taken = "" if self.scenarios == GIVEN_LAW else f"Objectives: {self.scenarios}"
         limits = []
         for limit in self.best.margins:
             ends = (quantity(value, limit.unit, 5) for value in (limit.reached, limit.allowed))
             limits.append(f"Limit of {limit.name}: {' of '.join(ends)}.")
         certified = "certified" if self.run.certificate.certified else "not certified"
         return Summary(
-            sentence=taken,
+            sentence="" if self.scenarios == GIVEN_LAW else f"Objectives: {self.scenarios}",
             head=("", *goals, *self.best.parameters, ""),
             rows=rows,
             notes=(
