@@ -616,7 +616,10 @@ def law_section(about: RunReport) -> page.Section:
             rows.append((*lead, label, f"${other}$", "none", "—", "assumed, not measured"))
     kind = "95 %" if known is None else known.interval
     heads = ["parameter", "value", "unit", kind, "how it is known"]
-    table = table_of(heads if about.single else ["contact", "law", *heads], rows)
+    heads = heads if about.single else ["contact", "law", *heads]
+    if not about.single and known is None:  # all of them are as given
+        heads, rows = heads[:-2], [row[:-2] for row in rows]
+    table = table_of(heads, rows)
     blocks: list[page.Block] = [
         page.Math(latex=law.formula) for law in {type(law): law for law in laws.values()}.values()
     ]

@@ -540,7 +540,8 @@ def table_of(
             for cell in cells
         )
         phone: Literal["show", "label"] = "show" if place == 0 else "label"
-        columns.append(Column(head=head, numeric=numeric, phone=phone))
+        label = f"{head}:" if head and "\n" not in head else ""
+        columns.append(Column(head=head, numeric=numeric, phone=phone, label=label))
     return Table(columns=tuple(columns), rows=tuple(made), caption=caption)
 
 
