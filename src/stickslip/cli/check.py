@@ -405,9 +405,9 @@ def _summary(findings: Sequence[Finding]) -> str:
         for name in ("error", "warning")
     )
     if errors:
-        return f"To correct before a fit: {errors}."
+        return f"To correct before a fit: the findings marked ✗ ({errors})."
     if warnings:
-        return f"Nothing must be corrected; to look at: {warnings}."
+        return f"Nothing must be corrected; to look at: the findings marked ! ({warnings})."
     return "Nothing to correct."
 
 
