@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.models import OptionInfo
 
-from stickslip.cli.options import QuietOption
+from stickslip.cli.options import QuietOption, declared
 from stickslip.errors import InputError
 from stickslip.show.described import texts_below
 
@@ -158,7 +158,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
         info, plain = typer.Option(), hint
         if hasattr(hint, "__metadata__"):
             info, plain = copy(hint.__metadata__[0]), hint.__origin__
-        names = [one for one in (info.default, *(info.param_decls or ())) if isinstance(one, str)]
+        names = declared(info)
         if isinstance(info, OptionInfo) and not any(item.startswith("--") for item in names):
             names.append(f"--{name.replace('_', '-')}")
         info.param_decls, info.help = (

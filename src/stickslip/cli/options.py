@@ -9,7 +9,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
@@ -39,6 +39,35 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
             f" then {name} {own}."
         )
     return given
+
+
+def declared(mark: Any) -> list[str]:
+    """Return the names that the mark of an option declares; none where its field names it."""
+    return [one for one in (mark.default, *(mark.param_decls or ())) if isinstance(one, str)]
+
+
+def typed(options: Any, *names: str) -> list[str]:
+    """Return as they are typed those options that have another value than their default.
+
+    Examples
+    --------
+    >>> typed(
+    ...     SimulateOptions(stick_rule=False, changes=("mass=2",)), "stick_rule", "changes", "law"
+    ... )
+    ['--no-stick-rule', '--set']
+    """
+    hints = get_type_hints(type(options), include_extras=True)
+    defaults = {part.name: part.default for part in fields(options)}
+    found = []
+    for name in names:
+        value = getattr(options, name)
+        if value is None or value == defaults[name]:
+            continue
+        marks = getattr(hints[name], "__metadata__", ())
+        called = [one for mark in marks for one in declared(mark) if one.startswith("--")]
+        on, _, off = (called or [f"--{name.replace('_', '-')}"])[0].partition("/")
+        found.append(off if value is False else on)
+    return found
 
 
 def _hush(wanted: bool) -> bool:

@@ -24,7 +24,7 @@ from stickslip.cli.inputs import (
     rig_and_friction,
     rig_content,
 )
-from stickslip.cli.options import AnimateOptions, SimulateOptions
+from stickslip.cli.options import AnimateOptions, SimulateOptions, typed
 from stickslip.cli.progress import Drawing
 from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
@@ -372,26 +372,16 @@ def _table(about: RunReport, samples: int) -> "pd.DataFrame":
 
 
 def _solver(options: SimulateOptions) -> Solver | None:
-    if options.fixed_step is None:
-        given = {
-            "--method": options.method is not None,
-            "--stick-rule": options.stick_rule is True,
-            "--no-stick-rule": options.stick_rule is False,
-            "--break-away": options.break_away is not None,
-            "--zero-velocity-band": options.zero_velocity_band != 0.0,
-        }
-        for option in (option for option, is_given in given.items() if is_given):
-            raise InputError(
-                f"{option} is for --fixed-step: give a step as well, such as --fixed-step 0.001."
-            )
-        return None
-    return FixedStep(
-        dt=options.fixed_step,
-        method=options.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
-        stick_rule=options.stick_rule,
-        break_away=options.break_away,  # type: ignore[arg-type]
-        zero_velocity_band=options.zero_velocity_band,
-    )
+    names = ("method", "stick_rule", "break_away", "zero_velocity_band")
+    given: dict[str, Any] = {name: getattr(options, name) for name in names}
+    if options.fixed_step is not None:
+        known = {name: value for name, value in given.items() if value is not None}
+        return FixedStep(dt=options.fixed_step, **known)
+    for option in typed(options, *names):
+        raise InputError(
+            f"{option} is for --fixed-step: give a step as well, such as --fixed-step 0.001."
+        )
+    return None
 
 
 def check_table(output: Path) -> None:

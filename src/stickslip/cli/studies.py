@@ -92,14 +92,7 @@ SIZE: Final = (700, 320)
 
 def _run_campaign(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
-    given = {
-        "--law": options.law,
-        "--law-load": options.law_load,
-        "--set": options.changes,
-        "--coordinate": options.coordinate,
-        "--ensemble": options.draws,
-    }
-    if unused := [option for option, value in given.items() if value]:
+    if unused := option_groups.typed(options, "law", "law_load", "changes", "coordinate", "draws"):
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
             " rigs, laws and factors itself."
