@@ -591,7 +591,7 @@ def test_no_sentence_of_the_paper_stands_on_the_page(page):
     shared = {
         " ".join(ours[i : i + 8]) for i in range(len(ours) - 7) if tuple(ours[i : i + 8]) in runs
     }
-    titles = " ".join(re.findall(r"[a-z]+", words_of(page[page.index('id="again"') :]).lower()))
+    titles = " ".join(re.findall(r"[a-z]+", words_of(page[page.index('id="reproduce"') :]).lower()))
     assert [words for words in sorted(shared) if words not in titles] == []
 
 
@@ -727,7 +727,7 @@ def test_bristles_are_said_to_bend_by_the_static_force_at_break_away(found, page
 def test_symbols_and_assumptions_stand_in_one_table_each(found, page):
     text = words_of(page)
     assert text.count("What is assumed, and where it is used") == 1
-    section = words_of(page[page.index('id="assumptions"') : page.index('id="again"')])
+    section = words_of(page[page.index('id="assumptions"') : page.index('id="reproduce"')])
     for value in ("σ2 0.5 N s/m", "vs 50 mm/s", "σ0 10,000 N/m", "rod 0.3 m", "0.5 m/s backwards"):
         assert value in section
     assert "μd in Table I" in text

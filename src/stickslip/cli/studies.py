@@ -782,7 +782,7 @@ def run_characterize(options: option_groups.CharacterizeOptions) -> None:
             inputs=_inputs(options.inputs),
             progress=progress,
         )
-    page = characterization_page(found, reproduce=[terminal.command_line()], versions=versions())
+    page = characterization_page(found, commands=[terminal.command_line()], versions=versions())
     if report is not None:
         write_files({report: render(page)})
     if options.as_json:

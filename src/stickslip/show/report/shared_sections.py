@@ -342,7 +342,7 @@ MANY = 4
 
 
 def characterization_page(
-    found: Characterization, *, reproduce: Sequence[str] = (), versions: Mapping[str, str]
+    found: Characterization, *, commands: Sequence[str] = (), versions: Mapping[str, str]
 ) -> page.Page:
     """Return the page of a battery.
 
@@ -356,11 +356,14 @@ def characterization_page(
     """
     titles = [law.title for law in found.all]
     tests = [_test(name, results, found) for name, results in found.by_test.items()]
+    runs = page.KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified")
+    origin = page.Origin(title="", data="", commands=tuple(commands), versions=versions)
+    end = reproduce(origin, items=[runs], laws=[law.law for law in found.all])
     return page.Page(
         title=joined(titles) if len(titles) < MANY else f"{titles[0]} and {len(titles) - 1} more",
         subject=f"normal force {quantity(found.load, 'N')}",
         kicker="friction laws on the test bench",
-        sections=(_overview(found), _laws(found), *tests, _end(found, reproduce, versions)),
+        sections=(_overview(found), _laws(found), *tests, end),
         footer=page.colophon(versions),
     )
 
@@ -419,24 +422,3 @@ def _test(
     failed = [(law.title, law.failed[name]) for law in found.all if name in law.failed]
     blocks += [page.Note(title=f"{title}: no result.", text=why) for title, why in failed]
     return page.Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))
-
-
-def _end(
-    found: Characterization, commands: Sequence[str], versions: Mapping[str, str]
-) -> page.Section:
-    """Return sources, commands and versions."""
-    blocks: list[page.Block] = []
-    references = law_references([law.law for law in found.all], {})
-    if references:
-        blocks.append(page.References(items=references))
-    if commands:
-        blocks.append(page.Code(text="\n".join(f"$ {command}" for command in commands)))
-    items = [page.KeyValue(key=name, value=version) for name, version in versions.items()]
-    items.append(page.KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified"))
-    blocks.append(page.KeyValues(items=tuple(items)))
-    return page.Section(
-        id="reproduce",
-        nav="Sources",
-        heading="Sources, and how to make this page again",
-        blocks=tuple(blocks),
-    )
