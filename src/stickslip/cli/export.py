@@ -107,6 +107,7 @@ def law_source(options: LawOfFileOptions, path: Path) -> Rig | FrictionLaw:
 
 def _refuse_foreign(options: ExportOptions) -> None:
     """Refuse options that the target has no use for."""
+    names: tuple[str, ...]
     if options.to == FMU:
         names, cure = ("contact", "load", "largest_speed", "at"), "of targets for a law alone"
     else:

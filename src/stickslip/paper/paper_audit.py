@@ -169,7 +169,13 @@ class PaperAudit:
                 "springbacks": [
                     {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
                 ],
-                "fixed_steps": self.fixed_steps,
+                "fixed_steps": [
+                    {
+                        name: getattr(row, name)
+                        for name in ("dt", "stick_rule", "criteria", "reversals", "diverged")
+                    }
+                    for row in self.fixed_steps
+                ],
                 "stick_slip": self.stick_slip
                 and {
                     "speed": self.stick_slip.mechanism.speed,

@@ -122,9 +122,10 @@ def _animation(study: CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
-    shown = {"fps": ANIMATED, "until": 2.0 * study.period, "narrow": (358, 560)}
+    until = 2.0 * study.period
+    draw = partial(plots.animation_html, exact, study.cart, fps=ANIMATED, until=until)
     return report.Animation(
-        html=partial(plots.animation_html, exact, study.cart, alt=alt, **shown),
+        html=partial(draw, alt=alt, narrow=(358, 560)),
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
         " the torque.",
@@ -198,13 +199,14 @@ def _share_table(study: CartStudy) -> report.Table:
         (CAUSES[share.key][0], CAUSES[share.key][1].format(step=STEP_TEXT)) for share in shares
     ]
     named.append(("all together", f"{printed.title}, {STEP_TEXT}"))
+    parts: list[Share | CartRun] = [*shares, printed]
     rows = [
         (
             report.Name(text=cause, aside=runs),
             significant(1e3 * of.least_velocity, 3),
             significant(1e3 * of.mean_return, 3),
         )
-        for (cause, runs), of in zip(named, (*shares, printed), strict=True)
+        for (cause, runs), of in zip(named, parts, strict=True)
     ]
     chosen = [share.key == "friction" for share in shares]
     return report.table_of(["cause", LOWEST_VELOCITY, BACK_SLIP], rows, chosen=(*chosen, False))

@@ -202,7 +202,7 @@ class Band(OnAxes, Tabular):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
-        found = {
+        found: dict[str, Mapping[str, Any]] = {
             "travel": {name: spread._asdict() for name, spread in self.travels.items()},
             "mean_velocity": {name: mean._asdict() for name, mean in self.mean_velocities.items()},
             "travel_by_cycle": {
