@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from stickslip.paper.paper_audit import PaperAudit
-from stickslip.paper.rigs import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule
+from stickslip.paper.rigs import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule, Share
 from stickslip.paper.sections.common import (
     BACK_SLIP,
     FIRST_CYCLE,
