@@ -36,7 +36,7 @@ from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
 from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
-from stickslip.show.report import RunReport, run_sections, runs, versions
+from stickslip.show.report import RunReport, run_sections, versions
 from stickslip.study import sweep
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def run(options: SimulateOptions) -> None:
         kept = "The result of the run is not affected."
         write = partial(_write_page, options.report)
         page_code = terminal.draw_page(
-            options.report, lambda: runs.run_page(about), write, kept=kept, quiet=options.as_json
+            options.report, partial(_page, about), write, kept=kept, quiet=options.as_json
         )
     if options.as_json:
         content = _content(about, chosen)
@@ -161,6 +161,12 @@ def run(options: SimulateOptions) -> None:
         terminal.note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
     terminal.leave_unless_drawn(page_code)
+
+
+def _page(about: RunReport) -> str:
+    from stickslip.show.report import run_page  # templates and figures, of a page alone
+
+    return run_page(about)
 
 
 def _write_page(folder: Path, text: str | None) -> None:

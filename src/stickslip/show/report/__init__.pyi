@@ -46,7 +46,6 @@ from stickslip.show.report.shared_sections import candidates_heading as candidat
 from stickslip.show.report.shared_sections import characterization_page as characterization_page
 from stickslip.show.report.shared_sections import figure as figure
 from stickslip.show.report.shared_sections import identified_heading as identified_heading
-from stickslip.show.report.shared_sections import law_references as law_references
 from stickslip.show.report.shared_sections import opening as opening
 from stickslip.show.report.shared_sections import parameters as parameters
 from stickslip.show.report.shared_sections import record_and_checks as record_and_checks
