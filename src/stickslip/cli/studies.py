@@ -85,6 +85,7 @@ KINDS: Final[Mapping[str, type[Output]]] = {
 FACTORS: Final[Mapping[str, type[Factor]]] = {"values": Levels, "mean": Normal, "low": Uniform}
 """Factors by the key that only they have, or have to have."""
 T = TypeVar("T")
+LISTS: Final = ("values", "times")
 TIMES: Final = ("since", "last", "times")
 TIME: Final = Quantity("t", "s")
 SIZE: Final = (700, 320)
@@ -313,7 +314,7 @@ def _made(
         raise InputError(f"{at} lacks {' and '.join(lacking)}.")
 
     def read(key: str, value: Any) -> Any:
-        if isinstance(value, list):
+        if isinstance(value, list) and key in LISTS:
             return [read(key, item) for item in value]
         return _number(value, numbers[key], f"{at}: {key}") if key in numbers else value
 

@@ -290,7 +290,7 @@ def _choice_figure(study: CartStudy) -> report.Figure:
         apart = ", and by how much that of the paper’s example differs"
     return report.figure(
         plots.draw_motion(runs, views=views),
-        "Displacement and velocity of the cart with the law by select, and with the paper’s",
+        "Displacement and velocity of the cart with the chosen laws",
         "fig11",
         "**In place of Fig. 11. The cart under Coulomb + viscous friction**, the paper’s example,"
         " and under the law that select names, both solved exactly: displacement in all cycles,"
