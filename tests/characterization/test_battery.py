@@ -5,11 +5,20 @@ import json
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Dahl, DirectionDependent, LuGre, characterize, simulate
-from stickslip.cli.studies import _show
+from stickslip import (
+    Axis,
+    Coulomb,
+    Dahl,
+    DirectionDependent,
+    LuGre,
+    characterize,
+    simulate,
+)
+from stickslip.cli.console import show_sections
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
 from stickslip.show.documents import document, json_text
+from stickslip.show.report import characterization_page
 from stickslip.study.characterization import TESTS, Bench, battery, cycle_energy
 from stickslip.study.characterization.battery import (
     break_away,
@@ -288,8 +297,8 @@ def test_a_test_that_fails_is_told_beside_the_table_in_words_of_the_bench(monkey
 
     monkeypatch.setattr(battery, "TESTS", {**TESTS, "drift": ends})
     found = characterize("coulomb", tests=["drift"])
-    assert found.told("drift") == "no result"
+    assert found.told("drift") == f"no result: {found.failed['drift']}"
     assert found.failed["drift"].startswith("Reached the end. The bench cannot follow this law")
     assert "EventDriven" not in found.failed["drift"]
-    _show(found)
-    assert "drift: Reached the end. The bench" in " ".join(capsys.readouterr().out.split())
+    show_sections(characterization_page(found, versions={}).sections[:1])
+    assert "no result: Reached the end. The bench" in " ".join(capsys.readouterr().out.split())

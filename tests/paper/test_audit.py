@@ -559,7 +559,7 @@ def test_no_sentence_of_the_paper_stands_on_the_page(page):
     shared = {
         " ".join(ours[i : i + 8]) for i in range(len(ours) - 7) if tuple(ours[i : i + 8]) in runs
     }
-    titles = " ".join(re.findall(r"[a-z]+", words_of(page[page.index('id="again"') :]).lower()))
+    titles = " ".join(re.findall(r"[a-z]+", words_of(page[page.index('id="reproduce"') :]).lower()))
     assert [words for words in sorted(shared) if words not in titles] == []
 
 

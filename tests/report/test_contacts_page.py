@@ -6,7 +6,7 @@ from tests.contact_cases import coulomb
 from stickslip import BlockChain, EventDriven, TwoFeet, simulate
 from stickslip.data import Rig
 from stickslip.friction import Laws
-from stickslip.show.report import ContactsReport, contacts_page
+from stickslip.show.report import RunReport, run_page
 
 PLAIN = EventDriven(tier="python")
 
@@ -14,7 +14,7 @@ PLAIN = EventDriven(tier="python")
 def page_of(mechanism, friction, t_end, y0):
     run = simulate(mechanism, friction, t_end=t_end, y0=y0, solver=PLAIN)
     rig = Rig(title="Rig", mechanism=mechanism)
-    return contacts_page(ContactsReport(rig=rig, friction=friction, run=run))
+    return run_page(RunReport(rig=rig, law=friction, run=run))
 
 
 @pytest.fixture(scope="module")
@@ -43,5 +43,5 @@ def test_a_run_that_ends_early_says_so():
     body = TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.5)
     run = simulate(body, coulomb(0.8), t_end=1.0, y0={"v": 1.0}, solver=PLAIN, throw=False)
     rig = Rig(title="Rig", mechanism=body)
-    page = contacts_page(ContactsReport(rig=rig, friction=coulomb(0.8), run=run))
+    page = run_page(RunReport(rig=rig, law=coulomb(0.8), run=run))
     assert "The run ends early" in page

@@ -27,7 +27,13 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.options import CheckOptions, InitOptions, PathOptions, RecordOptions
+from stickslip.cli.options import (
+    CheckOptions,
+    InitOptions,
+    ListOptions,
+    PathOptions,
+    RecordOptions,
+)
 from stickslip.data import (
     SEVERITIES,
     Checks,
@@ -47,10 +53,10 @@ from stickslip.show.formatting import count, joined
 # ``stickslip data``.
 
 
-def run_list(*, as_json: bool) -> None:
+def run_list(options: ListOptions) -> None:
     """List the records."""
     records = [dataset(name) for name in names()]
-    if as_json:
+    if options.as_json:
         print_json(document("data", {"records": [_record(record) for record in records]}))
         return
     rows = [[file.name, file.title, _short(file.licence), _places(file)] for file in records]
@@ -279,47 +285,6 @@ MOST_LINES = 24
 """Lines about several trials at most: a screen has hardly more."""
 RESTED = "constant"
 """Kind of the finding that a trial shows no motion."""
-LABELS = {
-    "conditions": "conditions that are not used",
-    "constant": "a quantity that does not change",
-    "contact input": "what was measured beside",
-    "coverage": "the range of speeds",
-    "drift": "drift",
-    "drive": "the force that drives the motion",
-    "drive frequency": "the frequency of the drive",
-    "effective size": "too few independent samples",
-    "force sign": "the sign of the force",
-    "friction sign": "the sign of friction",
-    "gap": "gaps",
-    "held samples": "samples logged at a lower rate",
-    "jump": "jumps",
-    "length": "too few samples",
-    "line": "the line of a motion in a plane",
-    "load": "the normal force",
-    "lost": "missing rows or cells",
-    "volts": "a force made of volts",
-    "low speed": "slow samples",
-    "mains hum": "mains hum",
-    "mechanism": "the mechanism",
-    "motion": "how much moves",
-    "order": "the order of the readings",
-    "outliers": "samples far off those beside",
-    "quantisation": "coarse steps of a signal",
-    "repeated trial": "trials with the same samples",
-    "rest": "readings at rest",
-    "rests": "periods of rest",
-    "reversals": "motion in one direction only",
-    "sampling": "uneven sampling",
-    "saturation": "clipped values",
-    "settings": "the settings of the readings",
-    "steady readings": "steady readings taken for a motion",
-    "trials": "trials with different quantities",
-    "uncertainty": "uncertainties of the readings",
-    "units": "units",
-    "unused column": "unused columns",
-    "velocity": "the velocity beside the position",
-}
-"""Words of the last line for each kind of finding."""
 
 
 def run(options: CheckOptions) -> None:
@@ -436,13 +401,13 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
 def _summary(findings: Sequence[Finding]) -> str:
     """Return in one line what is to be corrected."""
     errors, warnings = (
-        joined([*dict.fromkeys(LABELS[f.kind] for f in findings if f.severity == name)])
+        joined([*dict.fromkeys(f.kind for f in findings if f.severity == name)])
         for name in ("error", "warning")
     )
     if errors:
-        return f"To correct before a fit: {errors}."
+        return f"To correct before a fit: the findings marked ✗ ({errors})."
     if warnings:
-        return f"Nothing must be corrected; to look at: {warnings}."
+        return f"Nothing must be corrected; to look at: the findings marked ! ({warnings})."
     return "Nothing to correct."
 
 

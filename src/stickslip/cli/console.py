@@ -1,6 +1,7 @@
 """What commands share: consoles, JSON documents, pages, folders written whole, numbers."""
 
 import contextlib
+import re
 import shlex
 import sys
 import tempfile
@@ -27,8 +28,10 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError, ParameterError, concerning
 from stickslip.quantities import Quantity
+from stickslip.show import report as page
+from stickslip.show.display import Summary, cell_text, is_numeric
 from stickslip.show.documents import check_replaceable, json_text, unwritable
-from stickslip.show.formatting import NO_VALUE, printable
+from stickslip.show.formatting import printable
 
 # What commands share: consoles, JSON documents, folders that are written whole or not at all.
 
@@ -36,6 +39,8 @@ MOST_NAMED = 6
 """Trials that a line names."""
 GAP = 2
 """Spaces between columns."""
+MARKS = {"none": ("", ""), "ok": ("", ""), "warn": ("! ", "yellow"), "bad": ("✗ ", "red")}
+"""What stands before the outcome of a check, and its style."""
 FOLDED = 16
 """Width down to which a column of words is folded before a table outgrows its terminal."""
 
@@ -96,7 +101,7 @@ def show_table(
     )
     widths, least = [], 0
     for i, head in enumerate(heads):
-        numeric = all(_is_number(row[i]) for row in rows)
+        numeric = all(is_numeric(row[i]) for row in rows)
         table.add_column(
             Text(head),
             justify="right" if numeric else "left",
@@ -122,8 +127,91 @@ def show_table(
         console.print(line.rstrip())
 
 
-def _is_number(cell: str) -> bool:
-    return cell in ("", NO_VALUE) or cell[0].isdigit() or cell[0] in "-−.+"
+def show_summary(summary: Summary) -> None:
+    """Print a result in short: its sentence, its table, its notes."""
+    console = stdout()
+    if summary.sentence:
+        console.print(plain(summary.sentence))
+    rows = [[plain(cell_text(value)) for value in row] for row in summary.rows]
+    if summary.head and rows:
+        show_table("", summary.head, rows)
+    for row in rows if not summary.head else ():
+        console.print(": ".join([row[0].rstrip("."), *row[1:]]))
+    for line in summary.notes:
+        console.print(plain(line))
+
+
+def show_sections(sections: Iterable[page.Section]) -> None:
+    """Print sections of a page, as far as they are text."""
+    for place, section in enumerate(sections):
+        if place:
+            stdout().print()
+        if section.heading:
+            stdout().print(page.plain(section.heading), style="bold")
+        show_blocks(section.blocks)
+
+
+def show_blocks(blocks: Iterable[page.Block]) -> None:
+    """Print blocks of a page, as far as they are text: figures are on the page alone."""
+    for block in blocks:
+        match block:
+            case page.Table():
+                _show_rows(block)
+            case page.Columns():
+                show_blocks((*block.left, *block.right))
+            case page.Opening():
+                verdict = block.verdict if block.verdict.endswith(".") else f"{block.verdict}."
+                lines = [page.Paragraph(text=text) for text in (verdict, block.lede)]
+                facts = page.Facts(facts=block.facts)
+                show_blocks([page.Subheading(text=block.kicker), *lines, facts])
+            case _:
+                for text, style in _said(block):
+                    stdout().print(page.plain(text), style=style)
+
+
+def _said(block: page.Block) -> list[tuple[str, str]]:
+    """Return the lines of a block of text, with their styles."""
+    match block:
+        case page.Paragraph() | page.Caption() | page.Code():
+            return [(block.text, "")]
+        case page.Subheading():
+            return [(block.text, "bold")]
+        case page.Math():
+            return [(page.formula_text(block.latex), "")]
+        case page.Note():
+            return [(f"! {block.title} {block.text}", "yellow" if block.kind == "warn" else "")]
+        case page.KeyValues():
+            marked = [(*MARKS[item.mark], item) for item in block.items]
+            return [(f"{mark}{item.key}: {item.value}", style) for mark, style, item in marked]
+        case page.Facts():
+            asides = [f" ({fact.aside})" if fact.aside else "" for fact in block.facts]
+            pairs = zip(block.facts, asides, strict=True)
+            return [(f"{fact.what}: {fact.value}{aside}", "") for fact, aside in pairs]
+    return []
+
+
+def _show_rows(table: page.Table) -> None:
+    """Print a table of a page without its plots."""
+    places = [place for place, column in enumerate(table.columns) if not column.axis]
+    # the unit stands in a line of its own
+    heads = [re.sub(r"\n(?=\S+$)", ", ", table.columns[place].head) for place in places]
+    heads = [page.plain(" ".join(head.split())) for head in heads]
+    rows = [[_text(row.cells[place]) for place in places] for row in table.rows]
+    show_table("", heads, rows)
+    if table.caption:
+        stdout().print(page.plain(table.caption))
+
+
+def _text(cell: page.Cell) -> str:
+    """Return a cell of a page as text."""
+    match cell:
+        case page.Number():
+            return page.plain(" ".join(filter(None, [cell.value, cell.doubt, cell.unit])))
+        case page.Name():
+            return page.plain(f"{cell.text} ({cell.aside})" if cell.aside else cell.text)
+        case str():
+            return page.plain(cell)
+    return ""
 
 
 def print_json(content: Mapping[str, Any]) -> None:

@@ -9,7 +9,13 @@ from typing import Any
 from stickslip import exports
 from stickslip.cli import console as terminal
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
-from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
+from stickslip.cli.options import (
+    ApplyOptions,
+    ExportOptions,
+    LawOfFileOptions,
+    LawOptions,
+    typed,
+)
 from stickslip.data import LOAD, Rig, load_rig
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
@@ -101,24 +107,15 @@ def law_source(options: LawOfFileOptions, path: Path) -> Rig | FrictionLaw:
 
 def _refuse_foreign(options: ExportOptions) -> None:
     """Refuse options that the target has no use for."""
+    names: tuple[str, ...]
     if options.to == FMU:
-        named_alone: dict[str, object] = {
-            "--contact": options.contact,
-            "--load": options.load,
-            "--largest-speed": options.largest_speed,
-            "--at": options.at or None,
-        }
-        cure = "such options are of targets for a law alone."
+        names, cure = ("contact", "load", "largest_speed", "at"), "of targets for a law alone"
     else:
-        named_alone = {
-            "--input": options.inputs or None,
-            "--t-end": options.t_end,
-            "--fmi": None if options.fmi == ExportOptions.fmi else options.fmi,
-        }
-        cure = "such options are of --to fmu."
-    given = [option for option, value in named_alone.items() if value is not None]
-    if given:
-        raise InputError(f"--to {options.to} does not take {', '.join(given)}: {cure}")
+        names, cure = ("inputs", "t_end", "fmi"), "of --to fmu"
+    if given := typed(options, *names):
+        raise InputError(
+            f"--to {options.to} does not take {', '.join(given)}: such options are {cure}."
+        )
 
 
 def _export_fmu(options: ExportOptions) -> None:

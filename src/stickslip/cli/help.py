@@ -1,8 +1,8 @@
 """How commands are listed, take their options, and what their help ends with."""
 
-import functools
+import importlib
 import inspect
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import MISSING, fields
 from types import GenericAlias
@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.models import OptionInfo
 
-from stickslip.cli.options import QuietOption
+from stickslip.cli.options import QuietOption, declared
 from stickslip.errors import InputError
 from stickslip.show.described import texts_below
 
@@ -116,35 +116,31 @@ class _Command(TyperCommand):
             raise InputError(f"{path} needs {name}{help_text}. Example: `{example}`.") from None
 
 
-def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], Any]:
-    """Return what adds a command to an application, with its examples below its options."""
-    examples = EXAMPLES[f"{group} {name}".strip()]
+def add_command(app: typer.Typer, name: str, place: str, kind: type) -> None:
+    """Add a command to an application, with its examples below its options.
+
+    It has an option for each field of a class, whose docstring is its help, and `--quiet`, which
+    none has to heed. Its function, at a place such as ``judge.run_fit``, is loaded when it is run.
+    """
+    examples = EXAMPLES[name]
     heading = "Example:" if len(examples) == 1 else "Examples:"
     # \b keeps the lines as they are
     epilog = "\n".join(("\b", heading, *(f"  $ {line}" for line in examples)))
-    add = app.command(name, cls=_Command, epilog=epilog, context_settings=dict(CONTEXT))
-    return lambda function: add(_with_single_options(function))
+    single = [parameter for part in (kind, QuietOption) for parameter in _parameters(part)]
+    several = [field.name for field in fields(kind) if field.default == ()]
 
-
-def _with_single_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Return a command with an option for each field of the class of its options.
-
-    It has `--quiet` as well, which none has to heed.
-    """
-    kinds = [
-        field.annotation for field in inspect.signature(function, eval_str=True).parameters.values()
-    ]
-    single = [parameter for kind in (*kinds, QuietOption) for parameter in _parameters(kind)]
-    several = [field.name for kind in kinds for field in fields(kind) if field.default == ()]
-
-    @functools.wraps(function)
     def called(*, quiet: bool, **given: Any) -> None:  # noqa: ARG001  # heeded by its callback
-        given |= {name: () for name in several if given[name] is None}
-        function(*(kind(**given) for kind in kinds))
+        given |= {field: () for field in several if given[field] is None}
+        module, _, function = place.partition(".")
+        getattr(importlib.import_module(f"stickslip.cli.{module}"), function)(kind(**given))
 
+    called.__doc__ = kind.__doc__
     called.__signature__ = inspect.Signature(single)  # type: ignore[attr-defined]  # what typer reads
     called.__annotations__ = {parameter.name: parameter.annotation for parameter in single}
-    return called
+    add = app.command(
+        name.rsplit(maxsplit=1)[-1], cls=_Command, epilog=epilog, context_settings=dict(CONTEXT)
+    )
+    add(called)
 
 
 def _parameters(kind: type) -> Iterator[inspect.Parameter]:
@@ -162,7 +158,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
         info, plain = typer.Option(), hint
         if hasattr(hint, "__metadata__"):
             info, plain = copy(hint.__metadata__[0]), hint.__origin__
-        names = [one for one in (info.default, *(info.param_decls or ())) if isinstance(one, str)]
+        names = declared(info)
         if isinstance(info, OptionInfo) and not any(item.startswith("--") for item in names):
             names.append(f"--{name.replace('_', '-')}")
         info.param_decls, info.help = (

@@ -13,7 +13,7 @@ import typer
 
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
-from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
+from stickslip.cli.options import DemoOptions, FitOptions, PlanOptions, SelectOptions
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
@@ -84,6 +84,11 @@ def run_select(options: SelectOptions) -> None:
         )
         raise typer.Exit(CRITERIA_FAILED)
     terminal.leave_unless_drawn(page_code)
+
+
+def run_demo(options: DemoOptions) -> None:
+    """Select a law for the bundled rig."""
+    run_select(SelectOptions(**vars(options)))
 
 
 def _tolerance(kind: kinds.AnyKind, rig: Rig, text: str | None) -> float | None:

@@ -8,7 +8,7 @@ from rich.text import Text
 
 from stickslip import friction
 from stickslip.cli.console import plain, print_json, show_table, stdout
-from stickslip.cli.options import CiteOptions, ModelsOptions
+from stickslip.cli.options import CiteOptions, ModelsOptions, SchemaOptions
 from stickslip.errors import UnknownNameError
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
@@ -195,6 +195,13 @@ def _law(law: type[friction.FrictionLaw]) -> dict[str, Any]:
 def _typical(found: friction.Typical) -> dict[str, Any]:
     source = friction.SOURCES[found.source] if found.source else None
     return {"values": dict(found.values), "source": source}
+
+
+def run_schema(_: SchemaOptions) -> None:
+    """Print the schema."""
+    from stickslip.data import rig_schema
+
+    print_json(document("rig-schema", rig_schema()))
 
 
 def run_cite(options: CiteOptions) -> None:

@@ -9,7 +9,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
@@ -39,6 +39,35 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
             f" then {name} {own}."
         )
     return given
+
+
+def declared(mark: Any) -> list[str]:
+    """Return the names that the mark of an option declares; none where its field names it."""
+    return [one for one in (mark.default, *(mark.param_decls or ())) if isinstance(one, str)]
+
+
+def typed(options: Any, *names: str) -> list[str]:
+    """Return as they are typed those options that have another value than their default.
+
+    Examples
+    --------
+    >>> typed(
+    ...     SimulateOptions(stick_rule=False, changes=("mass=2",)), "stick_rule", "changes", "law"
+    ... )
+    ['--no-stick-rule', '--set']
+    """
+    hints = get_type_hints(type(options), include_extras=True)
+    defaults = {part.name: part.default for part in fields(options)}
+    found = []
+    for name in names:
+        value = getattr(options, name)
+        if value is None or value == defaults[name]:
+            continue
+        marks = getattr(hints[name], "__metadata__", ())
+        called = [one for mark in marks for one in declared(mark) if one.startswith("--")]
+        on, _, off = (called or [f"--{name.replace('_', '-')}"])[0].partition("/")
+        found.append(off if value is False else on)
+    return found
 
 
 def _hush(wanted: bool) -> bool:
@@ -288,12 +317,23 @@ class MeasuredOptions(RigOptions, DataOptions, EstimationOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class DemoOptions(LawsOption, ReportOptions, EnforceOption):
-    """Options of `stickslip demo`."""
+    """Select a law for the rig that comes with the package; write a report.
+
+    The rig is that of the source paper, a block that a spring pushes, with one measured travel.
+    Other commands take it as `demo`, such as `stickslip simulate demo`.
+    """
 
 
 @dataclass(frozen=True, kw_only=True)
 class SelectOptions(MeasuredOptions, DemoOptions):
-    """Options of `stickslip select`."""
+    """Compare friction laws on a measurement; write a report.
+
+    The verdict names a law and its parameters, gives a 95 % band that holds whichever law does,
+    and says what to measure next.
+
+    While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit
+    so far, twice to cancel.
+    """
 
     tolerance: Annotated[str | None, typer.Option(metavar="2%")] = None
     """Share of friction by which the law that is named may be off (default 2 %)."""
@@ -301,7 +341,12 @@ class SelectOptions(MeasuredOptions, DemoOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class FitOptions(MeasuredOptions, WriteOptions):
-    """Options of `stickslip fit`."""
+    """Fit one friction law to measurements.
+
+    The parameters are printed with their confidence intervals.
+
+    While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
+    """
 
     law: str | None = None
     """Friction law (see `stickslip models`); for records of several joints, laws by contact as in
@@ -313,7 +358,18 @@ class FitOptions(MeasuredOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class InitOptions(ColumnOptions, WriteOptions):
-    """Options of `stickslip init`."""
+    """Detect the contents of a data file; write a rig file.
+
+    Detects code page, separators, decimal comma, lines above the header, a row of units, time
+    stamps, and the quantity of each column, in English or German. What the file does not contain is
+    assumed, printed, and marked as assumed in the rig file, which `stickslip select` then takes.
+
+    With --urdf, joints of the log are found by the names of the description, and the rig file is
+    that of the robot: joints that stood still are locked where they were.
+
+    Several files are films of a capsule or a cart that drives itself, at other frequencies each:
+    tracked positions, and nothing else. The rig file has a question mark for what they do not show.
+    """
 
     files: Annotated[Sequence[Path], typer.Argument(metavar="FILE...")]
     """Record (CSV, Excel, Parquet, MATLAB, MDF, TDMS, MCAP, ROS bag); or films of one body, a run
@@ -326,7 +382,10 @@ class InitOptions(ColumnOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class CheckOptions(DataOptions, ImportOption, WriteOptions):
-    """Options of `stickslip check`."""
+    """Check the quality of a measurement.
+
+    Exits with code 2 if the check finds an error.
+    """
 
     files: Annotated[Sequence[Path], typer.Argument(metavar="FILE")]
     """Data files (CSV, Parquet, MATLAB, MDF), one per trial, and/or a rig file (TOML). The
@@ -337,7 +396,15 @@ class CheckOptions(DataOptions, ImportOption, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
-    """Options of `stickslip simulate`."""
+    """Simulate the rig with one friction law, or with an equation of the source paper as printed.
+
+    Prints the events and the certificate; writes the run and a report on request.
+    With a fitted law from a file, --ensemble samples its parameters from their estimated
+    distribution and shows the 95 % band of the motion.
+    What was measured on the rig is compared with the prediction.
+    --law printed-5 and the others of `stickslip models --published` run with --fixed-step; they
+    take the values of their corrected law, and --set friction.signed=true adds a missing sgn.
+    """
 
     t_end: float | None = None
     """End time [s]; default: that of the rig file."""
@@ -381,7 +448,11 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
 
 @dataclass(frozen=True, kw_only=True)
 class ExportOptions(LawOfFileOptions, WriteOptions):
-    """Options of `stickslip export`."""
+    """Export a friction law to another program, or a rig with its law as an FMU.
+
+    Writes the law as source code, as friction of a joint, as a table or as a document. An FMU has
+    the solver inside and needs no Python; making one takes Linux and a C compiler.
+    """
 
     file: Annotated[Path, typer.Argument(metavar="FILE")]
     """Rig file (TOML) with a law, such as the law.toml of `stickslip select` or of `stickslip fit
@@ -416,7 +487,11 @@ class ExportOptions(LawOfFileOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class ApplyOptions(LawOfFileOptions, WriteOptions):
-    """Options of `stickslip apply`."""
+    """Write friction into the joints of a model file, and change nothing else in it.
+
+    Prints which parts of the laws the format cannot express, and the resulting error of the
+    friction force.
+    """
 
     file: Annotated[Path, typer.Argument(metavar="LAW")]
     """Rig file (TOML) with laws, such as the law.toml of `stickslip select` or of `stickslip fit -o
@@ -450,7 +525,10 @@ class ApplyOptions(LawOfFileOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class AnimateOptions(LawOptions, WriteOptions):
-    """Options of `stickslip animate`."""
+    """Animate the rig, simulated with one law.
+
+    The mechanism is drawn to scale beside its time plots.
+    """
 
     t_end: float | None = None
     """End time [s]; default: that of the rig file."""
@@ -468,7 +546,14 @@ class AnimateOptions(LawOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, WriteOptions):
-    """Options of `stickslip sweep`."""
+    """Run a campaign, or the mean velocity over a parameter grid.
+
+    With --vary: simulates a driven rig at every point of the grid; writes a table and a figure.
+    With --ensemble as well: the band of the mean velocity over the laws that a selection does not
+    exclude (give its law.toml as --law), beside the speeds of films if the rig file names some.
+    Without: makes the runs of a campaign file, as Parquet files in a folder. The same command goes
+    on where a campaign was ended.
+    """
 
     vary: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW:HIGH:N")] = ()
     """Values of a parameter in SI units, e.g. mechanism.drive.drive.frequency=1:6:50 or
@@ -488,7 +573,12 @@ class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, Write
 
 @dataclass(frozen=True, kw_only=True)
 class OrbitOptions(LawOptions, WriteOptions):
-    """Options of `stickslip orbits`."""
+    """Find periodic orbits over a parameter, stable and unstable.
+
+    Branches are followed from settled runs of a driven rig by continuation. Folds, period
+    doublings, grazing contacts and changes of sticking are listed. Writes a table of the orbits and
+    a figure: solid where stable, dashed where not.
+    """
 
     vary: Annotated[str, typer.Option(metavar="PATH=LOW:HIGH")]
     """Range of a parameter in SI units, e.g. drive.frequency=2:20, or values at which runs settle,
@@ -505,7 +595,10 @@ class OrbitOptions(LawOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class PlanOptions(RigOptions, WriteOptions):
-    """Options of `stickslip plan`."""
+    """Plan travel measurements.
+
+    Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
+    """
 
     laws: Annotated[str | None, typer.Option("--law", "--laws")] = None
     """Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file."""
@@ -523,7 +616,10 @@ class PlanOptions(RigOptions, WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class ModelsOptions(JsonOption):
-    """Options of `stickslip models`."""
+    """List friction laws and mechanisms, or show one in full.
+
+    A single law is shown with its formula, parameters and sources, a mechanism with its parameters.
+    """
 
     name: Annotated[str | None, typer.Argument()] = None
     """Law or mechanism to show in full."""
@@ -533,7 +629,11 @@ class ModelsOptions(JsonOption):
 
 @dataclass(frozen=True, kw_only=True)
 class CharacterizeOptions(WriteOptions):
-    """Options of `stickslip characterize`."""
+    """Test friction laws on a virtual bench.
+
+    Steady curve, presliding and memory, break-away, drift and passivity of one law, or of several
+    side by side. A law without values has typical ones.
+    """
 
     laws: Annotated[Sequence[str], typer.Argument(metavar="LAW...")]
     """Names or compositions of laws, such as lugre or 'dahl(level) + power', or files with a fitted
@@ -554,7 +654,10 @@ class CharacterizeOptions(WriteOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class PaperOptions(ReportOptions):
-    """Options of `stickslip paper`."""
+    """Recompute the results of the source paper.
+
+    Every table and figure is shown beside the printed values.
+    """
 
     changes: Annotated[Sequence[str], typer.Option("--set", metavar="NAME=VALUE")] = ()
     """A mass, a length or the swing of the cart, which the paper does not print, e.g.
@@ -563,7 +666,15 @@ class PaperOptions(ReportOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class WarmupOptions(LawsOption, ImportOption, JsonOption):
-    """Options of `stickslip warmup`."""
+    """Compile equations ahead of time.
+
+    Intended for container images and continuous integration.
+
+    Default: every mechanism, with and without a drive, with every default candidate, for single
+    runs and for ensembles; others with --laws. With --rig: the mechanism of the rig file with its
+    laws. Other parameter values need no compilation. Equations that are already in the
+    cache are kept.
+    """
 
     rig: Path | None = None
     """Compile only the mechanism and the laws of this rig file."""
@@ -573,7 +684,7 @@ class WarmupOptions(LawsOption, ImportOption, JsonOption):
 
 @dataclass(frozen=True, kw_only=True)
 class CiteOptions(JsonOption):
-    """Options of `stickslip cite`."""
+    """Print how to cite stickslip and the sources of friction laws."""
 
     laws: Annotated[Sequence[str], typer.Argument()] = ()
     """Laws whose sources are printed; default: all."""
@@ -581,7 +692,7 @@ class CiteOptions(JsonOption):
 
 @dataclass(frozen=True, kw_only=True)
 class RecordOptions(JsonOption):
-    """Options of `stickslip data show`."""
+    """Show a record in full: source, licence, columns, files, parameters."""
 
     name: Annotated[str, typer.Argument(metavar="NAME")]
     """Name of a record, see `data list`."""
@@ -589,7 +700,7 @@ class RecordOptions(JsonOption):
 
 @dataclass(frozen=True, kw_only=True)
 class PathOptions(RecordOptions):
-    """Options of `stickslip data path`."""
+    """Print the path of a record's table, downloading and converting it if necessary."""
 
     file: str | None = None
     """One of its files; default: the first."""
@@ -597,7 +708,11 @@ class PathOptions(RecordOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class OptimiseOptions(FrictionOptions, ChangeOption, DrawOptions, WorkerOptions, ReportOptions):
-    """Options of `stickslip optimise`."""
+    """Optimise parameters of a driven rig for speed, energy or peak force, within limits.
+
+    Writes the best rig file, a figure and the numbers; with two goals, the front of both. Press
+    Ctrl-C once to stop with the best motion so far, twice to cancel.
+    """
 
     rig: Annotated[Path, typer.Argument()]
     """Rig file (TOML) whose drives repeat themselves."""
@@ -621,3 +736,22 @@ class OptimiseOptions(FrictionOptions, ChangeOption, DrawOptions, WorkerOptions,
     """Motions to try."""
     seed: Seed = 0
     """Random seed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoctorOptions(JsonOption):
+    """Check the installation; print what to paste into an issue.
+
+    Versions, extras, cache, threads, compiler and folders of data; and a self-test of two closed
+    forms, in plain Python and in machine code, which is compiled first if it is not there.
+    """
+
+
+@dataclass(frozen=True, kw_only=True)
+class SchemaOptions:
+    """Print the JSON schema of rig files."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListOptions(JsonOption):
+    """List the records of the catalogue and where their files are."""

@@ -2,15 +2,14 @@
 
 import io
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import typer
-from rich.text import Text
 
 from stickslip import mechanisms
 from stickslip.cli import console as terminal
@@ -21,26 +20,23 @@ from stickslip.cli.inputs import (
     ChosenLaw,
     ChosenLaws,
     friction_of,
-    friction_title,
     rig_and_form,
     rig_and_friction,
     rig_content,
-    show_heading,
 )
-from stickslip.cli.options import AnimateOptions, SimulateOptions
+from stickslip.cli.options import AnimateOptions, SimulateOptions, typed
 from stickslip.cli.progress import Drawing
 from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
 from stickslip.engine.solver import FixedStep, Solver
-from stickslip.engine.trajectory import Event, Status, Trajectory
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
-from stickslip.identify import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
 from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
-from stickslip.show.formatting import Scale, fixed, number, quantity, residue, scale_of, within
+from stickslip.show.report import RunReport, run_sections, versions
 from stickslip.study import sweep
 
 if TYPE_CHECKING:
@@ -79,35 +75,19 @@ def run_animate(options: AnimateOptions) -> None:
             progress=progress,
         )
     if options.as_json:
-        print_json(document("animate", _animation_content(rig, chosen, seen, int(count), output)))
-    else:
-        _show_animation(rig, inputs.friction_title(chosen), seen, int(count), output)
-
-
-def _animation_content(
-    rig: Rig,
-    chosen: inputs.ChosenLaw | inputs.ChosenLaws,
-    seen: Trajectory,
-    count: int,
-    output: Path,
-) -> dict[str, Any]:
-    return {
-        **inputs.rig_content(rig, chosen),
-        "status": seen.status.name,
-        "meaning": seen.ending,
-        "certified": seen.certificate.certified,
-        "frames": count,
-        "file": str(output),
-    }
-
-
-def _show_animation(rig: Rig, friction: str, seen: Trajectory, count: int, output: Path) -> None:
-    console = stdout()
-    console.print(Text.assemble((rig.heading, "bold"), f", {friction} friction"))
-    console.print(seen.ending)
-    for problem in seen.certificate.problems:
-        console.print(f"Not certified: {problem}")
-    console.print(f"\nAnimation: {output}, {count} frames")
+        content = {
+            **inputs.rig_content(rig, chosen),
+            "status": seen.status.name,
+            "meaning": seen.ending,
+            "certified": seen.certificate.certified,
+            "frames": int(count),
+            "file": str(output),
+        }
+        print_json(document("animate", content))
+        return
+    inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
+    lines = [seen.ending, *(f"Not certified: {why}" for why in seen.certificate.problems)]
+    stdout().print("\n".join([*lines, "", f"Animation: {output}, {count} frames"]))
 
 
 def _size(text: str) -> tuple[float, float]:
@@ -129,35 +109,13 @@ NO_ESTIMATES = (
     " the law.toml of `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml, or"
     ' state uncertainties, such as --set kinetic_coefficient="0.25 +- 0.01".'
 )
-MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
-FIRST_EVENTS, LAST_EVENTS = 12, 4
-"""Events of which the terminal shows the first and the last."""
 MATLAB_NAME = 63
 """Characters of a name in MATLAB."""
 MATLAB_HEADER = b"MATLAB 5.0 MAT-file, written by stickslip".ljust(116)
 """Text at the start of a MATLAB file."""
-MOST_STATES = 12
-"""Final states, and contacts, that the terminal shows."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ran:
-    """What was run, and what came of it."""
-
-    rig: Rig
-    """The rig that was simulated."""
-    chosen: ChosenLaw | ChosenLaws | ChosenForm
-    """The law, with its estimates; laws by contact where contacts have their own."""
-    run: Trajectory
-    """The trajectory."""
-    band: sweep.Band | None
-    """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
-    remarks: tuple[str, ...]
-    """What does not carry over from where the law was fitted."""
-    validation: sweep.Validation | None = None
-    """What was measured on the rig beside the prediction; None if that cannot be compared."""
-    refit: sweep.Refit | None = None
-    """The law fitted to that, on request."""
+Chosen: TypeAlias = ChosenLaw | ChosenLaws | ChosenForm
 
 
 def run(options: SimulateOptions) -> None:
@@ -176,83 +134,94 @@ def run(options: SimulateOptions) -> None:
     rig, chosen = choose(options)
     if output is not None:
         terminal.refuse_inputs(output, rig.files)
-    ran = _ran(rig, chosen, options)
-    criteria = criteria_of(ran.run, rig.mechanism) if _has_criteria(ran) else None
+    about = _ran(rig, chosen, options)
     if output is not None:
-        table = _table(ran, options.samples)
-        write_file(output, table_bytes(table, output, _units(ran, table)))
+        table = _table(about, options.samples)
+        write_file(output, table_bytes(table, output, _units(about, table)))
     if not options.as_json:
-        _show(ran, options)
+        terminal.show_sections(run_sections(about))
         if output is not None:
             terminal.stdout().print(f"\nWritten: {output}")
     page_code = 0
     if options.report is not None:
         kept = "The result of the run is not affected."
-        drawn = partial(_page, ran, options)
         write = partial(_write_page, options.report)
         page_code = terminal.draw_page(
-            options.report, drawn, write, kept=kept, quiet=options.as_json
+            options.report, partial(_page, about), write, kept=kept, quiet=options.as_json
         )
     if options.as_json:
-        content = _content(ran, options)
-        content |= {} if criteria is None else {"criteria": asdict(criteria)}
+        content = _content(about, chosen)
         if options.report is not None:
             content["report"] = None if page_code else str(options.report / PAGE)
         terminal.print_json(document("simulate", content))
-    refuse(ran.run, certified=options.exact)
-    advances = criteria is None or (
-        criteria.velocity_never_negative and criteria.displacement_never_decreases
-    )
-    if options.enforce and not advances:
+    refuse(about.run, certified=options.exact)
+    if options.enforce and not (
+        about.criteria.velocity_never_negative and about.criteria.displacement_never_decreases
+    ):
         terminal.note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
     terminal.leave_unless_drawn(page_code)
+
+
+def _page(about: RunReport) -> str:
+    from stickslip.show.report import run_page  # templates and figures, of a page alone
+
+    return run_page(about)
 
 
 def _write_page(folder: Path, text: str | None) -> None:
     write_folder(folder, {} if text is None else {PAGE: text}, stale=[PAGE])
 
 
-def _ran(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: SimulateOptions) -> Ran:
-    """Make the run, in the way of what was chosen."""
-    if isinstance(chosen, ChosenForm):
-        return _ran_form(rig, chosen, options)
-    if mechanisms.has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
-        return _ran_law(rig, chosen, options)
-    return _ran_by_contact(rig, chosen, options)
-
-
-def _has_criteria(ran: Ran) -> bool:
-    """Whether one contact slips along a coordinate, so that the criteria of the paper apply."""
-    return mechanisms.has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
-
-
-def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
+def _ran(rig: Rig, chosen: Chosen, options: SimulateOptions) -> RunReport:
     """Make the run, the ensemble if one was asked for, and what was measured beside it."""
+    mechanism, form = rig.mechanism, isinstance(chosen, ChosenForm)
+    single = mechanisms.has_one_slip(mechanism) and not isinstance(chosen, ChosenLaws)
+    if options.enforce and not single:
+        names = ", ".join(contact.name for contact in mechanism.contacts())
+        raise InputError(
+            "--enforce takes a mechanism with one contact that slips along a coordinate, but"
+            f" {mechanism.name} has {names}: leave it out."
+        )
     _refuse_impossible(rig, chosen, options)
-    rig = _told(rig, chosen.law)
-    t_end = rig.t_end if options.t_end is None else options.t_end
-    start = rig.start(chosen.law)
-    wanted = options.report is None and options.ensemble is None
+    friction = chosen.corrected if isinstance(chosen, ChosenForm) else friction_of(chosen)
+    rig = rig if form else _told(rig, friction)
+    source = chosen.source
+    digests = {"the rig": rig.digest} | ({} if source is None else {"the law": source.digest})
     run = simulate(
         rig.mechanism,
-        chosen.law,
-        t_end=t_end,
-        y0=start,
+        chosen.form if isinstance(chosen, ChosenForm) else friction,
+        t_end=rig.t_end if options.t_end is None else options.t_end,
+        y0=rig.start(friction),
         solver=_solver(options),
-        throw=wanted,  # a page is drawn of a run that ended early, too
+        # a page is drawn of a run that ended early, too
+        throw=options.report is None and options.ensemble is None,
     )
-    band = _band(rig, chosen, options, run, t_end=t_end)
-    lengths = _lengths(rig.mechanism, run)
-    resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
+    about = RunReport(
+        rig=rig,
+        law=chosen.form if isinstance(chosen, ChosenForm) else friction,
+        run=run,
+        estimates=chosen.estimates,
+        remarks=chosen.remarks,
+        law_file="" if source is None else source.path,
+        band=_band(rig, chosen, options, run),
+        fixed_step=options.fixed_step,
+        commands=(terminal.command_line(),),
+        versions=versions(),
+        digests=digests,
+    )
+    if not isinstance(chosen, ChosenLaw) or not single:
+        if rig.measurement is not None and not form:
+            terminal.note(
+                "The prediction was not compared with what was measured: that takes one contact."
+            )
+        return about
+    resting = bristle_remark(chosen.law, chosen.estimates, about.lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
     for remark in beyond:
         terminal.note(terminal.plain(remark))
-    return Ran(
-        rig=rig,
-        chosen=chosen,
-        run=run,
-        band=band,
+    return replace(
+        about,
         remarks=(*chosen.remarks, *beyond),
         validation=_validated(rig, chosen, options),
         refit=_refitted(rig, chosen) if options.refit else None,
@@ -285,30 +254,19 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     return replace(rig, mechanism=informed)
 
 
-def _ran_form(rig: Rig, chosen: ChosenForm, options: SimulateOptions) -> Ran:
-    """Make the run of an equation as printed, which only fixed steps do."""
-    if options.fixed_step is None:
-        raise InputError(
-            f"{chosen.form.name} is an equation as printed, which has no exact solution: give a"
-            f" step in seconds, such as --fixed-step 0.001, or its corrected law as --law"
-            f" {chosen.corrected.name}."
-        )
-    if options.report is not None or options.ensemble is not None or options.refit:
-        raise InputError(
-            "--report, --ensemble and --refit take a friction law: with an equation as printed,"
-            " leave them out, or write the run with -o run.csv."
-        )
-    run = simulate(
-        rig.mechanism,
-        chosen.form,
-        t_end=rig.t_end if options.t_end is None else options.t_end,
-        y0=rig.start(chosen.corrected),
-        solver=_solver(options),
-    )
-    return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=())
-
-
-def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateOptions) -> None:
+def _refuse_impossible(rig: Rig, chosen: Chosen, options: SimulateOptions) -> None:
+    if isinstance(chosen, ChosenForm):
+        if options.fixed_step is None:
+            raise InputError(
+                f"{chosen.form.name} is an equation as printed, which has no exact solution: give a"
+                " step in seconds, such as --fixed-step 0.001, or its corrected law as --law"
+                f" {chosen.corrected.name}."
+            )
+        if options.report is not None or options.ensemble is not None or options.refit:
+            raise InputError(
+                "--report, --ensemble and --refit take a friction law: with an equation as printed,"
+                " leave them out, or write the run with -o run.csv."
+            )
     if options.ensemble is not None and options.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
     if options.refit and options.fixed_step is not None:
@@ -366,17 +324,9 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> sweep.Refit:
     return sweep.Refit(fit=found, parameters=sweep.compare_estimates(chosen.law, known, found))
 
 
-def _band(
-    rig: Rig,
-    chosen: ChosenLaw | ChosenLaws,
-    options: SimulateOptions,
-    run: Trajectory,
-    *,
-    t_end: float,
-) -> sweep.Band | None:
+def _band(rig: Rig, chosen: Chosen, options: SimulateOptions, run: Trajectory) -> sweep.Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
-    known = chosen.estimates
-    if options.ensemble is None:
+    if options.ensemble is None or isinstance(chosen, ChosenForm):
         return None
     if not run.status.complete:
         terminal.note(
@@ -388,8 +338,8 @@ def _band(
         return sweep.band_of(
             rig.mechanism,
             friction,
-            known,
-            t_end=t_end,
+            chosen.estimates,
+            t_end=rig.t_end if options.t_end is None else options.t_end,
             parameter_uncertainties=rig.parameter_uncertainties,
             count=options.ensemble,
             seed=options.seed,
@@ -397,34 +347,6 @@ def _band(
             y0=rig.start(friction),
             progress=progress,
         )
-
-
-def _ran_by_contact(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateOptions) -> Ran:
-    """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
-    names = ", ".join(contact.name for contact in rig.mechanism.contacts())
-    if options.enforce:
-        raise InputError(
-            "--enforce takes a mechanism with one contact that slips along a coordinate, but"
-            f" {rig.mechanism.name} has {names}: leave it out."
-        )
-    _refuse_impossible(rig, chosen, options)
-    if rig.measurement is not None:
-        terminal.note(
-            "The prediction was not compared with what was measured: that takes one contact."
-        )
-    friction = friction_of(chosen)
-    rig = _told(rig, friction)
-    t_end = rig.t_end if options.t_end is None else options.t_end
-    run = simulate(
-        rig.mechanism,
-        friction,
-        t_end=t_end,
-        y0=rig.start(friction),
-        solver=_solver(options),
-        throw=options.report is None and options.ensemble is None,
-    )
-    band = _band(rig, chosen, options, run, t_end=t_end)
-    return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=chosen.remarks)
 
 
 def _without_fitted_start(rig: Rig) -> Measurement:
@@ -444,95 +366,28 @@ def _without_fitted_start(rig: Rig) -> Measurement:
     return replace(rig.measurement, trials=tuple(kept)) if rig.measurement.trials else kept[0]
 
 
-def _lengths(mechanism: mechanisms.Mechanism, run: Trajectory) -> dict[str, float]:
-    """Return what the headline and the tiles of a run say of its motion, by what it is called."""
-    if cycles := _cycles(mechanism, run):
-        return {
-            "travel in a cycle": cycles[-1].advance,
-            "back-slip in a cycle": cycles[-1].back_slip,
-        }
-    seen = criteria_of(run, mechanism)
-    return {"travel": seen.travel, "largest back-slip": seen.largest_return}
-
-
-def _cycles(mechanism: mechanisms.Mechanism, run: Trajectory) -> tuple[sweep.DrivenCycle, ...]:
-    """Return the whole cycles of a run, none where the drives do not repeat themselves."""
-    period = None if not mechanisms.has_one_slip(mechanism) else mechanisms.cycle_or_none(mechanism)
-    return () if period is None else sweep.cycles_in(run, mechanism, period)
-
-
-def _table(ran: Ran, samples: int) -> "pd.DataFrame":
+def _table(about: RunReport, samples: int) -> "pd.DataFrame":
     """Return the run at even times; with a band, its ends beside the columns they are of."""
-    sampled = ran.run.sampled(samples)
-    frame = sampled.to_dataframe()
-    if ran.band is not None:
-        for name in ran.band.states:
-            low, median, high = ran.band.at(name, sampled.t)
-            frame[f"{name}_low"], frame[f"{name}_median"], frame[f"{name}_high"] = low, median, high
+    sampled = about.run.sampled(samples)
+    frame, band = sampled.to_dataframe(), about.band
+    for name in () if band is None else band.states:
+        assert band is not None
+        low, median, high = band.at(name, sampled.t)
+        frame[f"{name}_low"], frame[f"{name}_median"], frame[f"{name}_high"] = low, median, high
     return frame
 
 
-def _page(ran: Ran, options: SimulateOptions) -> str:
-    """Return the page of a run."""
-    from stickslip.show.report import ContactsReport, RunReport, contacts_page, run_page, versions
-
-    assert not isinstance(ran.chosen, ChosenForm)  # refused before the run
-    source = ran.chosen.source
-    digests = {"the rig": ran.rig.digest}
-    digests |= {} if source is None else {"the law": source.digest}
-    if isinstance(ran.chosen, ChosenLaws) or not mechanisms.has_one_slip(ran.rig.mechanism):
-        return contacts_page(
-            ContactsReport(
-                rig=ran.rig,
-                friction=friction_of(ran.chosen),
-                run=ran.run,
-                estimates=ran.chosen.estimates,
-                band=ran.band,
-                commands=(terminal.command_line(),),
-                versions=versions(),
-                digests=digests,
-            )
-        )
-    return run_page(
-        RunReport(
-            rig=ran.rig,
-            law=ran.chosen.law,
-            run=ran.run,
-            estimates=ran.chosen.estimates,
-            remarks=ran.remarks,
-            law_file="" if source is None else source.path,
-            band=ran.band,
-            validation=ran.validation,
-            refit=() if ran.refit is None else ran.refit.sentences(ran.validation),
-            fixed_step=options.fixed_step,
-            commands=(terminal.command_line(),),
-            versions=versions(),
-            digests=digests,
-        )
-    )
-
-
 def _solver(options: SimulateOptions) -> Solver | None:
-    if options.fixed_step is None:
-        given = {
-            "--method": options.method is not None,
-            "--stick-rule": options.stick_rule is True,
-            "--no-stick-rule": options.stick_rule is False,
-            "--break-away": options.break_away is not None,
-            "--zero-velocity-band": options.zero_velocity_band != 0.0,
-        }
-        for option in (option for option, is_given in given.items() if is_given):
-            raise InputError(
-                f"{option} is for --fixed-step: give a step as well, such as --fixed-step 0.001."
-            )
-        return None
-    return FixedStep(
-        dt=options.fixed_step,
-        method=options.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
-        stick_rule=options.stick_rule,
-        break_away=options.break_away,  # type: ignore[arg-type]
-        zero_velocity_band=options.zero_velocity_band,
-    )
+    names = ("method", "stick_rule", "break_away", "zero_velocity_band")
+    given: dict[str, Any] = {name: getattr(options, name) for name in names}
+    if options.fixed_step is not None:
+        known = {name: value for name, value in given.items() if value is not None}
+        return FixedStep(dt=options.fixed_step, **known)
+    for option in typed(options, *names):
+        raise InputError(
+            f"{option} is for --fixed-step: give a step as well, such as --fixed-step 0.001."
+        )
+    return None
 
 
 def check_table(output: Path) -> None:
@@ -543,9 +398,9 @@ def check_table(output: Path) -> None:
         require_library("pyarrow", "parquet", "write a .csv file")
 
 
-def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:
+def _units(about: RunReport, table: "pd.DataFrame") -> dict[str, str]:
     """Return the units of the columns of an export."""
-    units = {"t": "s", **ran.run.units}
+    units = {"t": "s", **about.run.units}
     ends = ("_low", "_median", "_high")
     names = [str(name) for name in table]
     stems = {name: name.rpartition("_")[0] for name in names if name.endswith(ends)}
@@ -590,12 +445,12 @@ def _mat_bytes(frame: "pd.DataFrame", units: Mapping[str, str]) -> bytes:
     return MATLAB_HEADER + buffer.getvalue()[len(MATLAB_HEADER) :]
 
 
-def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
-    run = ran.run
+def _content(about: RunReport, chosen: Chosen) -> dict[str, Any]:
+    run = about.run
     ends = run.at(run.span)
-    unchecked = () if options.exact else EVENT_CHECKS
+    unchecked = () if about.fixed_step is None else EVENT_CHECKS
     content: dict[str, Any] = {
-        **rig_content(ran.rig, ran.chosen),
+        **rig_content(about.rig, chosen),
         "status": run.status.name,
         "meaning": run.ending,
         "final": {name: float(ends[name][1]) for name in run.names},
@@ -606,164 +461,13 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
             "certified": run.certificate.certified,
         },
     }
-    if ran.remarks:
-        content["remarks"] = list(map(terminal.plain, ran.remarks))
-    cycles = _cycles(ran.rig.mechanism, run)
-    if cycles:
+    if about.remarks:
+        content["remarks"] = list(map(terminal.plain, about.remarks))
+    if about.cycles:
         content["cycles"] = [
-            asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in cycles
+            asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in about.cycles
         ]
-    if ran.band is not None:
-        content["band"] = ran.band.to_dict()
-    if ran.validation is not None:
-        content["validation"] = ran.validation.to_dict()
-    if ran.refit is not None:
-        content["refit"] = ran.refit.to_dict()
-    return content
-
-
-def _show(ran: Ran, options: SimulateOptions) -> None:
-    console, run = terminal.stdout(), ran.run
-    form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
-    show_heading(ran.rig, friction_title(ran.chosen) + ("" if form else " friction"))
-    console.print(f"{run.ending}{_still_moving(ran)}")
-    if run.events:
-        contact = ["contact"] if run.contacts else []
-        terminal.show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
-    ends = run.at(run.span)
-    shown = run.names[: 2 * len(ran.rig.mechanism.coordinates)] if run.contacts else run.names[:2]
-    left = len(shown) - MOST_STATES
-    final = ", ".join(
-        f"{name} = {number(ends[name][1] + 0.0, 6)} {run.units[name]}"
-        for name in shown[:MOST_STATES]
-    )
-    final += f", and {left} further states; --json lists all" if left > 0 else ""
-    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_lines(ran)}")
-    work_by_contact = list(run.certificate.work.items())
-    for name, work in work_by_contact[:MOST_STATES]:
-        held = run.contact(name).stick_time()
-        console.print(
-            f"{f'{name}: sticks' if name else 'It sticks'} for {number(held, 4)} s,"
-            f" {number(work, 4)} J taken by friction"
-        )
-    if len(work_by_contact) > MOST_STATES:
-        more = len(work_by_contact) - MOST_STATES
-        console.print(f"{more} further contacts; --json lists all")
-    trust = run.certificate
-    checked = f"Energy mismatch {residue(trust.energy_error)}, "
-    if options.exact:
-        checked += f"guard violation {residue(trust.guard_violation)}, "
-        checked += f"stick drift {residue(trust.stick_drift)}, "
-    console.print(f"{checked}{trust.steps} steps")
-    for warning in trust.warnings:
-        console.print(f"Warning: {warning}")
-    for problem in trust.problems:
-        console.print(f"Not certified: {problem}")
-    if ran.band is not None:
-        _show_band(ran.band)
-    if ran.validation is not None:
-        _show_validation(ran.validation)
-    if ran.refit is not None:
-        console.print("\nRefitted to this measurement", style="bold")
-        for line in ran.refit.sentences(ran.validation):
-            console.print(f"  {line}")
-
-
-def _still_moving(ran: Ran) -> str:
-    """Return that what a printed equation was to bring to rest moves at the end; else nothing."""
-    run, mechanism = ran.run, ran.rig.mechanism
-    if not isinstance(ran.chosen, ChosenForm) or run.status is not Status.END_TIME:
-        return ""
-    rate = mechanism.rates[mechanism.coordinates.index(mechanisms.slip_of(mechanism))]
-    speed = float(run[rate][-1])
-    if speed == 0.0:
-        return ""
-    return f" The body still moves then, at {quantity(speed, run.units[rate], 3)}."
-
-
-def _cycles_lines(ran: Ran) -> str:
-    """Return what moves in a cycle of the drives, and how fast on average, a line each."""
-    mechanism = ran.rig.mechanism
-    period = mechanisms.cycle_or_none(mechanism)
-    if period is None:
-        return ""
-    names = [name for name in mechanisms.slipping(mechanism) if name not in mechanism.guided()]
-    names = names[:MOST_STATES]
-    return "".join(_cycles_line(ran, period, name, alone=len(names) == 1) for name in names)
-
-
-def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
-    cycles = sweep.cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
-    if not cycles:
-        return ""
-    cycle, unit = cycles[-1], ran.run.units[name]
-    settled = len(cycles) > 1 and cycle.repeats(cycles[-2])
-    which = "the only cycle" if len(cycles) == 1 else f"the last of {len(cycles)} cycles"
-    when = " per cycle, once the motion has settled" if settled else f" in {which}"
-    of = "" if alone else f" of {name}"
-    mean = quantity(cycle.advance / cycle.period, f"{unit}/s", 4)
-    return (
-        f"\nTravel{of}{when}: {quantity(cycle.advance, unit, 3)}; mean velocity {mean}, back-slip"
-        f" {quantity(cycle.back_slip, unit, 3)}"
-    )
-
-
-def _show_validation(seen: sweep.Validation) -> None:
-    """Print what was measured beside the prediction, and what to think of it."""
-    console = terminal.stdout()
-    console.print("\nPrediction and measurement", style="bold")
-    if seen.travels:
-        rows = [
-            [travel.name, travel.quantity.replace("_", " "), *travel.cells()]
-            for travel in seen.travels
-        ]
-        terminal.show_table(
-            "", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows
-        )
-    for line in seen.sentences():
-        console.print(line)
-
-
-def _event_rows(events: Sequence[Event]) -> list[list[str]]:
-    """Return the first events and the last, and how many are left out between them."""
-    rows = [
-        [
-            fixed(event.t, 6),
-            *([event.contact] if event.contact else []),
-            event.reason,
-            MODES[event.from_mode],
-            MODES[event.to_mode],
-        ]
-        for event in events
-    ]
-    left = len(rows) - FIRST_EVENTS - LAST_EVENTS
-    if left < 2:  # a row that says so would take the place of the only one it leaves out
-        return rows
-    gap = ["", f"… {left:,} further events; --json lists all", *[""] * (len(rows[0]) - 2)]
-    return [*rows[:FIRST_EVENTS], gap, *rows[-LAST_EVENTS:]]
-
-
-def _show_band(band: sweep.Band) -> None:
-    """Print the spread of the motion over draws of the parameters of the law, or of the laws."""
-    rows = []
-    for name, travel in list(band.travels.items())[:MOST_STATES]:
-        unit, of = band.units[name], f" of {name}" if len(band.travels) > 1 else ""
-        cycles = band.travels_by_cycle[name]
-        rows.append([f"travel{of}", *_cells(travel, unit)])
-        rows += [
-            [f"cycle {k + 1}{of}", *_cells(spread, unit)]
-            for k, spread in enumerate(cycles)
-            if k in (0, len(cycles) - 1)
-        ]
-        rows.append([f"mean velocity{of}", *_cells(band.mean_velocities[name], f"{unit}/s")])
-    terminal.stdout().print()
-    title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
-    terminal.show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
-    for reason in band.reasons:
-        terminal.stdout().print(reason)
-
-
-def _cells(spread: sweep.Spread, unit: str) -> list[str]:
-    factor, unit = scale_of([spread.median, spread.low, spread.high], unit)
-    median, low, high = (factor * value for value in (spread.median, spread.low, spread.high))
-    return [within(median, low, high), Scale(factor, "").interval(spread.low, spread.high), unit]
+    for name in ("band", "validation", "refit"):
+        if (found := getattr(about, name)) is not None:
+            content[name] = found.to_dict()
+    return content | ({"criteria": asdict(about.criteria)} if about.single else {})

@@ -7,7 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, cast
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, cast
 
 import numpy as np
 import typer
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli import options as option_groups
-from stickslip.cli.console import note, print_json, show_table, stdout
+from stickslip.cli.console import note, print_json, stdout
 from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import LawOptions, SweepOptions
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
@@ -42,8 +42,9 @@ from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.quantities import Quantity, all_paths, full_path, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
 from stickslip.show.formatting import count, joined, number, printable, quantity
+from stickslip.show.report import characterization_page, render, versions
 from stickslip.study import optimisation
-from stickslip.study.characterization import TESTS, Characterization, characterize
+from stickslip.study.characterization import characterize
 from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
@@ -83,24 +84,16 @@ KINDS: Final[Mapping[str, type[Output]]] = {
 """Outputs by the key that says of which state or event they are."""
 FACTORS: Final[Mapping[str, type[Factor]]] = {"values": Levels, "mean": Normal, "low": Uniform}
 """Factors by the key that only they have, or have to have."""
+T = TypeVar("T")
+LISTS: Final = ("values", "times")
 TIMES: Final = ("since", "last", "times")
 TIME: Final = Quantity("t", "s")
 SIZE: Final = (700, 320)
-CUT_SHORT: Final = (
-    "Outputs of runs that ended early are those of the time up to then, or empty: see their status."
-)
 
 
-def run(options: SweepOptions) -> None:
+def _run_campaign(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
-    given = {
-        "--law": options.law,
-        "--law-load": options.law_load,
-        "--set": options.changes,
-        "--coordinate": options.coordinate,
-        "--ensemble": options.draws,
-    }
-    if unused := [option for option, value in given.items() if value]:
+    if unused := option_groups.typed(options, "law", "law_load", "changes", "coordinate", "draws"):
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
             " rigs, laws and factors itself."
@@ -148,7 +141,16 @@ def run(options: SweepOptions) -> None:
         }
         print_json(document("campaign-runs", content))
         return
-    _show_campaign(found, indices, cases, took)
+    for case in cases:
+        stdout().print(case)
+    terminal.show_summary(found.in_short())
+    if found.made:
+        rate = f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
+        stdout().print(f"{rate} second.")
+    for index in indices:
+        stdout().print()
+        terminal.show_summary(index.in_short())
+    stdout().print(f"\nWritten: {folder}")
 
 
 def _indices(
@@ -192,43 +194,10 @@ def _show_estimate(found: Estimate, cases: Sequence[str], shared: int, *, as_jso
     for case in cases:
         console.print(printable(case))
     console.print(
-        f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about {_size(found.size)};"
+        f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about"
+        f" {quantity(found.size / 1e6, 'MB')};"
         f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these."
     )
-
-
-def _size(size: float) -> str:
-    return f"{number(size / 1e9)} GB" if size >= 1e9 else f"{number(size / 1e6)} MB"
-
-
-def _show_campaign(
-    found: CampaignRuns, indices: Sequence[SensitivityIndices], cases: Sequence[str], took: float
-) -> None:
-    console = stdout()
-    for case in cases:
-        console.print(printable(case))
-    console.print(
-        f"{count(len(found), 'run')}, {found.certified:,} certified, in"
-        f" {count(len(found.parts), 'file')}"
-        f" ({_size(found.size)})."
-    )
-    for name, runs in found.status.items():
-        console.print(f"  {name}: {runs:,}. {Status[name].value}")
-    if any(not Status[name].complete for name in found.status):
-        console.print(CUT_SHORT)
-    if found.made:
-        console.print(
-            f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
-            " second."
-        )
-    for index in indices:
-        console.print(f"\n{index.sentence}")
-        rows = [
-            [path, *(index.text_of(name, place) for name in index.indices)]
-            for place, path in enumerate(index.factors)
-        ]
-        show_table("", ["factor", *index.indices], rows)
-    console.print(f"\nWritten: {found.folder}")
 
 
 def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
@@ -253,7 +222,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
             friction = friction_of(chosen)
             labels = {"rig": rig_name} if len(rigs) > 1 else {}
             labels |= {"law": law_name} if len(laws) > 1 else {}
-            last = _read_value(raw, "t_end", TIME, file) if "t_end" in raw else rig.t_end
+            last = _number(raw["t_end"], TIME, f"{file}: t_end") if "t_end" in raw else rig.t_end
             start = rig.start(friction)
             cases.append(
                 Case(mechanism=rig.mechanism, law=friction, t_end=last, y0=start, labels=labels)
@@ -308,35 +277,52 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         path = full_path(name, varying)
         known = varying[path]
         own: Any = given if isinstance(given, dict) else {"values": given}
-        kind = next((FACTORS[key] for key in FACTORS if key in own), None)
         at = f"{name} in {where}"
-        if kind is None:
-            raise InputError(f"{at} needs values, or low and high, or mean and sd.")
-        fields = {field.name for field in dataclasses.fields(kind)}
-        _known(own, fields, at)
         for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
             if key in own and not isinstance(own[key], kinds):
                 raise InputError(f"{at}: {key} must be {said}, got {own[key]!r}.")
-        needed = [field.name for field in dataclasses.fields(kind) if _needed(field)]
-        if lacking := [key for key in needed if key not in own]:
-            raise InputError(f"{at} lacks {' and '.join(lacking)}.")
         if own.get("times"):
             known = Quantity(known.symbol)
             own = {**own, "times": full_path(own["times"], varying)}
-        read: dict[str, Any] = {}
-        for key, value in own.items():
-            wanted = Quantity(known.symbol, known.unit) if key == "sd" else known
-            if key in ("number", "log", "times"):
-                read[key] = value
-            elif key == "values" and isinstance(value, list):
-                read[key] = [_number(text, wanted, f"{at}: {key}") for text in value]
-            else:
-                read[key] = _number(value, wanted, f"{at}: {key}")
-        try:
-            found[path] = cast("Any", kind)(**read)
-        except (ParameterError, TypeError) as error:
-            raise ParameterError(f"{at}: {error}") from None
+        wanted = dict.fromkeys(("values", "mean", "low", "high"), known)
+        wanted["sd"] = Quantity(known.symbol, known.unit)
+        needs = "values, or low and high, or mean and sd"
+        found[path] = _made(FACTORS, own, at, needs, wanted)
     return found
+
+
+def _made(
+    kinds: Mapping[str, type[T]],
+    given: Any,
+    at: str,
+    needs: str,
+    numbers: Mapping[str, Quantity],
+) -> T:
+    """Return the dataclass that has a key of a table, of its fields, some of which are numbers.
+
+    The key says which it is: the name of a field, or what stands for its first one.
+    """
+    kind = next((key for key in kinds if isinstance(given, dict) and key in given), None)
+    if kind is None:
+        raise InputError(f"{at} needs {needs}.")
+    parts = dataclasses.fields(cast("Any", kinds[kind]))
+    names = [part.name for part in parts]
+    called = dict(zip(names if kind in names else [kind, *names[1:]], parts, strict=True))
+    _known(given, called, at)
+    needed = [key for key, part in called.items() if part.default is dataclasses.MISSING]
+    if lacking := [key for key in needed if key not in given]:
+        raise InputError(f"{at} lacks {' and '.join(lacking)}.")
+
+    def read(key: str, value: Any) -> Any:
+        if isinstance(value, list) and key in LISTS:
+            return [read(key, item) for item in value]
+        return _number(value, numbers[key], f"{at}: {key}") if key in numbers else value
+
+    values = {called[key].name: read(key, value) for key, value in given.items()}
+    try:
+        return kinds[kind](**values)
+    except (ParameterError, TypeError) as error:
+        raise ParameterError(f"{at}: {error}") from None
 
 
 def _varying(case: Case) -> dict[str, Quantity]:
@@ -349,10 +335,6 @@ def _varying(case: Case) -> dict[str, Quantity]:
         path: ranges.get(path, Quantity(path.rpartition(".")[2], unit))
         for path, unit in units.items()
     }
-
-
-def _needed(field: "dataclasses.Field[Any]") -> bool:
-    return field.default is dataclasses.MISSING
 
 
 def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
@@ -371,39 +353,20 @@ def _number(value: object, known: Quantity, where: str) -> float:
         return read_number(value, known)
 
 
-def _read_value(raw: Mapping[str, Any], key: str, known: Quantity, file: str) -> float:
-    return _number(raw[key], known, f"{file}: {key}")
-
-
 def _outputs(table: object, file: str) -> dict[str, Output] | None:
     """Return what is kept of each run, by name."""
     if table is None:
         return None
     where = f"[outputs] of {file}"
-    _known(table, [*cast("dict[str, Any]", table)] if isinstance(table, dict) else [], where)
+    _known(table, table if isinstance(table, dict) else (), where)
+    needs = f'one of {", ".join(KINDS)}, such as {{final = "x"}}'
+    numbers = dict.fromkeys(TIMES, TIME)
     found: dict[str, Output] = {}
     for name, own in cast("dict[str, Any]", table).items():
         at = f"{name} in {where}"
-        kind = next((key for key in KINDS if isinstance(own, dict) and key in own), None)
-        if kind is None:
-            raise InputError(f'{at} needs one of {", ".join(KINDS)}, such as {{final = "x"}}.')
-        first, *others = [field.name for field in dataclasses.fields(cast("Any", KINDS[kind]))]
-        _known(own, [kind, *others], at)
-        if "times" in own and not isinstance(own["times"], list):
+        if isinstance(own, dict) and not isinstance(own.get("times", []), list):
             raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
-        read = {
-            key: [_number(text, TIME, f"{at}: {key}") for text in value]
-            if isinstance(value, list)
-            else _number(value, TIME, f"{at}: {key}")
-            if key in TIMES
-            else value
-            for key, value in own.items()
-            if key != kind
-        }
-        try:
-            found[name] = cast("Any", KINDS[kind])(**{first: own[kind], **read})
-        except TypeError:
-            raise InputError(f"{at} needs {', '.join([kind, *others])}.") from None
+        found[name] = _made(KINDS, own, at, needs, numbers)
     return found
 
 
@@ -428,7 +391,10 @@ def _figure_beside(output: Path, *, force: bool) -> Path:
 
 
 def run_sweep(options: option_groups.SweepOptions) -> None:
-    """Run the grid, write table and figure, show."""
+    """Run a campaign, or the grid: write table and figure, show."""
+    if not options.vary:
+        _run_campaign(options)
+        return
     if options.dry_run:
         raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
     output = options.output or Path("stickslip-sweep.csv")
@@ -444,7 +410,6 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     law = inputs.friction_of(chosen)
     settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
     settings["y0"] = rig.start(law)
-    turns: Sequence[float] = []
     measured: list[tuple[float, float]] = []
     found: VelocityMap | VelocityBand
     if draws is not None:
@@ -472,8 +437,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
                 progress=progress,
                 **settings,
             )
-        turns = found.reversals().tolist() if len(found.axes) == 1 else []
-        content = _map_content(found, turns)
+        content = _map_content(found)
     from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
 
     if isinstance(found, VelocityBand):
@@ -490,14 +454,13 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
             document("sweep", inputs.rig_content(rig, chosen) | content | {"files": files})
         )
         return
+    counts = [f"{name} {times}" for name, times in content.get("laws", {}).items()]
+    drawn = f"laws drawn: {joined(counts)}"
+    inputs.show_heading(rig, drawn if counts else f"{inputs.friction_title(chosen)} friction")
+    terminal.show_summary(found.in_short())
     if isinstance(found, VelocityBand):
-        counts = [f"{name} {times}" for name, times in content["laws"].items()]
-        inputs.show_heading(rig, f"laws drawn: {joined(counts)}")
-        _show_band(found, measured)
-    else:
-        inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
-        _show_map(found, turns)
-    terminal.stdout().print(f"\nWritten: {output}, {figure}")
+        _show_measured(found, measured)
+    stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _filmed(rig: Rig, name: str, values: Array) -> list[tuple[float, float]]:
@@ -517,63 +480,37 @@ def _band_content(
     return {
         "path": found.path,
         "unit": found.unit,
-        "values": found.values.tolist(),
-        **{end: getattr(found, end).tolist() for end in ("low", "median", "high")},
+        "values": found.values,
+        **{end: getattr(found, end) for end in ("low", "median", "high")},
         "velocity_unit": found.velocity_unit,
         "level": found.level,
         "error": found.error,
         "laws": dict(Counter(law.name for law in laws)),
-        "measured": [list(pair) for pair in measured],
-        "early_ends": list(found.early_ends()),
+        "measured": measured,
+        "early_ends": found.early_ends(),
     }
 
 
-def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
+def _map_content(found: VelocityMap) -> dict[str, Any]:
     return {
-        "axes": {name: values.tolist() for name, values in found.axes.items()},
+        "axes": found.axes,
         **({"coordinate": found.coordinate} if found.coordinate else {}),
         "unit": found.unit,
-        "velocity": found.velocity.tolist(),
-        "status": np.reshape(
-            [ending.name for ending in found.status.ravel().tolist()], found.status.shape
-        ).tolist(),
-        "early_ends": list(found.early_ends()),
-        "reversals": list(turns),
+        "velocity": found.velocity,
+        "status": found.status,
+        "early_ends": found.early_ends(),
+        "reversals": found.reversals() if len(found.axes) == 1 else [],
     }
 
 
-def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
-    terminal.stdout().print(str(found))
+def _show_measured(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
     ends = zip(found.low, found.high, strict=True)
     band = dict(zip(found.values.tolist(), ends, strict=True))
     seen = [(at, band[at][0] <= speed <= band[at][1]) for at, speed in measured]
     if seen:
         off = [number(at, 6) for at, inside in seen if not inside]
         where = f", not at {joined(off)} {found.unit}" if off else ""
-        terminal.stdout().print(
-            f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}."
-        )
-
-
-def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
-    console = terminal.stdout()
-    rows = []
-    for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
-        if not np.isfinite(found.velocity).any():
-            break
-        place = np.unravel_index(pick(found.velocity), found.velocity.shape)
-        at = [
-            f"{number(values[i], 6)} {found.units[name]}"
-            for i, (name, values) in zip(place, found.axes.items(), strict=True)
-        ]
-        rows.append([word, f"{number(found.velocity[place] + 0.0, 6)}", *at])
-    if rows:
-        terminal.show_table("", ["mean velocity", found.unit, *found.axes], rows)
-    for turn in turns:
-        (unit,) = found.units.values()
-        console.print(f"The mean velocity changes sign at about {quantity(turn, unit, 3)}.")
-    for reason in found.early_ends():
-        console.print(reason)
+        stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
 
 
 def _axes(vary: Sequence[str]) -> dict[str, Array]:
@@ -646,8 +583,8 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
-    terminal.stdout().print(str(found))
-    terminal.stdout().print(f"\nWritten: {output}, {figure}")
+    terminal.show_summary(found.in_short())
+    stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
@@ -657,21 +594,20 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
         "branches": [
             {
                 "cycles": branch.cycles,
-                "values": branch.values.tolist(),
-                "stable": branch.stable.tolist(),
+                "values": branch.values,
+                "stable": branch.stable,
                 "mean_velocity": {
-                    name: branch.mean_velocity(name).tolist()
-                    for name in branch.map.mechanism.coordinates
+                    name: branch.mean_velocity(name) for name in branch.map.mechanism.coordinates
                 },
                 "events": [
-                    {"kind": event.kind, "value": event.value, "sentence": event.sentence}
+                    {name: getattr(event, name) for name in ("kind", "value", "sentence")}
                     for event in branch.events
                 ],
-                "ends": list(branch.ends),
+                "ends": branch.ends,
             }
             for branch in found.branches
         ],
-        "early_ends": list(found.early_ends()),
+        "early_ends": found.early_ends(),
         "branch_cycles": found.branch_cycles,
         "brute_cycles": found.brute_cycles,
     }
@@ -715,7 +651,7 @@ def run_optimise(options: option_groups.OptimiseOptions) -> None:
     if options.as_json:
         terminal.print_json(content)
     else:
-        _show_optimum(found)
+        terminal.show_summary(found.in_short())
         terminal.stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
     if found.cancelled:
         terminal.note("The search was stopped early; this is the best motion so far.")
@@ -820,36 +756,10 @@ def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str,
     }
 
 
-def _show_optimum(found: optimisation.Optimum) -> None:
-    console = terminal.stdout()
-    goals = [f"{goal.title}, {found.units[goal.name]}" for goal in found.goals]
-    if found.scenarios != optimisation.GIVEN_LAW:
-        console.print(f"Objectives: {found.scenarios}")
-    rows = [
-        [*(number(v, 5) for v in motion.goals.values()), *_parameters(motion), motion.reason]
-        for motion in (*found.motions, found.start)
-    ]
-    names = [f"best {k}" if len(found.motions) > 1 else "best" for k in range(1, len(rows))]
-    table = [[name, *row] for name, row in zip([*names, "as given"], rows, strict=True)]
-    heads = ["", *goals, *found.best.parameters, ""]
-    terminal.show_table("", heads, table)
-    if found.best.margins:
-        console.print()
-        limits = [
-            [m.name, number(m.reached, 5), number(m.allowed, 5), m.unit] for m in found.best.margins
-        ]
-        terminal.show_table("", ["limit", "reached", "allowed", "unit"], limits)
-    console.print(
-        f"\n{found.evaluations} motions evaluated, seed {found.seed}; the run of the first is"
-        f" {'certified' if found.run.certificate.certified else 'not certified'}."
-    )
-
-
-def _parameters(motion: optimisation.Motion) -> list[str]:
-    return [number(value, 5) for value in motion.parameters.values()]
-
-
 # ``stickslip characterize``.
+
+SHORT = ("overview", "laws")
+"""Sections that the terminal shows."""
 
 
 def run_characterize(options: option_groups.CharacterizeOptions) -> None:
@@ -873,13 +783,14 @@ def run_characterize(options: option_groups.CharacterizeOptions) -> None:
             inputs=_inputs(options.inputs),
             progress=progress,
         )
+    page = characterization_page(found, commands=[terminal.command_line()], versions=versions())
     if report is not None:
-        _write(found, report)
+        write_files({report: render(page)})
     if options.as_json:
         files = [] if report is None else [str(report)]
         terminal.print_json(document("characterize", {**found.to_dict(), "files": files}))
         return
-    _show(found)
+    terminal.show_sections(section for section in page.sections if section.id in SHORT)
     if report is not None:
         terminal.stdout().print(f"\nReport: {report}")
 
@@ -922,26 +833,3 @@ def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
                 f"--input takes NAME=VALUE,... such as temperature=20,40, got {text!r}."
             )
     return found
-
-
-def _write(found: Characterization, report: Path) -> None:
-    from stickslip.show.report import characterization_page, render, versions
-
-    page = characterization_page(found, reproduce=[terminal.command_line()], versions=versions())
-    write_files({report: render(page)})
-
-
-def _show(found: Characterization) -> None:
-    for i, law in enumerate(found.all):
-        if i:
-            terminal.stdout().print()
-        terminal.stdout().print(law.title, style="bold")
-        terminal.stdout().print(f"{law.law}")
-        if law.matched:
-            terminal.stdout().print(law.matched)
-        names = [name for name in TESTS if name in law.results or name in law.failed]
-        terminal.show_table(
-            "", ["test", "result"], [[name, terminal.plain(law.told(name))] for name in names]
-        )
-        for name, why in law.failed.items():
-            terminal.stdout().print(f"{name}: {why}")

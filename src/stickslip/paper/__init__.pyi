@@ -2,6 +2,7 @@
 from stickslip.paper.pages import Beside as Beside
 from stickslip.paper.pages import beside as beside
 from stickslip.paper.pages import paper_report as paper_report
+from stickslip.paper.pages import result_sections as result_sections
 from stickslip.paper.paper_audit import PaperAudit as PaperAudit
 from stickslip.paper.paper_audit import TableRow as TableRow
 from stickslip.paper.paper_audit import TrialTravels as TrialTravels
@@ -51,6 +52,7 @@ __all__ = [
     "paper_report",
     "requirements",
     "rest_rules",
+    "result_sections",
     "springbacks",
     "stick_slip",
     "stribeck_creeps",

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import partial
-from importlib.metadata import version
 from typing import NamedTuple
 
 from stickslip.data import Rig, load_rig
@@ -13,18 +12,15 @@ from stickslip.paper.sections import cart, equations, table
 from stickslip.paper.sections.claims import claim_section, trial_section, unpublished_section
 from stickslip.show.formatting import fixed, percent
 from stickslip.show.report import (
-    Code,
     Fact,
     Opening,
+    Origin,
     Page,
-    Paragraph,
-    References,
     Section,
     SectionMaker,
     blocks,
-    law_references,
     render,
-    versions,
+    reproduce,
 )
 
 
@@ -81,6 +77,19 @@ def _remark(found: PaperAudit) -> str:
     )
 
 
+def result_sections(found: PaperAudit) -> tuple[Section, ...]:
+    """Return the sections whose tables the terminal shows."""
+    makers = (
+        table.table_section,
+        table.ranking_section,
+        unpublished_section,
+        trial_section,
+        cart.cart_section,
+        cart.choice_section,
+    )
+    return tuple(maker(found) for maker in makers)
+
+
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     """Return the audit of the paper as one HTML page."""
     makers: tuple[Callable[[PaperAudit], Section], ...] = (
@@ -102,6 +111,8 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
         equations.assumption_section,
     )
     opening = _opening(audit)
+    origin = Origin(title="", data="", commands=(command,), digest=audit.rig.digest)
+    laws = [row.law for row in audit.table]
     page = Page(
         title="The pendulum-driven cart paper, recomputed",
         subject="Tables and figures beside what was printed",
@@ -109,9 +120,9 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
         sections=blocks.made_sections(
             Section(id="verdict", nav="Verdict", heading="", blocks=(opening,)),
             *(partial(maker, audit) for maker in makers),
-            _closing(audit, command),
+            partial(reproduce, origin, laws=laws, cited={"paper": ["rig"]}),
         ),
-        footer=f"Written by stickslip {version('stickslip')}. No network, no scripts.",
+        footer=blocks.colophon(origin.versions),
     )
     return render(page)
 
@@ -164,19 +175,5 @@ def _facts(found: PaperAudit) -> tuple[Fact, ...]:
             aside=f"{in_steps} in steps of 10 ms",
             what="of Table II can follow from unpublished values for the push, Table I kept: solved"
             " exactly, and by forward Euler with some rule for rest",
-        ),
-    )
-
-
-def _closing(found: PaperAudit, command: str) -> Section:
-    used = ", ".join(f"{name} {number}" for name, number in versions().items())
-    return Section(
-        id="again",
-        nav="Reproduce and cite",
-        heading="Reproduce and cite",
-        blocks=(
-            Code(text=f"$ {command}"),
-            Paragraph(text=f"Versions: {used}. Rig: sha256 `{found.rig.digest[:16]}`."),
-            References(items=law_references((row.law for row in found.table), {"paper": ["rig"]})),
         ),
     )

@@ -1,6 +1,5 @@
 """The audit of the paper as numbers."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -8,12 +7,13 @@ from typing import Any
 from stickslip.data import Published, Rig, load_rig
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import BreakAway, FixedStep
-from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.friction import PRINTED_FORMS, FrictionLaw, PrintedForm
 from stickslip.identify import FixedStepRow, compare_fixed_steps, largest_step
 from stickslip.identify.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
 from stickslip.paper import printed, rigs
 from stickslip.quantities import fields_of, parameters, vary
+from stickslip.show.documents import json_value
 from stickslip.show.report import published_dict
 
 
@@ -120,107 +120,96 @@ class PaperAudit:
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the audit as plain numbers and strings, ready for JSON."""
-        return {
-            "measured_travel": self.measured,
-            "table_2": [
-                {
-                    "law": row.law.name,
-                    "published": asdict(row.published),
-                    "ours": {r.key: asdict(r.criteria) for r in row.readings},
-                    "closed_form": {r.key: r.closed_form for r in row.readings},
-                    "in_steps_of_10_ms": dict(row.coarse),
-                    "largest_step": row.largest_step,
-                }
-                for row in self.table
-            ],
-            "ranking_by_the_criteria_of_the_paper": {
-                key: self.ranking(key) for key in ("published", "A", "B")
-            },
-            "unpublished_parameters": [need.to_dict() for need in self.requirements],
-            "steps_of_10_ms": [
-                {
-                    "row": travel.row,
-                    "law": travel.law.name,
-                    "values": {path: value for path, _, value in parameters(travel.law, "law")},
-                    "published": travel.published,
-                    "travel": {"zero": travel.travel, "static": travel.static},
-                    "scatter": travel.scatter,
-                    "reached": travel.reached,
-                }
-                for travel in self.step_travels
-            ],
-            "equation_5_in_steps_of_10_ms": [
-                {
-                    "stribeck_velocity": creep.stribeck_velocity,
-                    "travels": list(creep.travels),
-                    "mean_travel": creep.mean,
-                    "least_velocity": creep.least_velocity,
-                    "with_rule_for_rest": creep.held,
-                    "in_a_tenth_of_the_step": creep.fine,
-                }
-                for creep in self.creeps
-            ],
-            "rules_for_rest": [asdict(rule) for rule in self.rest_rules],
-            "trials": [asdict(trial) for trial in self.trials],
-            "travel_with_a_viscous_part": dict(self.viscous_travels),
-            "misprints": [_consequence_dict(c) for c in self.consequences],
-            "bristles": [asdict(row) for row in self.bristles],
-            "springbacks": [
-                {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
-            ],
-            "fixed_steps": [
-                {
-                    "dt": row.dt,
-                    "stick_rule": row.stick_rule,
-                    "criteria": _finite(asdict(row.criteria)),
-                    "reversals": row.reversals,
-                    "diverged": row.diverged,
-                }
-                for row in self.fixed_steps
-            ],
-            "stick_slip": self.stick_slip and _stick_slip_dict(self.stick_slip),
-            "cart": self.cart.to_dict(),
-            "selection": self.verdict.to_dict(),
-        }
+        found: dict[str, Any] = json_value(
+            {
+                "measured_travel": self.measured,
+                "table_2": [
+                    {
+                        "law": row.law.name,
+                        "published": row.published,
+                        "ours": {r.key: r.criteria for r in row.readings},
+                        "closed_form": {r.key: r.closed_form for r in row.readings},
+                        "in_steps_of_10_ms": row.coarse,
+                        "largest_step": row.largest_step,
+                    }
+                    for row in self.table
+                ],
+                "ranking_by_the_criteria_of_the_paper": {
+                    key: self.ranking(key) for key in ("published", "A", "B")
+                },
+                "unpublished_parameters": self.requirements,
+                "steps_of_10_ms": [
+                    {
+                        "row": travel.row,
+                        "law": travel.law.name,
+                        "values": _values(travel.law),
+                        "published": travel.published,
+                        "travel": {"zero": travel.travel, "static": travel.static},
+                        "scatter": travel.scatter,
+                        "reached": travel.reached,
+                    }
+                    for travel in self.step_travels
+                ],
+                "equation_5_in_steps_of_10_ms": [
+                    {
+                        "stribeck_velocity": creep.stribeck_velocity,
+                        "travels": creep.travels,
+                        "mean_travel": creep.mean,
+                        "least_velocity": creep.least_velocity,
+                        "with_rule_for_rest": creep.held,
+                        "in_a_tenth_of_the_step": creep.fine,
+                    }
+                    for creep in self.creeps
+                ],
+                "rules_for_rest": self.rest_rules,
+                "trials": self.trials,
+                "travel_with_a_viscous_part": self.viscous_travels,
+                "misprints": [_misprint(consequence) for consequence in self.consequences],
+                "bristles": self.bristles,
+                "springbacks": [
+                    {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
+                ],
+                "fixed_steps": [
+                    {
+                        name: getattr(row, name)
+                        for name in ("dt", "stick_rule", "criteria", "reversals", "diverged")
+                    }
+                    for row in self.fixed_steps
+                ],
+                "stick_slip": self.stick_slip
+                and {
+                    "speed": self.stick_slip.mechanism.speed,
+                    "stick_time": self.stick_slip.stick_time,
+                    "slip_time": self.stick_slip.slip_time,
+                    "closed_form": {
+                        "stick_time": self.stick_slip.stick_formula,
+                        "slip_time": self.stick_slip.slip_formula,
+                    },
+                },
+                "cart": self.cart,
+                "selection": self.verdict,
+            }
+        )
+        return found
 
 
-def _stick_slip_dict(pulled: rigs.StickSlip) -> dict[str, Any]:
-    return {
-        "speed": pulled.mechanism.speed,
-        "stick_time": pulled.stick_time,
-        "slip_time": pulled.slip_time,
-        "closed_form": {"stick_time": pulled.stick_formula, "slip_time": pulled.slip_formula},
-    }
+def _values(law: FrictionLaw | PrintedForm, root: str = "law") -> dict[str, float]:
+    return {path: value for path, _, value in parameters(law, root)}
 
 
-def _consequence_dict(consequence: printed.Consequence) -> dict[str, Any]:
+def _misprint(consequence: printed.Consequence) -> dict[str, Any]:
+    names = ("printed", "corrected", "differs")
     return {
         **published_dict(consequence.form),
-        "values": {path: value for path, _, value in parameters(consequence.printed, "printed")},
-        "values_corrected": {
-            path: value for path, _, value in parameters(consequence.corrected, "corrected")
-        },
+        "values": _values(consequence.printed, "printed"),
+        "values_corrected": _values(consequence.corrected, "corrected"),
         "tests": {
             outcome.test: {
-                "printed": _printed_dict(outcome.printed),
-                "with_stick_rule": _printed_dict(outcome.with_rule),
-                "corrected": _finite(asdict(outcome.corrected)),
-                "differs": outcome.differs,
+                **{name: getattr(outcome, name) for name in names},
+                "with_stick_rule": outcome.with_rule,
             }
             for outcome in consequence.outcomes
         },
-    }
-
-
-def _printed_dict(run: printed.PrintedRun) -> dict[str, Any]:
-    return {**asdict(run), "criteria": _finite(asdict(run.criteria))}
-
-
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
-    """Replace numbers that JSON does not have by None."""
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value
-        for key, value in values.items()
     }
 
 

@@ -61,6 +61,11 @@ class Displayed(ABC, Generic[Drawn_co], metaclass=Described):
         """Return status or verdict, and a small table."""
 
     @final
+    def in_short(self) -> Summary:
+        """Return status or verdict and a small table: what notebook, terminal and page show."""
+        return self._summary()
+
+    @final
     def plot(self, ax: "Target" = None) -> Drawn_co:
         """Draw the result as `stickslip.show.plots.plot` does.
 
@@ -119,7 +124,7 @@ def text_of(summary: Summary) -> str:
     runs: 3
     time: 0 to 1 s
     """
-    rows = [[_cell(value) for value in row] for row in summary.rows[:MOST_ROWS]]
+    rows = [[cell_text(value) for value in row] for row in summary.rows[:MOST_ROWS]]
     lines = [": ".join([row[0].rstrip("."), *row[1:]]) for row in rows]
     if summary.head:
         table = [[*map(str, summary.head)], *rows]
@@ -204,14 +209,32 @@ def _page(summary: Summary) -> str:
 
 def _cells(row: Sequence[object], *, named: bool) -> str:
     tags = ["th" if named and place == 0 else "td" for place in range(len(row))]
-    cells = zip(tags, map(_cell, row), strict=True)
+    cells = zip(tags, map(cell_text, row), strict=True)
     return "".join(f"<{tag}>{html.escape(text)}</{tag}>" for tag, text in cells)
 
 
-def _cell(value: object) -> str:
+def cell_text(value: object) -> str:
+    """Return what a cell of a table shows: numbers with four digits, a dash of what is not known.
+
+    Examples
+    --------
+    >>> cell_text(0.123456), cell_text(None), cell_text("Coulomb")
+    ('0.1235', '—', 'Coulomb')
+    """
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return "—"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def is_numeric(text: str) -> bool:
+    """Return whether a cell holds a number, or says that there is none.
+
+    Examples
+    --------
+    >>> is_numeric("−0.2 mm"), is_numeric("—"), is_numeric("Coulomb")
+    (True, True, False)
+    """
+    return text in ("", "—") or text[0].isdigit() or text[0] in "-−.+"
 
 
 def _text(result: object) -> str:

@@ -2,6 +2,8 @@
 
 import contextlib
 import ctypes
+import dataclasses
+import enum
 import errno
 import glob
 import hashlib
@@ -163,7 +165,7 @@ def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
     from importlib.metadata import version
 
     head = {"schema": f"stickslip/{kind}/{SCHEMA_VERSION}", "stickslip": version("stickslip")}
-    return {**head, **_finite(content)}
+    return {**head, **json_value(content)}
 
 
 def json_text(content: Mapping[str, Any]) -> str:
@@ -471,15 +473,32 @@ def _write_each(
             temporary.unlink(missing_ok=True)
 
 
-def _finite(value: Any) -> Any:
-    """Replace what JSON has no word for by null, and -0.0 by 0.0."""
+def json_value(value: Any) -> Any:
+    """Return a value as JSON has it: no number is null, and dataclasses are objects.
+
+    Arrays become lists, members of an enumeration their names, and what has `to_dict` that.
+
+    Examples
+    --------
+    >>> json_value({"rms": math.nan, "ends": (0.0, 1.0), "file": Path("run.csv")})
+    {'rms': None, 'ends': [0.0, 1.0], 'file': 'run.csv'}
+    """
     if isinstance(value, float):
         return value + 0.0 if math.isfinite(value) else None
     if isinstance(value, Mapping):
-        return {str(key): _finite(item) for key, item in value.items()}
+        return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    return value
+        return [json_value(item) for item in value]
+    if isinstance(value, enum.Enum):
+        return value.name
+    for method in ("to_dict", "tolist"):
+        if hasattr(value, method):
+            return json_value(getattr(value, method)())
+    if dataclasses.is_dataclass(value):
+        return {
+            part.name: json_value(getattr(value, part.name)) for part in dataclasses.fields(value)
+        }
+    return str(value) if isinstance(value, Path) else value
 
 
 def _beside(path: Path, content: bytes) -> Path:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -12,8 +13,6 @@ from stickslip.paper.sections.common import (
     FIRST_CYCLE,
     LOWEST_VELOCITY,
     back_slip_text,
-    numbers,
-    table,
     values_of,
 )
 from stickslip.show import plots, report
@@ -123,11 +122,10 @@ def _animation(study: CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
-    html = plots.animation_html(
-        exact, study.cart, alt=alt, fps=ANIMATED, until=2.0 * study.period, narrow=(358, 560)
-    )
+    until = 2.0 * study.period
+    draw = partial(plots.animation_html, exact, study.cart, fps=ANIMATED, until=until)
     return report.Animation(
-        html=html,
+        html=partial(draw, alt=alt, narrow=(358, 560)),
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
         " the torque.",
@@ -135,32 +133,22 @@ def _animation(study: CartStudy) -> report.Animation:
 
 
 def _run_table(runs: Sequence[CartRun]) -> report.Table:
-    columns = (
-        report.Column(head="run"),
-        numbers(f"travel in\n{CYCLES} cycles, m", "travel, m"),
-        numbers("by cycle\nmm", "travel by cycle, mm"),
-        LOWEST_VELOCITY,
-        BACK_SLIP,
-    )
-    rows = tuple(_run_row(run) for run in runs)
-    return report.Table(columns=columns, rows=rows)
+    heads = ["run", f"travel in\n{CYCLES} cycles, m", "by cycle\nmm", LOWEST_VELOCITY, BACK_SLIP]
+    exact = [run.key.endswith("exact") for run in runs]
+    return report.table_of(heads, map(_run_row, runs, exact), chosen=exact)
 
 
-def _run_row(run: CartRun) -> report.Row:
-    exact = run.key.endswith("exact")
+def _run_row(run: CartRun, exact: bool) -> Sequence[report.Cell]:
     later = sorted((1e3 * travel for travel in run.travels[1:]), key=abs)
     steady = abs(later[-1] - later[0]) < STEADY * abs(later[0])
     ends = [significant(travel, 3) for travel in (later[0], later[-1])]
     following = ends[0] if steady else " to ".join(ends)
-    return report.Row(
-        cells=(
-            report.Name(text=run.title, aside="events located" if exact else STEP_TEXT),
-            significant(run.travel, 3),
-            f"{significant(1e3 * run.travels[0], 3)}, then {following}",
-            significant(1e3 * run.least_velocity, 3),
-            significant(1e3 * run.mean_return, 3),
-        ),
-        chosen=exact,
+    return (
+        report.Name(text=run.title, aside="events located" if exact else STEP_TEXT),
+        significant(run.travel, 3),
+        f"{significant(1e3 * run.travels[0], 3)}, then {following}",
+        significant(1e3 * run.least_velocity, 3),
+        significant(1e3 * run.mean_return, 3),
     )
 
 
@@ -168,20 +156,14 @@ def _cycle_figure(study: CartStudy) -> report.Figure:
     keys = ("exact", "printed-1", "fixed-held")
     runs = {study.run(key).title: study.run(key).run for key in keys}
     last = study.run("exact").run.span[1]
-    return report.Figure(
-        svg=plots.inline_svg(
-            plots.draw_cycles(
-                runs, chosen=study.run("exact").title, cycle=(last - study.period, last)
-            ),
-            alt="Displacement of the cart in all cycles, and its velocity near zero in the last",
-            prefix="fig2b",
-            **plots.CYCLE_SIZES,
-        ),
-        caption=(
-            "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
-            f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
-            f" Yellow: the exact run sticks. {_same_text(study)}"
-        ),
+    return report.figure(
+        plots.draw_cycles(runs, chosen=study.run("exact").title, cycle=(last - study.period, last)),
+        "Displacement of the cart in all cycles, and its velocity near zero in the last",
+        "fig2b",
+        "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
+        f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
+        f" Yellow: the exact run sticks. {_same_text(study)}",
+        plots.CYCLE_SIZES,
     )
 
 
@@ -211,33 +193,23 @@ def _speed(velocity: float) -> str:
 
 
 def _share_table(study: CartStudy) -> report.Table:
-    columns = (
-        report.Column(head="cause"),
-        LOWEST_VELOCITY,
-        BACK_SLIP,
-    )
     printed = study.run("printed-1")
-    total = report.Row(
-        cells=(
-            report.Name(text="all together", aside=f"{printed.title}, {STEP_TEXT}"),
-            significant(1e3 * printed.least_velocity, 3),
-            significant(1e3 * printed.mean_return, 3),
+    shares = [share for share in study.shares if share.key in CAUSES]
+    named = [
+        (CAUSES[share.key][0], CAUSES[share.key][1].format(step=STEP_TEXT)) for share in shares
+    ]
+    named.append(("all together", f"{printed.title}, {STEP_TEXT}"))
+    parts: list[Share | CartRun] = [*shares, printed]
+    rows = [
+        (
+            report.Name(text=cause, aside=runs),
+            significant(1e3 * of.least_velocity, 3),
+            significant(1e3 * of.mean_return, 3),
         )
-    )
-    rows = [_share_row(share) for share in study.shares if share.key in CAUSES]
-    return report.Table(columns=columns, rows=(*rows, total))
-
-
-def _share_row(share: Share) -> report.Row:
-    cause, runs = CAUSES[share.key]
-    return report.Row(
-        cells=(
-            report.Name(text=cause, aside=runs.format(step=STEP_TEXT)),
-            significant(1e3 * share.least_velocity, 3),
-            significant(1e3 * share.mean_return, 3),
-        ),
-        chosen=share.key == "friction",
-    )
+        for (cause, runs), of in zip(named, parts, strict=True)
+    ]
+    chosen = [share.key == "friction" for share in shares]
+    return report.table_of(["cause", LOWEST_VELOCITY, BACK_SLIP], rows, chosen=(*chosen, False))
 
 
 def choice_section(found: PaperAudit) -> report.Section:
@@ -283,23 +255,21 @@ def _label(run: CartRun) -> str:
 
 
 def _choice_table(study: CartStudy) -> report.Table:
-    return table(
-        study.choices,
+    heads = ["law", "travel\nm", FIRST_CYCLE, "last cycle\nmm", BACK_SLIP, LOWEST_VELOCITY]
+    rows = [
         (
-            "law",
-            lambda run: report.Name(
-                text=f"{run.law.title}, {_label(run)}", aside=values_of(run.law)
-            ),
-        ),
-        (FIRST_CYCLE, lambda run: fixed(1e3 * run.travels[0], 2)),
-        (numbers("last cycle\nmm"), lambda run: fixed(1e3 * run.travels[-1], 2)),
-        (BACK_SLIP, lambda run: back_slip_text(run.mean_return)),
-        (
-            numbers("lowest normal\nforce, N", "lowest normal force, N"),
-            lambda run: fixed(run.least_normal_force, 3),
-        ),
-        chosen=lambda run: run.key == "selected",
-    )
+            report.Name(text=f"{run.law.title}, {_label(run)}", aside=values_of(run.law)),
+            significant(run.travel, 3),
+            fixed(1e3 * run.travels[0], 2),
+            fixed(1e3 * run.travels[-1], 2),
+            back_slip_text(run.mean_return),
+            significant(1e3 * run.least_velocity, 2),
+            fixed(run.least_normal_force, 3),
+        )
+        for run in study.choices
+    ]
+    chosen = [run.key == "selected" for run in study.choices]
+    return report.table_of([*heads, "lowest normal\nforce, N"], rows, chosen=chosen)
 
 
 def _choice_figure(study: CartStudy) -> report.Figure:
@@ -318,18 +288,14 @@ def _choice_figure(study: CartStudy) -> report.Figure:
             )
         )
         apart = ", and by how much that of the paper’s example differs"
-    return report.Figure(
-        svg=plots.inline_svg(
-            plots.draw_motion(runs, views=views),
-            alt="Displacement and velocity of the cart with the law that select names, and with"
-            " the paper’s",
-            prefix="fig11",
-            wide=(880, 300),
-            narrow=(358, 600),
-        ),
-        caption="**In place of Fig. 11. The cart under Coulomb + viscous"
-        " friction**, the paper’s example, and under the law that select names, both solved"
-        f" exactly: displacement in all cycles, velocity in the last whole stroke{apart}.",
+    return report.figure(
+        plots.draw_motion(runs, views=views),
+        "Displacement and velocity of the cart with the chosen laws",
+        "fig11",
+        "**In place of Fig. 11. The cart under Coulomb + viscous friction**, the paper’s example,"
+        " and under the law that select names, both solved exactly: displacement in all cycles,"
+        f" velocity in the last whole stroke{apart}.",
+        {"wide": (880, 300), "narrow": (358, 600)},
     )
 
 
@@ -373,30 +339,26 @@ def _normal_text(study: CartStudy) -> str:
 
 def rest_section(found: PaperAudit) -> report.Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
-    rules = table(
-        found.rest_rules,
-        ("rule for rest", _rule_name),
-        (numbers("block, travel\nm"), lambda rule: fixed(rule.block.travel, 4)),
+    heads = [
+        "rule for rest",
+        "block, travel\nm",
+        "sign changes\nin 1 s",
+        "block\nat the end",
+        f"cart, travel in\n{CYCLES} cycles, m",
+        "cart, back-slip\nmm/cycle",
+    ]
+    rows = [
         (
-            numbers("sign changes\nin 1 s", "sign changes in 1 s"),
-            lambda rule: str(rule.reversals),
-        ),
-        (
-            report.Column(head="block\nat the end", phone="label", label="block at the end"),
-            lambda rule: (
-                "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves"
-            ),
-        ),
-        (
-            numbers(f"cart, travel in\n{CYCLES} cycles, m", "cart, travel, m"),
-            lambda rule: fixed(rule.cart_travel, 3),
-        ),
-        (
-            numbers("cart, back-slip\nmm/cycle", "cart, back-slip, mm per cycle"),
-            lambda rule: significant(1e3 * rule.cart_back_slip, 2),
-        ),
-        chosen=lambda rule: rule.dt is None,
-    )
+            _rule_name(rule),
+            fixed(rule.block.travel, 4),
+            str(rule.reversals),
+            "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves",
+            fixed(rule.cart_travel, 3),
+            significant(1e3 * rule.cart_back_slip, 2),
+        )
+        for rule in found.rest_rules
+    ]
+    rules = report.table_of(heads, rows, chosen=[rule.dt is None for rule in found.rest_rules])
     return report.Section(
         collapsed=True,
         id="rest",
@@ -459,13 +421,8 @@ def _rest_caption(found: PaperAudit) -> str:
 
 def break_away_section(found: PaperAudit) -> report.Section:
     """Show what a break-away level that varies does to the cart."""
-    columns = (
-        report.Column(head="break-away level"),
-        numbers("friction reached\nby cycle, over $N$", "reached"),
-        FIRST_CYCLE,
-        numbers("later cycles\nmm"),
-        BACK_SLIP,
-    )
+    reached = "friction reached\nby cycle, over $N$"
+    heads = ["break-away level", reached, FIRST_CYCLE, "later cycles\nmm", BACK_SLIP]
     return report.Section(
         collapsed=True,
         id="break-away",
@@ -473,7 +430,7 @@ def break_away_section(found: PaperAudit) -> report.Section:
         heading=_break_away_heading(found),
         blocks=(
             report.Paragraph(text=_break_away_text(found)),
-            report.Table(columns=columns, rows=tuple(map(_break_away_row, found.cart.break_away))),
+            report.table_of(heads, map(_break_away_row, found.cart.break_away)),
             report.Caption(text=_break_away_caption(found)),
         ),
     )
@@ -525,19 +482,16 @@ def _break_away_text(found: PaperAudit) -> str:
     )
 
 
-def _break_away_row(run: CartRun) -> report.Row:
+def _break_away_row(run: CartRun) -> Sequence[report.Cell]:
     low, high = (significant(1e3 * value, 4) for value in _later(run))
     reached = [significant(value, 3) for value in run.largest_friction]
-    later = reached[1:]
-    steady = len(set(later)) == 1
-    return report.Row(
-        cells=(
-            report.Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
-            f"{reached[0]}, then {later[0]}" if steady else ", ".join(reached),
-            significant(1e3 * run.travels[0], 4),
-            low if low == high else f"{low} to {high}",
-            back_slip_text(run.mean_return),
-        )
+    steady = len(set(reached[1:])) == 1
+    return (
+        report.Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
+        f"{reached[0]}, then {reached[1]}" if steady else ", ".join(reached),
+        significant(1e3 * run.travels[0], 4),
+        low if low == high else f"{low} to {high}",
+        back_slip_text(run.mean_return),
     )
 
 

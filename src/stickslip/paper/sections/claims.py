@@ -10,7 +10,7 @@ from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull
-from stickslip.paper.sections.common import numbers, table, values_of
+from stickslip.paper.sections.common import values_of
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -21,7 +21,14 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.report import Column, Name, Paragraph, Row, Section, Subheading, Table
+from stickslip.show.report import (
+    Name,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    table_of,
+)
 
 # What the parameters that the paper does not print would have to be.
 
@@ -30,26 +37,18 @@ def unpublished_section(found: PaperAudit) -> Section:
     """Show the value behind each published row with its range, for a push and for a spring."""
     total = sum(row.published.travel is not None for row in found.table)
     reached = {key: _reached(found, key) for key in "AB"}
-    columns = (
-        Column(head="row"),
-        numbers("published\nm"),
-        numbers("A, push: would need", "A would need"),
-        numbers("B, spring: would need", "B would need"),
-        Column(head="what that means"),
-    )
     needs = {(need.law, need.reading): need for need in found.requirements}
-    rows = tuple(
-        Row(
-            cells=(
-                row.law.title,
-                fixed(row.published.travel or 0.0, 2),
-                *(_value(needs[row.law.name, key]) for key in "AB"),
-                needs[row.law.name, "A"].text,
-            )
+    heads = ["row", "published\nm", "A, push: would need", "B, spring: would need"]
+    rows = [
+        (
+            row.law.title,
+            fixed(row.published.travel or 0.0, 2),
+            *(_value(needs[row.law.name, key]) for key in "AB"),
+            needs[row.law.name, "A"].text,
         )
         for row in found.table
         if (row.law.name, "A") in needs
-    )
+    ]
     return Section(
         id="unpublished",
         nav="Unpublished values",
@@ -65,7 +64,7 @@ def unpublished_section(found: PaperAudit) -> Section:
                     " that it was used."
                 )
             ),
-            Table(columns=columns, rows=rows),
+            table_of([*heads, "what that means"], rows),
             Subheading(text=_step_heading(found)),
             _step_table(found),
         ),
@@ -103,35 +102,27 @@ def _step_heading(found: PaperAudit) -> str:
 def _step_table(found: PaperAudit) -> Table:
     """Show what steps of 10 ms make of the push, by the friction in the first step."""
     titles = {row.law.name: row.law.title for row in found.table}
-    columns = (
-        Column(head="row"),
-        numbers("published\nm"),
-        numbers("sgn 0 = 0\nm"),
-        numbers("from break-away\nm"),
-        Column(head="with"),
-    )
-    rows = tuple(
-        Row(
-            cells=(
-                titles[step_travel.row],
-                fixed(step_travel.published, 2),
-                *step_cells(step_travel),
-                values_of(step_travel.law, found.values.load)
-                if step_travel.scatter is None
-                else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
-            )
+    rows = [
+        (
+            titles[step_travel.row],
+            fixed(step_travel.published, 2),
+            *_step_cells(step_travel),
+            values_of(step_travel.law, found.values.load)
+            if step_travel.scatter is None
+            else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
         )
         for step_travel in found.step_travels
-    )
+    ]
     caption = (
         "The push by forward Euler in the sample time that the paper states for its cart. The 0.16"
         " m of both Coulomb rows need sgn 0 = 0 in the first step; bristles have no such step."
         " Which of these it was cannot be told from the paper."
     )
-    return Table(columns=columns, rows=rows, caption=caption)
+    heads = ["row", "published\nm", "sgn 0 = 0\nm", "from break-away\nm", "with"]
+    return table_of(heads, rows, caption)
 
 
-def step_cells(travel: StepTravel) -> tuple[str, str]:
+def _step_cells(travel: StepTravel) -> tuple[str, str]:
     """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
     if travel.scatter is None:
         return fixed(travel.travel, 3), fixed(travel.static, 3)
@@ -159,21 +150,24 @@ def _creep_table(found: PaperAudit) -> Table:
         "Travel of the push after 10 s; the rule for rest holds the block where its velocity"
         f" changes sign, and friction begins at $F_s$. Table II has $v_s$ = {speed} mm/s."
     )
-    return table(
-        found.creeps,
+    heads = [
+        "Stribeck velocity",
+        "10 ms, no rule\nmean, m",
+        "scatter\nm",
+        "10 ms, rule\nfor rest, m",
+        "1 ms, no rule\nm",
+    ]
+    rows = [
         (
-            "Stribeck velocity",
-            lambda creep: f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
-        ),
-        (numbers("10 ms, no rule\nmean, m", "mean, m"), lambda creep: fixed(creep.mean, 2)),
-        (
-            numbers("scatter\nm"),
-            lambda creep: f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
-        ),
-        (numbers("10 ms, rule\nfor rest, m", "with rule, m"), lambda creep: fixed(creep.held, 3)),
-        (numbers("1 ms, no rule\nm", "in 1 ms, m"), lambda creep: fixed(creep.fine, 3)),
-        caption=caption,
-    )
+            f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
+            fixed(creep.mean, 2),
+            f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
+            fixed(creep.held, 4),
+            fixed(creep.fine, 4),
+        )
+        for creep in found.creeps
+    ]
+    return table_of(heads, rows, caption)
 
 
 def _value(need: Requirement) -> Name:
@@ -193,17 +187,17 @@ def _bristle_table(found: PaperAudit) -> Table:
         "The push, solved exactly; LuGre with the other values of its 1995 paper. Published: Dahl"
         " 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
     )
-    return table(
-        zip(dahl, lugre, strict=True),
-        ("bristles", lambda pair: f"{significant(pair[0].stiffness, 1)} N/m"),
-        (numbers("Dahl, held\nm"), lambda pair: fixed(pair[0].criteria.travel, 4)),
-        (numbers("LuGre, free\nm"), lambda pair: fixed(pair[1].criteria.travel, 4)),
+    heads = ["bristles", "Dahl, held\nm", "LuGre, free\nm", "LuGre, lowest\nvelocity, mm/s"]
+    rows = [
         (
-            numbers("LuGre, lowest\nvelocity, mm/s", "LuGre, lowest velocity, mm/s"),
-            lambda pair: significant(1e3 * pair[1].criteria.least_velocity, 2),
-        ),
-        caption=caption,
-    )
+            f"{significant(held.stiffness, 1)} N/m",
+            fixed(held.criteria.travel, 4),
+            fixed(free.criteria.travel, 4),
+            significant(1e3 * free.criteria.least_velocity, 2),
+        )
+        for held, free in zip(dahl, lugre, strict=True)
+    ]
+    return table_of(heads, rows, caption)
 
 
 # What the paper claims, equation by equation and figure by figure, and what became of it.
@@ -222,12 +216,9 @@ SAMPLES = 4000
 def claim_section(audit: PaperAudit) -> Section:
     """List every claim, equation and figure with the result and its number."""
     claims = (*_table_2(audit), *_rig(audit), *_equations(audit), *_phenomena(audit), *_cart(audit))
-    listed = table(
-        claims,
-        ("claim, equation or figure", lambda claim: claim[0]),
-        (Column(head="where", numeric=True), lambda claim: claim[1]),
-        ("result", lambda claim: Name(text=claim[2], aside=claim[3])),
-    )
+    heads = ["claim, equation or figure", "where", "result"]
+    rows = [(what, where, Name(text=result, aside=why)) for what, where, result, why in claims]
+    listed = table_of(heads, rows)
     return Section(
         id="claims",
         nav="Claims",

@@ -25,10 +25,10 @@ def numbers(head: str, label: str = "") -> Column:
     return Column(head=head, numeric=True, phone="label", label=label)
 
 
-FIRST_CYCLE = numbers("first cycle\nmm")
-LOWEST_VELOCITY = numbers("lowest velocity\nmm/s")
-BACK_SLIP = numbers("back-slip\nmm/cycle", "back-slip, mm per cycle")
-"""Columns of the tables of the cart."""
+FIRST_CYCLE = "first cycle\nmm"
+LOWEST_VELOCITY = "lowest velocity\nmm/s"
+BACK_SLIP = "back-slip\nmm/cycle"
+"""Heads of the tables of the cart."""
 
 
 def table(

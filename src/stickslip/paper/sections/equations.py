@@ -15,7 +15,6 @@ from stickslip.paper.printed import (
     SECONDS,
     STIFFNESS,
     TESTS,
-    Consequence,
     Outcome,
     lugre_row,
 )
@@ -41,7 +40,7 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
+from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, sketch
 
 # The printed equations, their defects, and where these act.
 
@@ -107,13 +106,7 @@ SYMBOLS = (
 
 
 def _symbol_table() -> report.Table:
-    columns = (
-        report.Column(head="here"),
-        report.Column(head="meaning"),
-        report.Column(head="unit", phone="label", label="unit:"),
-        report.Column(head="in the paper", phone="label", label="in the paper:"),
-    )
-    return report.Table(columns=columns, rows=tuple(report.Row(cells=cells) for cells in SYMBOLS))
+    return report.table_of(["here", "meaning", "unit", "in the paper"], SYMBOLS)
 
 
 def _shown(form: type[PrintedForm] | RightEquation) -> tuple[report.Block, ...]:
@@ -148,11 +141,11 @@ def misprint_section(found: PaperAudit) -> report.Section:
         f"As printed, {in_words(errs['coast'])} equations err when the block coasts forwards,"
         f" {in_words(errs['push'])} when it is pushed from rest"
     )
-    columns = (
-        report.Column(head="equation"),
-        *(numbers(f"{what}\nm") for what in TESTS.values()),
-    )
-    rows = tuple(_row(consequence) for consequence in found.consequences)
+    heads = ["equation", *(f"{what}\nm" for what in TESTS.values())]
+    rows = [
+        (f"{item.form.equation} {item.form.title}", *(_cell(item.outcome(key)) for key in TESTS))
+        for item in found.consequences
+    ]
     return report.Section(
         collapsed=True,
         id="misprints",
@@ -160,7 +153,7 @@ def misprint_section(found: PaperAudit) -> report.Section:
         heading=heading,
         blocks=(
             report.Paragraph(text=_tests_text(found)),
-            report.Table(columns=columns, rows=rows),
+            report.table_of(heads, rows),
             report.Caption(
                 text=(
                     f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
@@ -226,32 +219,20 @@ def _values_table(found: PaperAudit) -> report.Table:
         if bare
         else ""
     )
-    return table(
-        found.consequences,
-        ("equation", lambda consequence: f"{consequence.form.equation} {consequence.form.title}"),
-        (
-            report.Column(head="values as printed", phone="label", label="as printed:"),
-            lambda consequence: values_of(consequence.printed),
-        ),
-        (
-            report.Column(head="values of the corrected law", phone="label", label="corrected:"),
-            lambda consequence: report.Name(
-                text=values_of(consequence.corrected, load), aside=consequence.corrected.title
-            ),
-        ),
-        caption=f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}."
-        f" The weight $W$ of (4) is that load.{other}",
+    text = (
+        f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}. The"
+        f" weight $W$ of (4) is that load.{other}"
     )
-
-
-def _row(consequence: Consequence) -> report.Row:
-    form = consequence.form
-    return report.Row(
-        cells=(
-            f"{form.equation} {form.title}",
-            *(_cell(consequence.outcome(key)) for key in TESTS),
+    rows = [
+        (
+            f"{item.form.equation} {item.form.title}",
+            values_of(item.printed),
+            report.Name(text=values_of(item.corrected, load), aside=item.corrected.title),
         )
-    )
+        for item in found.consequences
+    ]
+    heads = ["equation", "values as printed", "values of the corrected law"]
+    return report.table_of(heads, rows, text)
 
 
 def _cell(outcome: Outcome | None) -> report.Name | str:
@@ -324,21 +305,15 @@ def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
 def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> report.Figure:
     values = found.values
     low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
-    svg = inline_svg(
-        draw_excitations(
-            {_label(r): r.run for r in readings},
-            chosen=next(_label(r) for r in readings if r.key == "B"),
-            band=(low, high),
-            measured=f"measured, {found.measured:.2f} m",
-        ),
-        alt="Travel against time in the three readings of the rig",
-        prefix="excitations",
-        **EXCITATION_SIZES,
+    draw = draw_excitations(
+        {_label(r): r.run for r in readings},
+        chosen=next(_label(r) for r in readings if r.key == "B"),
+        band=(low, high),
+        measured=f"measured, {found.measured:.2f} m",
     )
-    return report.Figure(
-        svg=svg,
-        caption=f"**Travel in the two readings and the control.** {_band_text(found, low, high)}",
-    )
+    alt = "Travel against time in the three readings of the rig"
+    caption = f"**Travel in the two readings and the control.** {_band_text(found, low, high)}"
+    return report.figure(draw, alt, "excitations", caption, EXCITATION_SIZES)
 
 
 def _band_text(found: PaperAudit, low: float, high: float) -> str:
@@ -423,14 +398,7 @@ def assumption_section(found: PaperAudit) -> report.Section:
                 text="Every value on this page is one that Tables I and II and the text of the"
                 " paper print, or stands in this table."
             ),
-            report.Table(
-                columns=(
-                    report.Column(head="where"),
-                    report.Column(head="value"),
-                    report.Column(head="origin", phone="label", label="origin:"),
-                ),
-                rows=tuple(report.Row(cells=cells) for cells in rows),
-            ),
+            report.table_of(["where", "value", "origin"], rows),
         ),
     )
 
@@ -438,14 +406,8 @@ def assumption_section(found: PaperAudit) -> report.Section:
 def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     values = found.values
     rig, pushed = values.rig, f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
-    rows = [
-        (
-            "block, gravity",
-            quantity(rig.gravity, "m/s^2"),
-            "not printed",
-        )
-    ]
-    rows += [
+    return [
+        ("block, gravity", quantity(rig.gravity, "m/s^2"), "not printed"),
         (
             "readings B and C, compression",
             quantity(rig.compression, "m"),
@@ -454,7 +416,6 @@ def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ("reading A", f"{pushed}, then coasting", "printed; that it coasts is inferred"),
         ("reading C", "the block stays fastened", "ours, a control"),
     ]
-    return rows
 
 
 def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
@@ -480,7 +441,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     values, cart, swing = found.values, found.cart.cart, found.cart.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
     soft = lugre_row(values, STIFFNESS)
-    rows = [
+    return [
         (
             "printed equations",
             f"$sigma_2$ {significant(values.viscous, 2)} N s/m in (5), (8), (9) and (10), also"
@@ -515,8 +476,6 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
             f" {number(swing.fast)} rad/s², {CYCLES} cycles",
             "ours",
         ),
-    ]
-    rows += [
         (
             "unpublished values, LuGre",
             "$sigma_1$ the root of $sigma_0$, $sigma_2$ 0.4 N s/m, $v_s$ 1 mm/s, $n$ 2, nothing"
@@ -532,4 +491,3 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
         ("stick-slip, pulling speed", f"{1e3 * SPEED:g} mm/s", "ours"),
     ]
-    return rows

@@ -28,8 +28,8 @@ def table_section(found: PaperAudit) -> report.Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
-        " for its cart. B: the spring, solved exactly. Levels are those of Table I; what the paper"
-        " does not print is assumed:"
+        " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are"
+        " those of Table I; what the paper does not print is assumed:"
         f" {_assumptions(found)}. “Coulomb plus viscous plus static”, which the paper names, has no"
         " row in it."
     )
@@ -77,10 +77,8 @@ def _table(found: PaperAudit) -> report.Table:
         numbers("A, exact\nm", "A exact, m"),
         *(numbers(f"A, 10 ms\n{what}", f"10 ms, {what}") for what in RULES.values()),
         numbers("B, spring\nm"),
-        report.Column(
-            head="",
-            axis=travel_axis(found, travels, marks),
-        ),
+        numbers("C, fixed\nm"),
+        report.Column(head="", axis=travel_axis(found, travels, marks)),
     )
     caption = (
         f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
@@ -107,12 +105,13 @@ def _row(found: PaperAudit, row: TableRow) -> report.Row:
             _with_error(found, push.travel),
             *(_with_error(found, row.coarse.get(rule)) for rule in RULES),
             _with_error(found, spring.travel),
+            _with_error(found, row.reading("C").criteria.travel),
             report.RowPlot(marks=tuple(marks), lanes=2),
         )
     )
 
 
-def _with_error(found: PaperAudit, travel: float | None, digits: int = 3) -> report.Name | str:
+def _with_error(found: PaperAudit, travel: float | None, digits: int = 4) -> report.Name | str:
     """Return a travel with its relative error below it."""
     if travel is None:
         return "—"
@@ -142,29 +141,19 @@ def ranking_section(found: PaperAudit) -> report.Section:
     """Apply the paper's own criteria to its table and to ours, with our verdict beside."""
     keys = ("published", "A", "B")
     names = {"published": "published", "A": "A, push", "B": "B, spring"}
-    columns = (
-        report.Column(head="friction model"),
-        *(
-            report.Column(
-                head=f"{names[key]}: both\ncriteria, rank", phone="label", label=names[key]
-            )
-            for key in keys
-        ),
-        report.Column(head="by select", phone="label"),
-    )
-    rows = tuple(
-        report.Row(
-            cells=(row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row))
-        )
+    judged = [f"{names[key]}: both\ncriteria, rank" for key in keys]
+    heads = ["friction model", *judged, "by select"]
+    rows = [
+        (row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row))
         for row in found.table
-    )
+    ]
     return report.Section(
         id="ranking",
         nav="Criteria",
         heading=_ranking_heading(found),
         blocks=(
             report.Paragraph(text=_criteria_text(found)),
-            report.Table(columns=columns, rows=rows),
+            report.table_of(heads, rows),
             report.Caption(text=_caption(found)),
             report.Paragraph(text=_energy_text(found)),
         ),
@@ -332,57 +321,46 @@ def phenomena_section(found: PaperAudit) -> report.Section:
     bristle = {title: law for title, law in laws.items() if law.states}
     load = found.values.load
     figures = [
-        report.Figure(
-            svg=plots.inline_svg(
-                plots.draw_run(pulled.run, until=pulled.run.span[1]),
-                alt="Displacement, velocity and friction of a block in stick-slip",
-                prefix="stick-slip",
-                **plots.RUN_SIZES,
-            ),
-            caption=(
-                "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
-                f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
-                f" for {pulled.slip_time:.3f} s, as the closed forms have it within a relative"
-                f" {residue(error)}."
-            ),
+        report.figure(
+            plots.draw_run(pulled.run, until=pulled.run.span[1]),
+            "Displacement, velocity and friction of a block in stick-slip",
+            "stick-slip",
+            "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
+            f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
+            f" for {pulled.slip_time:.3f} s, as the closed forms have it within a relative"
+            f" {residue(error)}.",
+            plots.RUN_SIZES,
         )
     ]
     curve = next((law for law in laws.values() if isinstance(law, Stribeck)), None)
     if curve is not None:
         figures.append(
-            report.Figure(
-                svg=plots.inline_svg(
-                    plots.draw_stribeck(curve, load),
-                    alt="Stribeck curve with static level, Coulomb level and Stribeck velocity",
-                    prefix="fig3",
-                    wide=(880, 280),
-                    narrow=(358, 260),
-                ),
-                caption="**Fig. 3. Stribeck effect.** $F_s$ and $F_c$ by Table I; $v_s$ is not"
-                " printed, and assumed here. The vertical line is what the contact holds at rest.",
+            report.figure(
+                plots.draw_stribeck(curve, load),
+                "Stribeck curve with static level, Coulomb level and Stribeck velocity",
+                "fig3",
+                "**Fig. 3. Stribeck effect.** $F_s$ and $F_c$ by Table I; $v_s$ is not printed, and"
+                " assumed here. The vertical line is what the contact holds at rest.",
+                {"wide": (880, 280), "narrow": (358, 260)},
             )
         )
     figures += [
-        report.Figure(
-            svg=plots.inline_svg(
-                plots.draw_presliding(bristle, load=load),
-                alt="Friction force against displacement before slip",
-                prefix="fig4",
-                **plots.presliding_sizes(len(bristle)),
-            ),
-            caption="**Fig. 4. Presliding displacement**: friction against a slow displacement to"
-            " and fro, before slip and at its onset. The paper shows the measurement of its"
-            " reference [13]; these are the corrected Dahl and LuGre laws.",
+        report.figure(
+            plots.draw_presliding(bristle, load=load),
+            "Friction force against displacement before slip",
+            "fig4",
+            "**Fig. 4. Presliding displacement**: friction against a slow displacement to and fro,"
+            " before slip and at its onset. The paper shows the measurement of its reference [13];"
+            " these are the corrected Dahl and LuGre laws.",
+            plots.presliding_sizes(len(bristle)),
         ),
-        report.Figure(
-            svg=plots.inline_svg(
-                plots.draw_characteristics(laws, load=load, v_max=0.5),
-                alt="Friction force against slip velocity of the five models",
-                prefix="laws-of-table2",
-                **plots.characteristic_sizes(len(laws)),
-            ),
-            caption="**The laws of Table II** against velocity, corrected. At rest, any force up"
-            " to break-away; for bristle laws, the curve of steady sliding.",
+        report.figure(
+            plots.draw_characteristics(laws, load=load, v_max=0.5),
+            "Friction force against slip velocity of the five models",
+            "laws-of-table2",
+            "**The laws of Table II** against velocity, corrected. At rest, any force up to"
+            " break-away; for bristle laws, the curve of steady sliding.",
+            plots.characteristic_sizes(len(laws)),
         ),
     ]
     return report.Section(
@@ -431,17 +409,13 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
     levels = {} if published is None else {f"published, {published:.2f} m": published}
     printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
     title = f"Fig. {number}. {row.law.title}"
-    return report.Figure(
-        svg=plots.inline_svg(
-            plots.draw_motion(
-                runs,
-                levels=levels | {f"measured, {found.measured:.2f} m": found.measured},
-            ),
-            alt=f"Displacement and velocity of the block with {row.law.title} friction",
-            prefix=f"fig{number}",
-            **BLOCK_SIZES,
-        ),
-        caption=f"**{title}.** {printed}{', '.join(travels)}.{_need_text(found, need, row)}",
+    levels |= {f"measured, {found.measured:.2f} m": found.measured}
+    return report.figure(
+        plots.draw_motion(runs, levels=levels),
+        f"Displacement and velocity of the block with {row.law.title} friction",
+        f"fig{number}",
+        f"**{title}.** {printed}{', '.join(travels)}.{_need_text(found, need, row)}",
+        BLOCK_SIZES,
     )
 
 

@@ -37,7 +37,6 @@ from stickslip.show.plots.laws import plot_law as plot_law
 from stickslip.show.plots.laws import plot_presliding as plot_presliding
 from stickslip.show.plots.laws import presliding_sizes as presliding_sizes
 from stickslip.show.plots.measurements import draw_overview as draw_overview
-from stickslip.show.plots.measurements import draw_record as draw_record
 from stickslip.show.plots.measurements import draw_sketch as draw_sketch
 from stickslip.show.plots.measurements import draw_trials as draw_trials
 from stickslip.show.plots.measurements import overview_size as overview_size
@@ -144,7 +143,6 @@ __all__ = [
     "draw_pieces",
     "draw_presliding",
     "draw_optimum",
-    "draw_record",
     "draw_residuals",
     "draw_run",
     "draw_runs",

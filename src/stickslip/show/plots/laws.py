@@ -656,17 +656,6 @@ def draw_friction_map(
     return draw
 
 
-class MapSplit(NamedTuple):
-    """What friction may depend on beside the velocity, at the points of a map."""
-
-    label: str
-    """What it is, for the title of a panel."""
-    values: Array
-    """Its values (n,), in the unit shown."""
-    unit: str
-    """That unit."""
-
-
 def _inside(
     curves: Mapping[str, tuple[Array, Array]], first: float, last: float, factor: float
 ) -> dict[str, tuple[Array, Array]]:

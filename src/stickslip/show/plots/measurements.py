@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from types import MappingProxyType
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +18,7 @@ from stickslip.identify import ConditionLine, TrialComparison
 from stickslip.identify.fits import load_along
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
-from stickslip.show.formatting import Scale, scale_of, unit_text
+from stickslip.show.formatting import scale_of, unit_text
 from stickslip.show.plots import scenes, theme
 from stickslip.show.plots.animations import artists_of
 from stickslip.show.plots.axes import Array, Panels, PanelTarget, Sizes, on_panels
@@ -29,40 +29,6 @@ from stickslip.show.plots.svg import Draw, Size, inline_svg
 
 PANEL: Final = 90
 """Height of a panel [CSS px]."""
-
-
-class Channel(NamedTuple):
-    """A quantity of a record: its name, SI unit, times and values."""
-
-    name: str
-    """Name of the quantity."""
-    unit: str
-    """Its SI unit."""
-    t: Array
-    """Times (n,) [s]."""
-    values: Array
-    """Values (n,) [SI]."""
-    scale: Scale | None = None
-    """What they are shown in; the largest chooses if not given."""
-
-
-def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, float]] = ()) -> Draw:
-    """Return a drawing of a record against time."""
-
-    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
-        panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, channel in zip(panels, channels, strict=True):
-            factor, unit = channel.scale or scale_of(channel.values, channel.unit)
-            theme.shade(axes, reverse, colour=theme.SLIP_BACK)
-            axes.plot(channel.t, factor * channel.values, color=theme.INK, linewidth=1.1)
-            axes.set_title(f"{channel.name}, {unit}", color=theme.MUTED)
-            axes.margins(x=0.0, y=0.1)
-            if np.min(channel.values) < 0.0 < np.max(channel.values):
-                axes.axhline(0.0, color=theme.DATA, linewidth=0.6, zorder=1)
-            axes.locator_params(axis="y", nbins=4)
-        panels[-1].set_xlabel("time, s")
-
-    return draw
 
 
 # A measured record at a glance: signals, speeds, and force against velocity.

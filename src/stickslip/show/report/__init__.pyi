@@ -35,11 +35,11 @@ from stickslip.show.report.markup import plain as plain
 from stickslip.show.report.markup import published_dict as published_dict
 from stickslip.show.report.markup import symbol as symbol
 from stickslip.show.report.markup import symbol_text as symbol_text
-from stickslip.show.report.runs import ContactsReport as ContactsReport
 from stickslip.show.report.runs import RunReport as RunReport
-from stickslip.show.report.runs import contacts_page as contacts_page
 from stickslip.show.report.runs import run_page as run_page
+from stickslip.show.report.runs import run_sections as run_sections
 from stickslip.show.report.shared_sections import characterization_page as characterization_page
+from stickslip.show.report.shared_sections import figure as figure
 from stickslip.show.report.shared_sections import law_references as law_references
 from stickslip.show.report.shared_sections import opening as opening
 from stickslip.show.report.shared_sections import record_and_checks as record_and_checks
@@ -58,6 +58,7 @@ from stickslip.show.report.tables import RowPlot as RowPlot
 from stickslip.show.report.tables import Table as Table
 from stickslip.show.report.tables import error_axis as error_axis
 from stickslip.show.report.tables import error_plot as error_plot
+from stickslip.show.report.tables import table_of as table_of
 
 __all__ = [
     "Animation",

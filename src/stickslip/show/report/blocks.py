@@ -7,7 +7,7 @@ says and which template shows it; it computes nothing.
 import platform
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib import resources
@@ -114,8 +114,9 @@ class Figure:
 
     Parameters
     ----------
-    svg : str
-        What `stickslip.show.plots.inline_svg` returns. It goes into the page unescaped.
+    svg : str or callable
+        What `stickslip.show.plots.inline_svg` returns, or what returns it where the figure is
+        shown. It goes into the page unescaped.
     caption : str
         Begins with a bold name and says what to see.
 
@@ -131,16 +132,17 @@ class Figure:
     """
 
     template: ClassVar[str] = "figure"
-    svg: str
+    svg: str | Callable[[], str]
     caption: str = ""
 
     def __post_init__(self) -> None:
-        _check_svg(self.svg)
+        if isinstance(self.svg, str):
+            _check_svg(self.svg)
 
     @property
     def markup(self) -> Markup:
         """The drawing, ready for the page."""
-        return Markup(self.svg)
+        return Markup(_check_svg(self.svg if isinstance(self.svg, str) else self.svg()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,8 +151,9 @@ class Animation:
 
     Parameters
     ----------
-    html : str
-        What `stickslip.show.plots.animation_html` returns. It goes into the page unescaped.
+    html : str or callable
+        What `stickslip.show.plots.animation_html` returns, or what returns it where it is shown. It
+        goes into the page unescaped.
     caption : str
         Begins with a bold name and says what to see.
 
@@ -167,22 +170,17 @@ class Animation:
     """
 
     template: ClassVar[str] = "figure"
-    html: str
+    html: str | Callable[[], str]
     caption: str = ""
 
     def __post_init__(self) -> None:
-        """Check that it is a figure of its own."""
-        whole = self.html.startswith(_BEGIN) and self.html.endswith(_END)
-        if not whole or "<script" in self.html:
-            raise InputError(
-                "Animation.html must be what stickslip.show.plots.animation_html returns, got"
-                f" {self.html[:40]!r}."
-            )
+        if isinstance(self.html, str):
+            _inside_figure(self.html)
 
     @property
     def markup(self) -> Markup:
         """The picture, ready for the page."""
-        return Markup(self.html.removeprefix(_BEGIN).removesuffix(_END))  # checked above
+        return Markup(_inside_figure(self.html if isinstance(self.html, str) else self.html()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -485,12 +483,24 @@ def at_most_three(name: str, items: Sequence[object]) -> None:
         raise InputError(f"{name}: at most {MOST} items, got {len(items)}.")
 
 
-def _check_svg(svg: str) -> None:
+def _inside_figure(html: str) -> str:
+    """Return what is inside a figure of its own, which carries no script."""
+    whole = html.startswith(_BEGIN) and html.endswith(_END)
+    if not whole or "<script" in html:
+        raise InputError(
+            "Animation.html must be what stickslip.show.plots.animation_html returns, got"
+            f" {html[:40]!r}."
+        )
+    return html.removeprefix(_BEGIN).removesuffix(_END)
+
+
+def _check_svg(svg: str) -> str:
     drawings = re.findall(r"<svg\b[^>]*>", svg)
     if not svg.startswith("<svg") or not all("aria-label=" in drawing for drawing in drawings):
         raise InputError(f"a figure is <svg> with an aria-label, got {svg[:60]!r}.")
     if _ACTIVE.search(svg):
         raise InputError("a figure must not carry scripts or load anything.")
+    return svg
 
 
 # The frame of a report: a page, its sections, and the opening with the verdict.
@@ -742,10 +752,21 @@ def failed_section(name: str, error: Exception) -> Section:
     >>> failed_section("fixed_steps", ValueError("no steps")).id
     'fixed-steps'
     """
-    text = f"{type(error).__name__}: {str(error).rstrip('.')}. The other sections are not affected."
     title = name.replace("_", " ").capitalize()
-    note = Note(title="This section could not be produced.", text=text)
+    note = failed_note("section", error)
     return Section(id=name.replace("_", "-"), nav=title, heading=title, blocks=(note,))
+
+
+def failed_note(what: str, error: Exception) -> Note:
+    """Return the note that stands where a section or a figure could not be made.
+
+    Examples
+    --------
+    >>> failed_note("figure", ValueError("no steps")).title
+    'This figure could not be produced.'
+    """
+    text = f"{type(error).__name__}: {str(error).rstrip('.')}. The other {what}s are not affected."
+    return Note(title=f"This {what} could not be produced.", text=text)
 
 
 # A page as one self-contained HTML file: no script, no network, no web font.
@@ -822,9 +843,13 @@ def _environment() -> "Environment":
 
 
 def _show(block: Block) -> Markup:
-    return Markup(
-        _environment().get_template(f"blocks/{block.template}.html.j2").render(block=block)
-    )
+    template = _environment().get_template(f"blocks/{block.template}.html.j2")
+    if not isinstance(block, Figure | Animation):
+        return Markup(template.render(block=block))
+    try:
+        return Markup(template.render(block=block))
+    except CAUGHT as error:  # a figure is drawn here, and must not cost what stands beside it
+        return _show(failed_note("figure", error))
 
 
 def _lines(text: str) -> Markup:

@@ -1,28 +1,30 @@
 """The report of a run: what moved, how surely, and how far to trust it.
 
-In this order: the motion in figures and tables, its cycles, events and criteria, the law and its
-doubt, the certificate, and how to reproduce it.
+In this order: the motion in figures and tables, its cycles, contacts, events and criteria, the law
+and its doubt, the certificate, and how to reproduce it. The page has all sections, the terminal
+those in `SHORT`, without their figures.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
 
 from stickslip.data import HARD, LawEstimates, Rig, equated, unfitted_bristles, unit_on
-from stickslip.engine.trajectory import Event, Trajectory
+from stickslip.engine.trajectory import Event, Status, Trajectory
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.identify import Criteria, criteria_of
-from stickslip.mechanisms import cycle_or_none, slip_names
+from stickslip.mechanisms import cycle_or_none, has_one_slip, slip_names, slipping
 from stickslip.quantities import parameters
 from stickslip.show import plots
 from stickslip.show.formatting import (
     Scale,
     capital,
     count,
+    fixed,
     interval,
     joined,
     number,
@@ -32,9 +34,9 @@ from stickslip.show.formatting import (
     significant,
 )
 from stickslip.show.report import blocks as page
-from stickslip.show.report.shared_sections import ended_early, evidence, reproduce
-from stickslip.show.report.tables import Cell, Column, Row, Table
-from stickslip.study.sweep import Band, DrivenCycle, Spread, Validation, cycles_in
+from stickslip.show.report.shared_sections import ended_early, evidence, figure, reproduce
+from stickslip.show.report.tables import Cell, Table, table_of
+from stickslip.study.sweep import Band, DrivenCycle, Refit, Spread, Validation, cycles_in
 
 # What a report of a run is about, and the words that its sections share.
 
@@ -47,12 +49,13 @@ class RunReport:
     ----------
     rig : Rig
         What moved.
-    law : FrictionLaw
-        With what friction.
+    law : FrictionLaw, Laws or PrintedForm
+        With what friction: a law that all contacts share, laws by contact, or an equation as
+        printed.
     run : Trajectory
         How.
     estimates : LawEstimates, optional
-        How well the law is known.
+        How well the law, or the laws by contact, are known.
     remarks : tuple of str
         What does not carry over from where the law was fitted.
     law_file : str
@@ -61,8 +64,8 @@ class RunReport:
         The motion with the law's parameters drawn from their estimates.
     validation : Validation, optional
         What was measured on the rig beside the prediction.
-    refit : tuple of str
-        How the law compares with a fit to that measurement, in sentences.
+    refit : Refit, optional
+        The law fitted to that measurement.
     fixed_step : float, optional
         The step [s], where the run was made in fixed steps.
     commands : tuple of str
@@ -83,18 +86,50 @@ class RunReport:
     """
 
     rig: Rig
-    law: FrictionLaw
+    law: FrictionLaw | Laws | PrintedForm
     run: Trajectory
     estimates: LawEstimates | None = None
     remarks: tuple[str, ...] = ()
     law_file: str = ""
     band: Band | None = None
     validation: Validation | None = None
-    refit: tuple[str, ...] = ()
+    refit: Refit | None = None
     fixed_step: float | None = None
     commands: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def single(self) -> bool:
+        """Whether one contact slips along a coordinate, so that the run has one travel."""
+        return has_one_slip(self.rig.mechanism) and not isinstance(self.law, Laws)
+
+    @property
+    def views(self) -> Mapping[str, Trajectory]:
+        """The run as each contact that rubs sees it."""
+        names = self.run.contacts or (self.run.only_contact,)
+        return {name: self.run.contact(name) for name in names}
+
+    @property
+    def laws(self) -> Mapping[str, FrictionLaw]:
+        """The law of each contact that rubs; none of an equation as printed."""
+        if isinstance(self.law, PrintedForm):
+            return {}
+        return (
+            dict(self.law.members)
+            if isinstance(self.law, Laws)
+            else dict.fromkeys(self.views, self.law)
+        )
+
+    @property
+    def title(self) -> str:
+        """Rig and friction in words."""
+        friction = (
+            f"{joined(list(dict.fromkeys(law.title for law in self.laws.values())))} friction"
+        )
+        if isinstance(self.law, PrintedForm):
+            friction = f"eq. {self.law.equation} as printed: {self.law.title}"
+        return f"{self.rig.heading}, {friction}"
 
     @property
     def part(self) -> str:
@@ -142,9 +177,29 @@ class RunReport:
 
     @cached_property
     def cycles(self) -> tuple[DrivenCycle, ...]:
-        """The whole cycles of a run whose drives repeat themselves."""
-        period = cycle_or_none(self.rig.mechanism)
-        return () if period is None else cycles_in(self.run, self.rig.mechanism, period)
+        """The whole cycles of a run whose drives repeat themselves, of one travel."""
+        return next(iter(self.cycles_by_coordinate.values()), ()) if self.single else ()
+
+    @cached_property
+    def cycles_by_coordinate(self) -> Mapping[str, tuple[DrivenCycle, ...]]:
+        """The whole cycles along each coordinate that slips; none where drives do not repeat."""
+        mechanism = self.rig.mechanism
+        period = cycle_or_none(mechanism)
+        if period is None:
+            return {}
+        free = [name for name in slipping(mechanism) if name not in mechanism.guided()]
+        names = [self.slip] if self.single else free[:MOST_STATES]
+        ways = {name: cycles_in(self.run, mechanism, period, coordinate=name) for name in names}
+        return {name: cycles for name, cycles in ways.items() if cycles}
+
+    @property
+    def lengths(self) -> Mapping[str, float]:
+        """What headline and facts say of the motion, by what it is called."""
+        if self.cycles:
+            last = self.cycles[-1]
+            return {"travel in a cycle": last.advance, "back-slip in a cycle": last.back_slip}
+        seen = self.criteria
+        return {"travel": seen.travel, "largest back-slip": seen.largest_return}
 
     def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
         """Return a distance or a speed of the slipping coordinate, with its unit."""
@@ -166,6 +221,11 @@ class RunReport:
 
 FIRST_ROWS, LAST_ROWS = 6, 4
 """Cycles of which a table shows the first and the last."""
+FIRST_EVENTS, LAST_EVENTS = 12, 4
+"""Events of which a table shows the first and the last."""
+MOST_STATES = 12
+"""Final states, and coordinates with cycles, that are shown."""
+MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 MOST_DRAWN, DRAWN = 12, 8
 """Cycles up to which all are drawn against time, and how many of more than that."""
 ANIMATED = 12.0
@@ -187,7 +247,33 @@ ROUNDING = 1e-9
 
 
 def motion_section(about: RunReport) -> page.Section:
-    """Return the run against time, and friction against velocity."""
+    """Return the run against time, of one contact friction against velocity, and how it ends."""
+    run = about.run
+    shown = run.names[: 2 * len(about.rig.mechanism.coordinates)] if run.contacts else run.names[:2]
+    ends = run.at(run.span)
+    final = [
+        f"{name} = {number(ends[name][1] + 0.0, 6)} {run.units[name]}"
+        for name in shown[:MOST_STATES]
+    ]
+    left = len(shown) - MOST_STATES
+    final += [f"and {left} further states; --json lists all"] if left > 0 else []
+    end = page.KeyValue(key=f"At {number(run.span[1], 6)} s", value=", ".join(final))
+    figures = _motion(about) if about.single else [_coordinates(about)]
+    blocks: list[page.Block] = [*figures, page.KeyValues(items=(end,))]
+    return page.Section(id="motion", nav="Motion", heading="The motion", blocks=tuple(blocks))
+
+
+def _coordinates(about: RunReport) -> page.Figure:
+    caption = "**Coordinates** against time; where there are few, dots are events."
+    if about.band is not None:
+        caption += (
+            f" Shaded: range of 95 % of {about.band.count} runs with uncertain parameters drawn."
+        )
+    draw = plots.draw_states(about.run, band=about.band)
+    return figure(draw, "Coordinates against time", "motion", caption, plots.STATE_SIZES)
+
+
+def _motion(about: RunReport) -> list[page.Figure]:
     force = about.run["normal_force"]
     varies = bool(np.ptp(force) > 1e-9 * np.abs(force).max(initial=0.0))
     what = "Displacement, velocity, friction" + (" and normal force" if varies else "")
@@ -204,36 +290,25 @@ def motion_section(about: RunReport) -> page.Section:
             f" {shaded}: range of 95 % of {about.band.count} runs with uncertain parameters drawn,"
             " for displacement and velocity."
         )
-    blocks = (
-        page.Figure(
-            svg=plots.inline_svg(
-                plots.draw_run(
-                    about.run,
-                    slip=about.slip,
-                    rate=about.rate,
-                    until=until,
-                    normal_force=varies,
-                    band=about.band,
-                ),
-                alt=f"{what} against time",
-                prefix="motion",
-                **(plots.FORCE_SIZES if varies else plots.RUN_SIZES),
-            ),
-            caption=caption,
-        ),
-        page.Figure(
-            svg=plots.inline_svg(
-                plots.draw_friction_velocity(
-                    about.run, rate=about.rate, slip=about.slip, until=until
-                ),
-                alt="Friction against velocity along the run",
-                prefix="friction-velocity",
-                **plots.FRICTION_SIZES,
-            ),
-            caption="**Friction against velocity** along the run.",
-        ),
+    draw = plots.draw_run(
+        about.run,
+        slip=about.slip,
+        rate=about.rate,
+        until=until,
+        normal_force=varies,
+        band=about.band,
     )
-    return page.Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
+    sizes = plots.FORCE_SIZES if varies else plots.RUN_SIZES
+    return [
+        figure(draw, f"{what} against time", "motion", caption, sizes),
+        figure(
+            plots.draw_friction_velocity(about.run, rate=about.rate, slip=about.slip, until=until),
+            "Friction against velocity along the run",
+            "friction-velocity",
+            "**Friction against velocity** along the run.",
+            plots.FRICTION_SIZES,
+        ),
+    ]
 
 
 def _seen(about: RunReport, band: Band) -> bool:
@@ -255,30 +330,37 @@ def _sticks(run: Trajectory, begin: float = -math.inf, until: float | None = Non
 
 def cycles_section(about: RunReport) -> page.Section | None:
     """Return the travel of each cycle of the drives, None without whole cycles."""
-    cycles = about.cycles
-    if not cycles:
+    ways = about.cycles_by_coordinate
+    if not ways:
         return None
+    if not about.single:
+        units = dict.fromkeys(about.run.units[name] for name in ways)
+        tables = [
+            _cycle_table(about, [name for name in ways if about.run.units[name] == unit])
+            for unit in units
+        ]
+        return page.Section(
+            id="cycles", nav="Cycles", heading="The last cycle", blocks=tuple(tables)
+        )
+    cycles = about.cycles
     last = cycles[-1]
     end = min(last.begin + last.period, about.run.span[1])
-    runs = {about.law.title: about.run}
-    figure = page.Figure(
-        svg=plots.inline_svg(
-            plots.draw_cycles(
-                runs,
-                chosen=about.law.title,
-                cycle=(last.begin, end),
-                slip=about.slip,
-                rate=about.rate,
-            ),
-            alt="Displacement in all cycles, and the velocity in the last",
-            prefix="cycles",
-            **plots.CYCLE_SIZES,
-        ),
-        caption="**All cycles, and the velocity in the last one**, near zero if the"
-        f" {about.part} moves back in it."
-        + (f" Yellow: the {about.part} sticks." if _sticks(about.run, last.begin, end) else ""),
+    chosen = about.law.title if not isinstance(about.law, Laws) else ""
+    draw = plots.draw_cycles(
+        {chosen: about.run},
+        chosen=chosen,
+        cycle=(last.begin, end),
+        slip=about.slip,
+        rate=about.rate,
     )
-    blocks: list[page.Block] = [figure, _cycle_table(about)]
+    caption = (
+        "**All cycles, and the velocity in the last one**, near zero if the"
+        f" {about.part} moves back in it."
+        + (f" Yellow: the {about.part} sticks." if _sticks(about.run, last.begin, end) else "")
+    )
+    alt = "Displacement in all cycles, and the velocity in the last"
+    drawn = figure(draw, alt, "cycles", caption, plots.CYCLE_SIZES)
+    blocks: list[page.Block] = [drawn, _cycle_table(about, [about.slip])]
     if len(cycles) > FIRST_ROWS + LAST_ROWS:
         left = f"{FIRST_ROWS + 1} to {len(cycles) - LAST_ROWS}"
         blocks.append(page.Caption(text=f"Cycles {left} of {len(cycles)} are left out."))
@@ -301,30 +383,33 @@ def _cycles_heading(about: RunReport) -> str:
     return f"{advance} in the last cycle and has not settled"
 
 
-def _cycle_table(about: RunReport) -> Table:
-    unit = "mm" if about.unit == "m" else f"m{about.unit}"
-    heads = [f"travel\n{unit}"]
+def _cycle_table(about: RunReport, names: Sequence[str]) -> Table:
+    """Return the cycles of a coordinate, the first and the last; of several the last of each."""
+    unit = about.run.units[names[0]]
+    unit = "mm" if unit == "m" else f"m{unit}"
+    heads = ["", f"travel\n{unit}"]
     heads += ["95 % band\n" + unit] if about.band is not None else []
     heads += [f"mean velocity\n{unit}/s", f"back-slip\n{unit}", f"lowest velocity\n{unit}/s"]
     heads.append("lowest normal force\nN")
-    columns = [Column(head="")]
-    columns += [Column(head=head, numeric=True, phone="label") for head in heads]
-    cycles = about.cycles
-    shown = list(range(len(cycles)))
-    if len(cycles) > FIRST_ROWS + LAST_ROWS:
-        shown = [*shown[:FIRST_ROWS], *shown[-LAST_ROWS:]]
-    return Table(columns=tuple(columns), rows=tuple(_cycle_row(about, k, cycles[k]) for k in shown))
+    rows = []
+    for name in names:
+        cycles = about.cycles_by_coordinate[name]
+        shown = list(range(len(cycles))) if about.single else [len(cycles) - 1]
+        if len(shown) > FIRST_ROWS + LAST_ROWS:
+            shown = [*shown[:FIRST_ROWS], *shown[-LAST_ROWS:]]
+        rows += [(f"cycle {k + 1}" if about.single else name, name, k, cycles[k]) for k in shown]
+    return table_of(heads, [_cycle_cells(about, *row) for row in rows])
 
 
-def _cycle_row(about: RunReport, place: int, cycle: DrivenCycle) -> Row:
-    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(cycle.advance, 4)]
+def _cycle_cells(
+    about: RunReport, label: str, name: str, place: int, cycle: DrivenCycle
+) -> list[Cell]:
+    cells: list[Cell] = [label, _thousandth(cycle.advance, 4)]
     if about.band is not None:
-        spreads = about.band.cycles
-        low, _, high = spreads[place]
+        low, _, high = about.band.travels_by_cycle[name][place]
         cells.append(Scale(1e3, "").interval(low, high))
-    cells += [_thousandth(value) for value in (cycle.advance / cycle.period, cycle.back_slip)]
-    cells += [_thousandth(cycle.least_velocity), number(cycle.least_normal_force)]
-    return Row(cells=tuple(cells))
+    cells += [_thousandth(cycle.advance / cycle.period, 4), _thousandth(cycle.back_slip)]
+    return [*cells, _thousandth(cycle.least_velocity), number(cycle.least_normal_force)]
 
 
 def _thousandth(value: float, digits: int = 3) -> str:
@@ -334,6 +419,8 @@ def _thousandth(value: float, digits: int = 3) -> str:
 def animation_section(about: RunReport) -> page.Section | None:
     """Return the run as a moving picture, None where it is over at once."""
     first, last = about.run.span
+    if not about.single:
+        return None
     if about.cycles:
         until = first + ANIMATED_CYCLES * about.cycles[0].period
     else:
@@ -350,10 +437,11 @@ def animation_section(about: RunReport) -> page.Section | None:
             if speed < 1.0
             else f"sped up {number(speed, 2)} times"
         )
-    html = plots.animation_html(
+    html = partial(
+        plots.animation_html,
         about.run,
         about.rig.mechanism,
-        alt=f"The mechanism moves, with {about.law.title} friction",
+        alt=f"The mechanism moves: {about.title}",
         fps=ANIMATED,
         speed=speed,
         until=until,
@@ -368,16 +456,34 @@ def animation_section(about: RunReport) -> page.Section | None:
 
 
 def events_section(about: RunReport) -> page.Section:
-    """Return what happened how often, first and last."""
+    """Return the first events and the last; where some are left out, how often each kind was."""
     events = about.run.events
-    if about.fixed_step is not None or not events:
+    if not events:
         text = "Fixed steps locate no events." if about.fixed_step is not None else "No events."
-        blocks: Sequence[page.Block] = (page.Caption(text=text),)
+        blocks: list[page.Block] = [page.Caption(text=text)]
         return page.Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
     kinds = list(dict.fromkeys(event.reason for event in events))
     heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
-    table = event_table({"": events})
-    return page.Section(id="events", nav="Events", heading=heading, blocks=(table,))
+    left = len(events) - FIRST_EVENTS - LAST_EVENTS
+    # a line that says so would take the place of the only event it leaves out
+    shown = events if left < 2 else (*events[:FIRST_EVENTS], *events[-LAST_EVENTS:])
+    named = [event.contact for event in shown] if any(event.contact for event in shown) else None
+    rows = [
+        [
+            fixed(event.t, 6),
+            *([event.contact or "—"] if named else []),
+            event.reason,
+            MODES[event.from_mode],
+            MODES[event.to_mode],
+        ]
+        for event in shown
+    ]
+    blocks = [table_of(["t\ns", *(["contact"] if named else []), "event", "from", "to"], rows)]
+    if left >= 2:
+        text = f"{left:,} further events between them; --json lists all."
+        seen = {name: own.events for name, own in about.views.items()}
+        blocks += [page.Caption(text=text), event_table({"": events} if about.single else seen)]
+    return page.Section(id="events", nav="Events", heading=heading, blocks=tuple(blocks))
 
 
 def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
@@ -391,23 +497,45 @@ def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
         for kind in dict.fromkeys(event.reason for event in events):
             times = [event.t for event in events if event.reason == kind]
             cells = (kind, f"{len(times):,}", f"{times[0]:.6f}", f"{times[-1]:.6f}")
-            rows.append(Row(cells=(name, *cells) if named else cells))
-    first = (
-        (Column(head="contact"), Column(head="event", phone="label", label="event:"))
-        if named
-        else (Column(head="event"),)
+            rows.append((name, *cells) if named else cells)
+    return table_of(
+        [*(["contact"] if named else []), "event", "count", "first\ns", "last\ns"], rows
     )
-    columns = (
-        *first,
-        Column(head="count", numeric=True, phone="label", label="count:"),
-        Column(head="first\ns", numeric=True, phone="label"),
-        Column(head="last\ns", numeric=True, phone="label"),
-    )
-    return Table(columns=columns, rows=tuple(rows))
 
 
-def criteria_section(about: RunReport) -> page.Section:
-    """Return the three criteria of the source paper, evaluated on the run."""
+def contacts_section(about: RunReport) -> page.Section | None:
+    """Return friction at each of several contacts, and how much each holds and takes."""
+    if about.single:
+        return None
+    run = about.run
+    caption = (
+        "**Friction at each contact** against time. Yellow: it sticks; dots are events."
+        if len(about.views) <= plots.MOST_PANELS
+        else "**What each contact does** against time."
+    )
+    draw, sizes = plots.draw_contacts(run), plots.contact_sizes(run)
+    first, last = run.span
+    rows = []
+    for name, own in about.views.items():
+        work = run.certificate.work.get(name, run.certificate.work_friction)
+        held = own.stick_time()
+        share = percent(held / (last - first)) if last > first else "none"
+        cells = (f"{len(own.events):,}", share, number(held, 4), number(work, 4))
+        rows.append((name or "the contact", *cells))
+    heads = ["contact", "events", "of the time it sticks", "sticks\ns", "work taken\nJ"]
+    drawn = figure(draw, "Friction at each contact", "contacts", caption, sizes)
+    return page.Section(
+        id="contacts",
+        nav="Contacts",
+        heading="The contacts",
+        blocks=(drawn, table_of(heads, rows)),
+    )
+
+
+def criteria_section(about: RunReport) -> page.Section | None:
+    """Return the three criteria of the source paper, evaluated on a run with one travel."""
+    if not about.single:
+        return None
     seen = about.criteria
     items = (
         page.KeyValue(
@@ -470,38 +598,44 @@ def _held(holds: bool, found: str) -> str:
 
 
 def law_section(about: RunReport) -> page.Section:
-    """Return the law with its parameters, their intervals, and what does not carry over."""
-    law = about.law
-    rows = []
-    for path, known_quantity, value in parameters(law, "friction"):
-        name = path.removeprefix("friction.")
-        span, how = how_known(about.estimates, name)
-        label = f"{name.replace('_', ' ').capitalize()} ${known_quantity.symbol}$"
-        unit = unit_on(about.rig.mechanism, known_quantity)
-        unit = "none" if unit == "1" else unit
-        rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
-    for name, (own, other) in equated(law).items():
-        label = f"{name.replace('_', ' ').capitalize()} ${own}$"
-        rows.append(Row(cells=(label, f"${other}$", "none", "—", "assumed, not measured")))
-    kind = "95 %" if about.estimates is None else about.estimates.interval
-    columns = (
-        Column(head="parameter"),
-        Column(head="value", numeric=True),
-        Column(head="unit", phone="label", label="unit:"),
-        Column(head=kind, numeric=True, phone="label", label=f"{kind}:"),
-        Column(head="how it is known"),
-    )
+    """Return laws with their parameters, their intervals, and what does not carry over."""
+    known, laws = about.estimates, about.laws
+    rows: list[Sequence[Cell]] = []
+    for contact, law in laws.items():
+        lead = () if about.single else (contact or "the contact", law.title)
+        prefix = "" if known is None or isinstance(known.law, str) else f"{contact}."
+        for path, known_quantity, value in parameters(law, "friction"):
+            name = path.removeprefix("friction.")
+            label = f"{name.replace('_', ' ').capitalize()} ${known_quantity.symbol}$"
+            unit = known_quantity.unit
+            unit = unit_on(about.rig.mechanism, known_quantity) if about.single else unit
+            shown = "none" if unit == "1" else unit
+            rows.append((*lead, label, number(value, 4), shown, *how_known(known, prefix + name)))
+        for name, (own, other) in equated(law).items():
+            label = f"{name.replace('_', ' ').capitalize()} ${own}$"
+            rows.append((*lead, label, f"${other}$", "none", "—", "assumed, not measured"))
+    kind = "95 %" if known is None else known.interval
+    heads = ["parameter", "value", "unit", kind, "how it is known"]
+    heads = heads if about.single else ["contact", "law", *heads]
+    if not about.single and known is None:  # all of them are as given
+        heads, rows = heads[:-2], [row[:-2] for row in rows]
+    table = table_of(heads, rows)
     blocks: list[page.Block] = [
-        page.Math(latex=law.formula),
-        Table(columns=columns, rows=tuple(rows)),
+        page.Math(latex=law.formula) for law in {type(law): law for law in laws.values()}.values()
     ]
+    blocks.append(table)
     if about.remarks:
         title = "Validity of the law."
         blocks.append(page.Note(kind="info", title=title, text=" ".join(about.remarks)))
-    blocks += drawn(about.band, about.estimates)
+    if isinstance(about.law, FrictionLaw) and len(laws) > 1:
+        blocks.append(page.Caption(text="All contacts share one law."))
+    idle = [contact.name for contact in about.rig.mechanism.contacts() if contact.name not in laws]
+    if idle and not about.single:
+        blocks.append(page.Caption(text=f"Nothing rubs at {joined(idle)}."))
     from_file = f", from `{about.law_file}`" if about.law_file else ""
-    heading = f"{law.title} friction{from_file}"
-    return page.Section(id="law", nav="The law", heading=heading, blocks=tuple(blocks))
+    names = joined(list(dict.fromkeys(law.title for law in laws.values())))
+    heading, nav = f"{names} friction{from_file}", "The law" if about.single else "The laws"
+    return page.Section(id="law", nav=nav, heading=heading, blocks=tuple(blocks))
 
 
 def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
@@ -515,33 +649,44 @@ def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
     return interval(*known.intervals[name]), "stated" if name in known.stated else "fitted"
 
 
-def drawn(band: Band | None, known: LawEstimates | None) -> list[page.Block]:
-    """Return how the runs of a band were drawn, in words; nothing where there is no band."""
+def spread_section(about: RunReport) -> page.Section | None:
+    """Return the spread of the motion over draws of uncertain parameters; None without a band."""
+    band, known = about.band, about.estimates
     if band is None:
-        return []
+        return None
+    seen = band.in_short()
     of_law = [path for path in band.draws if path.startswith("friction.")]
     of_rig = ", ".join(_in_words(path) for path in band.draws if path not in of_law)
-    begin = f"The band: {band.count} draws (seed {band.seed}) of"
+    begin = f"{band.count} draws (seed {band.seed}) of"
     rig = f"{of_rig}, normal with their standard uncertainties and independent"
     if known is None or not of_law:
-        return [page.Caption(text=f"{begin} {rig}. It has no measurement noise."), *explained(band)]
-    names = ", ".join(_in_words(path.removeprefix("friction.")) for path in of_law)
-    how = (
-        "with their covariance"
-        if len(known.covariance_of) > 1
-        else f"uniform within the {known.interval}"
-        if known.interval in HARD
-        else "normal with the 95 % interval"
+        text = f"{begin} {rig}. It has no measurement noise."
+    else:
+        names = ", ".join(_in_words(path.removeprefix("friction.")) for path in of_law)
+        how = (
+            "with their covariance"
+            if len(known.covariance_of) > 1
+            else f"uniform within the {known.interval}"
+            if known.interval in HARD
+            else "normal with the 95 % interval"
+        )
+        text = (
+            f"{begin} {names}, {how}, in the valid ranges of"
+            f" {'the law' if isinstance(known.law, str) else 'the laws'}"
+            f"{f'; and of {rig}' if of_rig else ''}. It has no measurement noise."
+        )
+        if known.kept:
+            text += f" Fixed: {', '.join(map(_in_words, known.kept))}."
+    return page.Section(
+        id="spread",
+        nav="Uncertainty",
+        heading=f"{band.count} runs with uncertain parameters drawn",
+        blocks=(
+            table_of(seen.head, seen.rows),
+            page.Caption(text=" ".join([text, *band.reasons])),
+            *explained(band),
+        ),
     )
-    text = (
-        f"{begin} {names}, {how}, in the valid ranges of"
-        f" {'the law' if isinstance(known.law, str) else 'the laws'}"
-        f"{f'; and of {rig}' if of_rig else ''}. It has no measurement noise."
-    )
-    if known.kept:
-        words = ", ".join(map(_in_words, known.kept))
-        text += f" Fixed: {words}."
-    return [page.Caption(text=text), *explained(band)]
 
 
 def explained(band: Band) -> list[page.Block]:
@@ -552,20 +697,15 @@ def explained(band: Band) -> list[page.Block]:
         shares = {name: band.shares(name) for name in band.travels}
     except InputError as error:
         return [page.Caption(text=f"Which parameter the spread comes from is not said: {error}")]
-    rows = tuple(
-        Row(
-            cells=(
-                _in_words(path.removeprefix("friction.").removeprefix("mechanism.")),
-                *(indices.text_of("first", place) for indices in shares.values()),
-            )
-        )
-        for place, path in enumerate(band.draws)
-    )
-    heads = (
-        Column(head=f"share of the variance\nof the travel of {name}", numeric=True)
-        for name in shares
-    )
-    table = Table(columns=(Column(head="uncertain parameter"), *heads), rows=rows)
+    names = [
+        _in_words(path.removeprefix("friction.").removeprefix("mechanism.")) for path in band.draws
+    ]
+    rows = [
+        (name, *(indices.text_of("first", place) for indices in shares.values()))
+        for place, name in enumerate(names)
+    ]
+    heads = (f"share of the variance\nof the travel of {name}" for name in shares)
+    table = table_of(["uncertain parameter", *heads], rows)
     text = (
         "Sobol indices of first order with 95 % intervals, from the draws of the band: what each"
         " parameter explains alone."
@@ -574,13 +714,11 @@ def explained(band: Band) -> list[page.Block]:
         share, half = one.indices["first"], one.half_widths["first"]
         *_, second, first = np.argsort(share).tolist()
         if share[first] - share[second] > math.hypot(half[first], half[second]):
-            text += (
-                f" To know the travel of {name} better, measure the {rows[first].cells[0]} first."
-            )
+            text += f" To know the travel of {name} better, measure the {names[first]} first."
         elif share[first] <= half[first]:
             text += f" No parameter alone is shown to spread the travel of {name}."
         else:
-            both = f"{rows[first].cells[0]} and {rows[second].cells[0]}"
+            both = f"{names[first]} and {names[second]}"
             text += (
                 f" {one.used} runs do not settle which of {both} spreads the travel of {name} more."
             )
@@ -595,14 +733,10 @@ def _in_words(name: str) -> str:
 
 def certificate_section(about: RunReport) -> page.Section:
     """Return how far to trust the computation, in words."""
-    return certificate_of(about.run, exact=about.fixed_step is None)
-
-
-def certificate_of(run: Trajectory, *, exact: bool = True) -> page.Section:
-    """Return how far to trust a computation, in words."""
+    exact = about.fixed_step is None
     if not exact:
         heading = "Fixed steps have no certificate"
-    elif run.certificate.certified:
+    elif about.run.certificate.certified:
         heading = "The run is certified"
     else:
         heading = "The run is not certified"
@@ -610,13 +744,12 @@ def certificate_of(run: Trajectory, *, exact: bool = True) -> page.Section:
         "The certificate shows that the equations were solved correctly: energies are integrated"
         " independently of the motion. It does not show that the law describes the contact."
     )
-    items = evidence(run, located=exact)
-    blocks = (page.KeyValues(items=items), page.Caption(text=text))
+    blocks = (page.KeyValues(items=evidence(about.run, located=exact)), page.Caption(text=text))
     return page.Section(id="certificate", nav="Certificate", heading=heading, blocks=blocks)
 
 
 def reproduce_section(about: RunReport) -> page.Section:
-    """Return commands, versions, hashes and the sources of the law."""
+    """Return commands, versions, hashes and the sources of the laws."""
     origin = page.Origin(
         title=about.rig.heading,
         data="",
@@ -624,7 +757,9 @@ def reproduce_section(about: RunReport) -> page.Section:
         commands=about.commands,
         versions=about.versions,
     )
-    return reproduce(origin, laws=[about.law], cited={"paper": ["criteria"]})
+    laws = {type(law): law for law in about.laws.values()}.values()
+    cited = {"paper": ["criteria"]} if about.single else {}
+    return reproduce(origin, laws=laws, cited=cited)
 
 
 # The report of a run as a page.
@@ -644,50 +779,31 @@ def validation_section(about: RunReport) -> page.Section | None:
     if seen is None:
         return None
     verdict, *rest = seen.sentences()
-    blocks: list[page.Block] = [page.Caption(text=verdict)]
+    blocks: list[page.Block] = [page.Paragraph(text=verdict)]
     for index in range(min(len(seen.records), MOST_RECORDS)):
         name = seen.records[index].name or f"record {index + 1}"
         band = "; shaded: 95 % band of the prediction, without noise" if seen.drawn else ""
-        svg = plots.inline_svg(
-            plots.draw_validation(seen, record=index),
-            alt=f"Measured and predicted, {name}",
-            prefix=f"validation-{index}",
-            **plots.VALIDATION_SIZES,
-        )
         label = f" ({name})" if len(seen.records) > 1 else ""
-        blocks.append(
-            page.Figure(svg=svg, caption=f"**Measured and predicted**{label}, and residual{band}.")
-        )
+        caption = f"**Measured and predicted**{label}, and residual{band}."
+        draw = plots.draw_validation(seen, record=index)
+        alt = f"Measured and predicted, {name}"
+        blocks.append(figure(draw, alt, f"validation-{index}", caption, plots.VALIDATION_SIZES))
     if seen.travels:
-        blocks.append(_travels(seen))
+        table = seen.in_short()
+        blocks.append(table_of(table.head, table.rows))
     blocks += [page.Caption(text=text) for text in rest]
-    if about.refit:
-        blocks.append(
-            page.Caption(text="**Refitted to this measurement.** " + " ".join(about.refit))
-        )
+    if about.refit is not None:
+        blocks.append(page.Subheading(text="Refitted to this measurement"))
+        blocks += [page.Caption(text=text) for text in about.refit.sentences(seen)]
     return page.Section(
         id="validation", nav="Measured", heading=HEADINGS[seen.agrees], blocks=tuple(blocks)
     )
 
 
-def _travels(seen: Validation) -> Table:
-    heads = ("measured", "predicted", "95 % band", "meets it")
-    columns = (
-        Column(head="trial"),
-        Column(head="quantity", phone="label", label="quantity:"),
-        *(Column(head=head, numeric=True, phone="label", label=f"{head}:") for head in heads),
-    )
-    rows = (
-        Row(cells=(travel.name, travel.quantity.replace("_", " "), *travel.cells()))
-        for travel in seen.travels
-    )
-    return Table(columns=columns, rows=tuple(rows))
-
-
 def opening_section(about: RunReport) -> page.Section:
     """Return the headline with its numbers, and what the run cannot tell."""
     opening = page.Opening(
-        kicker=f"{about.rig.heading}, {about.law.title} friction",
+        kicker=about.title,
         verdict=_headline(about),
         lede=_lede(about),
         facts=_facts(about),
@@ -699,19 +815,26 @@ def opening_section(about: RunReport) -> page.Section:
 
 
 def _headline(about: RunReport) -> str:
-    run, seen, part = about.run, about.criteria, about.part
+    run, part = about.run, about.part
     if not run.status.complete:
         return ended_early(run.span[1])
+    if not about.single:
+        at, events = count(len(about.views), "contact"), run.events
+        if not events:
+            return f"Nothing changes at {at}"
+        last = f"the last at {quantity(events[-1].t, 's')}"
+        return f"{capital(count(len(events), 'event'))} at {at}, {last}"
+    seen = about.criteria
     if not about.moves:
         return f"The {part} does not move"
     if about.cycles:
-        last = about.cycles[-1]
-        if not last.moves_on:
+        last_cycle = about.cycles[-1]
+        if not last_cycle.moves_on:
             return f"The {part} makes no net motion: the last cycle ends where it began"
-        way = "moves" if last.travel > 0.0 else "moves back"
+        way = "moves" if last_cycle.travel > 0.0 else "moves back"
         return (
-            f"The {part} {way} {about.of(abs(last.travel))} in a cycle of"
-            f" {quantity(last.period, 's')}"
+            f"The {part} {way} {about.of(abs(last_cycle.travel))} in a cycle of"
+            f" {quantity(last_cycle.period, 's')}"
         )
     if seen.stop_time is not None:
         after = quantity(seen.stop_time, "s")
@@ -726,20 +849,42 @@ def _lede(about: RunReport) -> str:
         travel = sum(cycle.travel for cycle in about.cycles)
         if about.moves:
             said.append(f"The {about.part} {about.advances(travel, 4)} in {number}.")
-    resting = _resting(about, about.cycles[-1].advance if about.cycles else about.criteria.travel)
-    said += [f"The travel {resting.removeprefix('; ')}."] if resting else []
+    if about.single:
+        moved = about.cycles[-1].advance if about.cycles else about.criteria.travel
+        resting = _resting(about, moved)
+        said += [f"The travel {resting.removeprefix('; ')}."] if resting else []
+    if isinstance(about.law, PrintedForm) and about.run.status is Status.END_TIME:
+        speed = float(about.run[about.rate][-1])
+        unit = about.run.units[about.rate]
+        said += [f"The body still moves then, at {quantity(speed, unit, 3)}."] if speed else []
+    return " ".join([*said, *_spread(about)])
+
+
+def _spread(about: RunReport) -> list[str]:
+    """Return by how much coordinates differ between the runs of the band, in sentences."""
     band = about.band
-    if band is not None:
-        travels = about.range_beside(band.travel, about.criteria.travel)
-        said.append(
-            f"With uncertain parameters drawn, the travel of the whole run is"
-            f" {travels} in 95 % of {band.count} runs."
-        )
-        said += band.reasons
-    return " ".join(said)
+    if band is None:
+        return []
+    shown = joined(
+        [
+            f"{name} changes by"
+            f" {scale_of([one.low, one.high], band.units[name]).interval(one.low, one.high)}"
+            for name, one in [*band.travels.items()][:MOST_SAID]
+        ]
+    )
+    return [
+        "With uncertain parameters drawn, over the whole run"
+        f" {shown} in 95 % of {band.count} runs.",
+        *band.reasons,
+    ]
 
 
 def _facts(about: RunReport) -> tuple[page.Fact, ...]:
+    if not about.single:
+        book = about.run.certificate
+        work = page.Fact(value=quantity(book.work_friction, "J", 4), what="work taken by friction")
+        decided = page.Fact(value=f"{book.decisions:,}", what="instants decided together")
+        return (work, decided) if book.decisions else (work,)
     band, seen = about.band, about.criteria
     moved = about.cycles[-1].advance if about.cycles else seen.travel
     travel = page.Fact(
@@ -762,7 +907,10 @@ def _facts(about: RunReport) -> tuple[page.Fact, ...]:
 
 def _resting(about: RunReport, distance: float) -> str:
     """Return on which bristles a distance rests that no measurement determined, behind a comma."""
-    found = unfitted_bristles(about.law, about.estimates, distance, about.rig.mechanism)
+    law = next(iter(about.laws.values()), None)
+    if law is None:
+        return ""
+    found = unfitted_bristles(law, about.estimates, distance, about.rig.mechanism)
     return f"; depends on {joined(list(found))}, which no measurement determined" if found else ""
 
 
@@ -784,7 +932,9 @@ def _cannot_tell(about: RunReport) -> tuple[str, ...]:
     said += [
         f"By how much static friction exceeds sliding friction: ${own}$ was neither measured nor"
         f" given and is set equal to ${other}$."
-        for own, other in equated(about.law).values()
+        for own, other in dict.fromkeys(
+            pair for law in about.laws.values() for pair in equated(law).values()
+        )
     ]
     if about.estimates is None:
         said.append("The uncertainty of the motion: the law has no intervals.")
@@ -793,24 +943,44 @@ def _cannot_tell(about: RunReport) -> tuple[str, ...]:
             "The uncertainty of the motion: `--ensemble 200` computes it from the law's intervals."
         )
     else:
-        said.append(f"How the {about.part} would move with another law that fits the data as well.")
+        said.append("The motion with another law that fits the data as well.")
     if not about.run.status.complete:
         said.append("The motion after the run ended.")
     return tuple(said)
 
 
-SECTIONS = (
+SECTIONS: tuple[Callable[[RunReport], page.Section | None], ...] = (
     opening_section,
     motion_section,
     validation_section,
     cycles_section,
     animation_section,
+    contacts_section,
     events_section,
     criteria_section,
     law_section,
+    spread_section,
     certificate_section,
     reproduce_section,
 )
+SHORT = (
+    opening_section,
+    motion_section,
+    cycles_section,
+    contacts_section,
+    events_section,
+    certificate_section,
+    spread_section,
+    validation_section,
+)
+"""What the terminal shows."""
+MOST_SAID = 4
+"""Coordinates whose spread the opening gives."""
+
+
+def run_sections(about: RunReport) -> tuple[page.Section, ...]:
+    """Return the sections of a run that the terminal shows."""
+    return page.made_sections(*(partial(make, about) for make in SHORT))
 
 
 def run_page(about: RunReport) -> str:
@@ -828,260 +998,12 @@ def run_page(about: RunReport) -> str:
     >>> "The block comes to rest" in page, "could not be made" in page
     (True, False)
     """
-    sections = page.made_sections(*(partial(make, about) for make in SECTIONS))
     return page.render(
         page.Page(
-            title=f"{about.rig.heading}: {about.law.title} friction",
+            title=about.title,
             subject=about.rig.path or about.rig.heading,
-            sections=sections,
+            sections=page.made_sections(*(partial(make, about) for make in SECTIONS)),
             footer=page.colophon(about.versions),
             kicker="simulation report",
         )
     )
-
-
-# The report of a run with several contacts.
-
-MOST_SAID = 4
-"""Coordinates whose spread the opening gives."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ContactsReport:
-    """A run with several contacts and what is known of it.
-
-    Parameters
-    ----------
-    rig : Rig
-        What moved.
-    friction : FrictionLaw or Laws
-        The law that all contacts share, or laws by contact.
-    run : Trajectory
-        How.
-    estimates : LawEstimates, optional
-        How well the law, or the laws by contact, are known.
-    band : Band, optional
-        The motion with parameters drawn from their estimates.
-    commands : tuple of str
-        Commands that give this report again.
-    versions : mapping of str to str
-        What the result may depend on.
-    digests : mapping of str to str
-        Hashes of the inputs.
-    """
-
-    rig: Rig
-    friction: FrictionLaw | Laws
-    run: Trajectory
-    estimates: LawEstimates | None = None
-    band: Band | None = None
-    commands: tuple[str, ...] = ()
-    versions: Mapping[str, str] = field(default_factory=dict)
-    digests: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def views(self) -> Mapping[str, Trajectory]:
-        """The run as each contact that rubs sees it."""
-        names = self.run.contacts or (self.run.only_contact,)
-        return {name: self.run.contact(name) for name in names}
-
-    @property
-    def laws(self) -> Mapping[str, FrictionLaw]:
-        """The law of each contact that rubs."""
-        if isinstance(self.friction, Laws):
-            return dict(self.friction.members)
-        return dict.fromkeys(self.views, self.friction)
-
-    @property
-    def kinds(self) -> str:
-        """The laws in words."""
-        return joined(list(dict.fromkeys(law.title for law in self.laws.values())))
-
-
-def contacts_page(about: ContactsReport) -> str:
-    """Return the report of a run with several contacts as one HTML file.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, TwoFeet, simulate
-    >>> body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
-    >>> law = Coulomb(kinetic_coefficient=0.2)
-    >>> run = simulate(body, law, t_end=1.0, y0={"v": 0.5})
-    >>> page = contacts_page(ContactsReport(rig=Rig(mechanism=body), friction=law, run=run))
-    >>> "could not be made" in page
-    False
-    """
-    makers = (
-        opening_of_contacts,
-        coordinates_section,
-        contacts_section,
-        events_by_contact,
-        laws_section,
-        lambda about: certificate_of(about.run),
-        reproduce_contacts,
-    )
-    return page.render(
-        page.Page(
-            title=f"{about.rig.heading}: {about.kinds} friction",
-            subject=about.rig.path or about.rig.heading,
-            sections=page.made_sections(*(partial(make, about) for make in makers)),
-            footer=page.colophon(about.versions),
-            kicker="simulation report",
-        )
-    )
-
-
-def opening_of_contacts(about: ContactsReport) -> page.Section:
-    """Say how the run ended and what each contact did."""
-    run = about.run
-    events = run.events
-    if not run.status.complete:
-        verdict = ended_early(run.span[1])
-    elif events:
-        last = f"the last at {quantity(events[-1].t, 's')}"
-        verdict = f"{capital(count(len(events), 'event'))} at {_number(about)}, {last}"
-    else:
-        verdict = f"Nothing changes at {_number(about)}"
-    book = run.certificate
-    facts = [page.Fact(value=quantity(book.work_friction, "J", 4), what="work taken by friction")]
-    if book.decisions:
-        facts.append(page.Fact(value=f"{book.decisions:,}", what="instants decided together"))
-    opening = page.Opening(
-        kicker=f"{about.rig.heading}, {about.kinds} friction",
-        verdict=verdict,
-        lede=" ".join([run.ending, *_spread(about), *book.warnings]),
-        facts=tuple(facts),
-        cannot_tell=("Whether the laws describe the contacts: that takes measurements of each.",),
-        record="run",
-    )
-    return page.Section(id="result", nav="Result", heading="", blocks=(opening,))
-
-
-def _spread(about: ContactsReport) -> list[str]:
-    """Return by how much coordinates differ between the runs of the band, in sentences."""
-    band = about.band
-    if band is None:
-        return []
-    travels = list(band.travels.items())
-    shown = joined(
-        [
-            f"{name} changes by"
-            f" {scale_of([one.low, one.high], band.units[name]).interval(one.low, one.high)}"
-            for name, one in travels[:MOST_SAID]
-        ]
-    )
-    return [
-        "With uncertain parameters drawn, over the whole run"
-        f" {shown} in 95 % of {band.count} runs.",
-        *band.reasons,
-    ]
-
-
-def _number(about: ContactsReport) -> str:
-    return count(len(about.views), "contact")
-
-
-def coordinates_section(about: ContactsReport) -> page.Section:
-    """Draw the coordinates."""
-    alt = "Coordinates against time"
-    caption = "**Coordinates** against time; where there are few, dots are events."
-    if about.band is not None:
-        caption += (
-            f" Shaded: range of 95 % of {about.band.count} runs with uncertain parameters drawn."
-        )
-    draw = plots.draw_states(about.run, band=about.band)
-    figure = page.Figure(
-        svg=plots.inline_svg(draw, alt=alt, prefix="motion", **plots.STATE_SIZES), caption=caption
-    )
-    return page.Section(id="motion", nav="Motion", heading="The motion", blocks=(figure,))
-
-
-def contacts_section(about: ContactsReport) -> page.Section:
-    """Return friction at each contact, and how much each holds and takes."""
-    run = about.run
-    sizes = plots.contact_sizes(run)
-    figure = page.Figure(
-        svg=plots.inline_svg(
-            plots.draw_contacts(run), alt="Friction at each contact", prefix="contacts", **sizes
-        ),
-        caption=(
-            "**Friction at each contact** against time. Yellow: it sticks; dots are events."
-            if len(about.views) <= plots.MOST_PANELS
-            else "**What each contact does** against time."
-        ),
-    )
-    first, last = run.span
-    rows = []
-    for name, own in about.views.items():
-        work = run.certificate.work.get(name, run.certificate.work_friction)
-        share = percent(own.stick_time() / (last - first)) if last > first else "none"
-        rows.append(Row(cells=(name, f"{len(own.events):,}", share, number(work, 4))))
-    columns = (
-        Column(head="contact"),
-        Column(head="events", numeric=True, phone="label", label="events:"),
-        Column(head="of the time it sticks", numeric=True, phone="label", label="sticks:"),
-        Column(head="work taken\nJ", numeric=True, phone="label"),
-    )
-    table = Table(columns=columns, rows=tuple(rows))
-    return page.Section(
-        id="contacts", nav="Contacts", heading="The contacts", blocks=(figure, table)
-    )
-
-
-def events_by_contact(about: ContactsReport) -> page.Section:
-    """Return what happened how often at each contact, first and last."""
-    events = {name: own.events for name, own in about.views.items()}
-    block: page.Block = (
-        event_table(events) if any(events.values()) else page.Caption(text="No events.")
-    )
-    return page.Section(id="events", nav="Events", heading="Events", blocks=(block,))
-
-
-def laws_section(about: ContactsReport) -> page.Section:
-    """Return the formula of each kind of law, and the parameters by contact."""
-    laws, known = about.laws, about.estimates
-    kinds = {type(law): law for law in laws.values()}
-    rows = []
-    for name, law in laws.items():
-        for path, known_quantity, value in parameters(law, "friction"):
-            what = path.removeprefix("friction.").replace("_", " ").capitalize()
-            unit = "none" if known_quantity.unit == "1" else known_quantity.unit
-            cells = [name, law.title, f"{what} ${known_quantity.symbol}$", number(value, 4), unit]
-            if known is not None:
-                prefix = "" if isinstance(known.law, str) else f"{name}."
-                cells += how_known(known, prefix + path.removeprefix("friction."))
-            rows.append(Row(cells=tuple(cells)))
-    columns = [
-        Column(head="contact"),
-        Column(head="law", phone="label", label="law:"),
-        Column(head="parameter", phone="label", label="parameter:"),
-        Column(head="value", numeric=True, phone="label", label="value:"),
-        Column(head="unit", phone="label", label="unit:"),
-    ]
-    if known is not None:
-        columns += [
-            Column(head=known.interval, numeric=True, phone="label", label=f"{known.interval}:"),
-            Column(head="how it is known", phone="label", label="known:"),
-        ]
-    idle = [contact.name for contact in about.rig.mechanism.contacts() if contact.name not in laws]
-    blocks: list[page.Block] = [page.Math(latex=law.formula) for law in kinds.values()]
-    blocks.append(Table(columns=tuple(columns), rows=tuple(rows)))
-    blocks += drawn(about.band, known)
-    if isinstance(about.friction, FrictionLaw) and len(laws) > 1:
-        blocks.append(page.Caption(text="All contacts share one law."))
-    if idle:
-        blocks.append(page.Caption(text=f"Nothing rubs at {joined(idle)}."))
-    return page.Section(id="law", nav="The laws", heading="The laws", blocks=tuple(blocks))
-
-
-def reproduce_contacts(about: ContactsReport) -> page.Section:
-    """Tell how to repeat the run."""
-    laws = {type(law): law for law in about.laws.values()}
-    origin = page.Origin(
-        title=about.rig.heading,
-        data="",
-        files=about.digests,
-        commands=about.commands,
-        versions=about.versions,
-    )
-    return reproduce(origin, laws=laws.values())

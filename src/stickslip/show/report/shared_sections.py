@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from stickslip.data import Checks
 from stickslip.engine.trajectory import Trajectory
@@ -23,7 +24,7 @@ from stickslip.show.formatting import (
 )
 from stickslip.show.plots import draw_characteristic, inline_svg
 from stickslip.show.report import blocks as page
-from stickslip.show.report.tables import Column, Name, Row, Table
+from stickslip.show.report.tables import table_of
 from stickslip.study.characterization import Characteristic, Characterization
 
 CERTIFICATE: Final = "Certificate of the computation"
@@ -99,6 +100,15 @@ def opening(
         record=record,
     )
     return page.Section(id="verdict", nav="Verdict", heading="", blocks=(block,))
+
+
+def figure(
+    draw: Any, alt: str, prefix: str, caption: str, sizes: Mapping[str, Any] = MappingProxyType({})
+) -> page.Figure:
+    """Return a figure that is drawn where it is shown: by `inline_svg`, with these arguments."""
+    return page.Figure(
+        svg=partial(inline_svg, draw, alt=alt, prefix=prefix, **sizes), caption=caption
+    )
 
 
 def record_and_checks(checks: Checks) -> page.Section | None:
@@ -247,7 +257,7 @@ MANY = 4
 
 
 def characterization_page(
-    found: Characterization, *, reproduce: Sequence[str] = (), versions: Mapping[str, str]
+    found: Characterization, *, commands: Sequence[str] = (), versions: Mapping[str, str]
 ) -> page.Page:
     """Return the page of a battery.
 
@@ -261,11 +271,14 @@ def characterization_page(
     """
     titles = [law.title for law in found.all]
     tests = [_test(name, results, found) for name, results in found.by_test.items()]
+    runs = page.KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified")
+    origin = page.Origin(title="", data="", commands=tuple(commands), versions=versions)
+    end = reproduce(origin, items=[runs], laws=[law.law for law in found.all])
     return page.Page(
         title=joined(titles) if len(titles) < MANY else f"{titles[0]} and {len(titles) - 1} more",
         subject=f"normal force {quantity(found.load, 'N')}",
         kicker="friction laws on the test bench",
-        sections=(_overview(found), _laws(found), *tests, _end(found, reproduce, versions)),
+        sections=(_overview(found), _laws(found), *tests, end),
         footer=page.colophon(versions),
     )
 
@@ -279,8 +292,8 @@ def _overview(found: Characterization) -> page.Section:
     for law in found.all:
         if found.others:
             blocks.append(page.Subheading(text=law.title))
-        rows = tuple(Row(cells=(title, law.told(name))) for name, title in names.items())
-        blocks.append(Table(columns=(Column(head="test"), Column(head="result")), rows=rows))
+        rows = [(title, law.told(name)) for name, title in names.items()]
+        blocks.append(table_of(["test", "result"], rows))
     heading = "What the law does" if not found.others else "What the laws do"
     return page.Section(id="overview", nav="Overview", heading=heading, blocks=tuple(blocks))
 
@@ -291,24 +304,17 @@ def _laws(found: Characterization) -> page.Section:
     for law in found.all:
         blocks.append(page.Subheading(text=law.title))
         blocks.append(page.Math(latex=law.law.formula))
-        rows = tuple(
-            Row(
-                cells=(
-                    f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$",
-                    number(getattr(law.law, name), 6),
-                    "none" if quantity.unit == "1" else quantity.unit,
-                )
+        rows = [
+            (
+                f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$",
+                number(getattr(law.law, name), 6),
+                "none" if quantity.unit == "1" else quantity.unit,
             )
             for name, quantity in fields_of(type(law.law)).items()
             if getattr(law.law, name) is not None
-        )
-        columns = (
-            Column(head="parameter"),
-            Column(head="value", numeric=True),
-            Column(head="unit", phone="label", label="unit:"),
-        )
+        ]
         if rows:
-            blocks.append(Table(columns=columns, rows=rows))
+            blocks.append(table_of(["parameter", "value", "unit"], rows))
         if law.matched:
             blocks.append(page.Caption(text=law.matched))
     heading = "The law" if not found.others else "The laws"
@@ -324,37 +330,10 @@ def _test(
     if len(found.all) == 1:
         blocks.append(page.Paragraph(text=first.sentence))
     else:
-        rows = tuple(
-            Row(cells=(Name(text=title), result.sentence)) for title, result in results.items()
-        )
-        blocks.append(Table(columns=(Column(head="law"), Column(head="result")), rows=rows))
-    svg = inline_svg(
-        draw_characteristic(results),
-        alt=f"{first.title}: {', '.join(results)}",
-        prefix=f"figure-{name}",
-    )
-    blocks.append(page.Figure(svg=svg, caption=f"**{first.title}.** {first.conditions}"))
+        rows = [(title, result.sentence) for title, result in results.items()]
+        blocks.append(table_of(["law", "result"], rows))
+    alt, caption = f"{first.title}: {', '.join(results)}", f"**{first.title}.** {first.conditions}"
+    blocks.append(figure(draw_characteristic(results), alt, f"figure-{name}", caption))
     failed = [(law.title, law.failed[name]) for law in found.all if name in law.failed]
     blocks += [page.Note(title=f"{title}: no result.", text=why) for title, why in failed]
     return page.Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))
-
-
-def _end(
-    found: Characterization, commands: Sequence[str], versions: Mapping[str, str]
-) -> page.Section:
-    """Return sources, commands and versions."""
-    blocks: list[page.Block] = []
-    references = law_references([law.law for law in found.all], {})
-    if references:
-        blocks.append(page.References(items=references))
-    if commands:
-        blocks.append(page.Code(text="\n".join(f"$ {command}" for command in commands)))
-    items = [page.KeyValue(key=name, value=version) for name, version in versions.items()]
-    items.append(page.KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified"))
-    blocks.append(page.KeyValues(items=tuple(items)))
-    return page.Section(
-        id="reproduce",
-        nav="Sources",
-        heading="Sources, and how to make this page again",
-        blocks=tuple(blocks),
-    )

@@ -1,13 +1,14 @@
 """Tables that become cards on a phone, with plots one line high in their cells."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, zip_longest
 from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
 
 from stickslip.errors import InputError
-from stickslip.show.formatting import Scale, fixed, number
+from stickslip.show.display import cell_text, is_numeric
+from stickslip.show.formatting import NO_VALUE, Scale, fixed, number
 from stickslip.show.report import markup
 
 # Plots one line high inside a table: placed in percent, so that they stretch with the cell.
@@ -510,6 +511,45 @@ class Table:
             "hide": column.phone == "hide",
         }
         return " ".join(name for name, holds in classes.items() if holds)
+
+
+def table_of(
+    heads: Sequence[str],
+    rows: Iterable[Sequence[object]],
+    caption: str = "",
+    *,
+    chosen: Sequence[bool] = (),
+) -> Table:
+    r"""Return a table of texts, whose columns of numbers are aligned to the right.
+
+    Examples
+    --------
+    >>> table = table_of(["law", "travel\nm"], [("Coulomb", "0.204"), ("Dahl", "—")])
+    >>> [column.numeric for column in table.columns]
+    [False, True]
+    """
+    made = [
+        Row(cells=tuple(map(_cell, row)), chosen=bool(chosen) and chosen[place])
+        for place, row in enumerate(rows)
+    ]
+    columns = []
+    for place, head in enumerate(heads):
+        cells = [row.cells[place] for row in made]
+        numeric = place > 0 and all(
+            isinstance(cell, Number) or (isinstance(cell, str) and is_numeric(cell))
+            for cell in cells
+        )
+        phone: Literal["show", "label"] = "show" if place == 0 else "label"
+        label = f"{head}:" if head and "\n" not in head else ""
+        columns.append(Column(head=head, numeric=numeric, phone=phone, label=label))
+    return Table(columns=tuple(columns), rows=tuple(made), caption=caption)
+
+
+def _cell(item: object) -> Cell:
+    """Return a cell, in which what is not known is a dash."""
+    if isinstance(item, Number | Name | Blank | RowPlot):
+        return item
+    return cell_text(item) or NO_VALUE
 
 
 @dataclass(frozen=True, kw_only=True)

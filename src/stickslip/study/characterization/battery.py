@@ -889,20 +889,19 @@ class Characterization(InPanels):
         return {**entry, "others": [other.to_dict() for other in self.others]}
 
     def _summary(self) -> Summary:
-        if self.others:
-            head = ["test", *(law.title for law in self.all)]
-            names = dict.fromkeys(name for law in self.all for name in law.results)
-            rows = [[name, *(law.told(name) for law in self.all)] for name in names]
-            return Summary(sentence=f"{len(self.all)} laws side by side.", head=head, rows=rows)
-        rows = [[name, self.told(name)] for name in (*self.results, *self.failed)]
-        return Summary(sentence=f"{self.title}, normal force {number(self.load)} N.", rows=rows)
+        names = dict.fromkeys(name for law in self.all for name in (*law.results, *law.failed))
+        rows = [[name, *(law.told(name) for law in self.all)] for name in names]
+        if not self.others:
+            return Summary(sentence=f"{self.title}, normal force {number(self.load)} N.", rows=rows)
+        head = ["test", *(law.title for law in self.all)]
+        return Summary(sentence=f"{len(self.all)} laws side by side.", head=head, rows=rows)
 
     def told(self, test: str) -> str:
         """Return what a test says in a sentence; `failed` has why one could not be made."""
         result = self.results.get(test)
         if result is not None:
             return result.sentence
-        return "no result" if test in self.failed else "not made"
+        return f"no result: {self.failed[test]}" if test in self.failed else "not made"
 
 
 def characterize(

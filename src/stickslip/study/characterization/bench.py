@@ -22,6 +22,7 @@ from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.show.display import OnAxes, Summary, Tabular
+from stickslip.show.documents import json_value
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,11 +55,9 @@ class Characteristic(OnAxes, Tabular, ABC):
     @final
     def to_dict(self) -> dict[str, Any]:
         """Return sentence, conditions and numbers, as in JSON."""
-        found: dict[str, Any] = {"sentence": self.sentence, "conditions": self.conditions}
-        for entry in dataclasses.fields(self):
-            if entry.name != "conditions":
-                found[entry.name] = _plain(getattr(self, entry.name))
-        return found
+        names = [part.name for part in dataclasses.fields(self)]
+        found: dict[str, Any] = json_value({name: getattr(self, name) for name in names})
+        return {"sentence": self.sentence, **found}
 
     @final
     def to_dataframe(self) -> "pd.DataFrame":
@@ -79,14 +78,6 @@ class Characteristic(OnAxes, Tabular, ABC):
 
     def _summary(self) -> Summary:
         return Summary(sentence=self.sentence, notes=[self.conditions])
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    return value
 
 
 # Presliding: friction against displacement where the contact deflects but hardly slips.

@@ -43,7 +43,7 @@ from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.quantities import Quantity, all_paths, full_path, named, replaced, vary
 from stickslip.show.described import Described
-from stickslip.show.display import Tabular, require_library
+from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity
 from stickslip.study.optimisation.steady_cycle import ACCELERATION, Cycle, measure, travelling
 
@@ -194,8 +194,8 @@ class Motion(metaclass=Described):
         return "" if self.feasible else "does not travel forward"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Optimum(Tabular):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Optimum(OnAxes, Tabular):
     """The best motion, or the front of motions of which none is better in both objectives."""
 
     mechanism: Mechanism
@@ -242,15 +242,11 @@ class Optimum(Tabular):
 
     def to_dict(self) -> dict[str, Any]:
         """Return numbers and texts, for JSON."""
-        return {
+        names = ("limits", "scenarios", "evaluations", "seed", "cancelled")
+        return {name: getattr(self, name) for name in names} | {
             "goals": dict(self.units),
-            "limits": dict(self.limits),
-            "scenarios": self.scenarios,
             "motions": [_content(motion) for motion in self.motions],
             "start": _content(self.start),
-            "evaluations": self.evaluations,
-            "seed": self.seed,
-            "cancelled": self.cancelled,
             "certified": self.run.certificate.certified,
         }
 
@@ -269,19 +265,31 @@ class Optimum(Tabular):
         t_end = SHOWN_CYCLES * self.best.cycles[0].period
         return rig_toml(self.mechanism, self.law, title=f"Best {titles}", t_end=t_end)
 
-    def __repr__(self) -> str:
-        shown = [
-            f"{goal.title} {quantity(self.best.goals[goal.name], self.units[goal.name], 5)}"
-            for goal in self.goals
+    def _summary(self) -> Summary:
+        several = range(1, len(self.motions) + 1) if len(self.motions) > 1 else [""]
+        names = [*(f"best {place}".strip() for place in several), "as given"]
+        motions = zip(names, (*self.motions, self.start), strict=True)
+        rows = [
+            [name, *motion.goals.values(), *motion.parameters.values(), motion.reason]
+            for name, motion in motions
         ]
-        more = f" and {len(self.motions) - 1} more motions" if len(self.motions) > 1 else ""
-        lines = [f"<{', '.join(shown)}{more}"]
-        lines += [f"{path} = {number(value, 5)}" for path, value in self.best.parameters.items()]
-        lines += [
-            f"{m.name} {quantity(m.reached, m.unit, 5)} of {quantity(m.allowed, m.unit, 5)}"
-            for m in self.best.margins
-        ]
-        return "\n ".join(lines) + ">"
+        rows = [[number(x, 5) if isinstance(x, float) else x for x in row] for row in rows]
+        goals = [f"{goal.title}, {self.units[goal.name]}" for goal in self.goals]
+        limits = []
+        for limit in self.best.margins:
+            ends = (quantity(value, limit.unit, 5) for value in (limit.reached, limit.allowed))
+            limits.append(f"Limit of {limit.name}: {' of '.join(ends)}.")
+        certified = "certified" if self.run.certificate.certified else "not certified"
+        return Summary(
+            sentence="" if self.scenarios == GIVEN_LAW else f"Objectives: {self.scenarios}",
+            head=("", *goals, *self.best.parameters, ""),
+            rows=rows,
+            notes=(
+                *limits,
+                f"{self.evaluations} motions evaluated, seed {self.seed}; the run of the first is"
+                f" {certified}.",
+            ),
+        )
 
 
 def _content(motion: Motion) -> dict[str, Any]:

@@ -233,11 +233,9 @@ class Basins(OnAxes):
             (attractor.share, attractor.period or "not closed", attractor.velocity)
             for attractor in self.attractors
         ]
-        count = len(rows)
-        lead = int(np.sum(self.index >= 0))
+        lead = f"{np.sum(self.index >= 0)} of {self.index.size} starts lead to"
         return Summary(
-            sentence=f"{lead} of {self.index.size} starts lead to {count}"
-            f" attractor{'' if count == 1 else 's'}.",
+            sentence=f"{lead} {len(rows)} attractor{'' if len(rows) == 1 else 's'}.",
             head=("share of starts", "period", "mean velocity") if rows else (),
             rows=rows,
             notes=self.early_ends(),

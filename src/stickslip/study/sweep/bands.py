@@ -29,7 +29,7 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.show.display import OnAxes, Summary, Tabular
-from stickslip.show.formatting import number
+from stickslip.show.formatting import Scale, number, scale_of, within
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
 
@@ -55,6 +55,12 @@ class Spread(NamedTuple):
     """Half of the runs lie below."""
     high: float
     """Quantile 97.5 % of the runs."""
+
+    def cells(self, unit: str) -> tuple[str, str, str]:
+        """Return median, both ends and their unit as texts."""
+        scale = scale_of(self, unit)
+        low, median, high = (scale.factor * value for value in self)
+        return within(median, low, high), Scale(scale.factor, "").interval(*self[::2]), scale.unit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -178,41 +184,40 @@ class Band(OnAxes, Tabular):
 
     def _summary(self) -> Summary:
         several = len(self.travels) > 1
-        rows = [
-            (f"{what} of {name}" if several else what, *(number(x, 4) for x in spread), shown)
-            for name, unit in self.units.items()
-            if name in self.travels
-            for what, spread, shown in (
-                ("travel", self.travels[name], unit),
-                ("mean velocity", self.mean_velocities[name], f"{unit}/s"),
-            )
-        ]
-        lasted = self.count - self.ended_early
+        rows = []
+        for name, travel in self.travels.items():
+            of, unit = f" of {name}" if several else "", self.units[name]
+            cycles = [*enumerate(self.travels_by_cycle[name], 1)]
+            shown = cycles[:1] + cycles[1:][-1:]
+            rows.append((f"travel{of}", *travel.cells(unit)))
+            rows += [(f"cycle {place}{of}", *spread.cells(unit)) for place, spread in shown]
+            mean = self.mean_velocities[name].cells(f"{unit}/s")
+            rows.append((f"mean velocity{of}", *mean))
         return Summary(
-            sentence=completed(lasted, self.count),
-            head=("", "2.5 %", "median", "97.5 %", "unit"),
+            sentence=completed(self.count - self.ended_early, self.count),
+            head=("", "median", "95 % of the runs", "unit"),
             rows=rows,
             notes=self.reasons,
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
-        travels = {name: spread._asdict() for name, spread in self.travels.items()}
-        means = {name: velocity._asdict() for name, velocity in self.mean_velocities.items()}
-        cycles = {
-            name: [spread._asdict() for spread in own]
-            for name, own in self.travels_by_cycle.items()
+        found: dict[str, Mapping[str, Any]] = {
+            "travel": {name: spread._asdict() for name, spread in self.travels.items()},
+            "mean_velocity": {name: mean._asdict() for name, mean in self.mean_velocities.items()},
+            "travel_by_cycle": {
+                name: [spread._asdict() for spread in own]
+                for name, own in self.travels_by_cycle.items()
+            },
         }
-        alone = len(travels) == 1
+        alone = len(self.travels) == 1
         return {
             "runs": self.count,
             "ended_early": self.ended_early,
             "reasons": list(self.reasons),
             "seed": self.seed,
             "parameters": {path: _spread(values)._asdict() for path, values in self.draws.items()},
-            "travel": _only("travel", travels) if alone else travels,
-            "mean_velocity": _only("mean_velocity", means) if alone else means,
-            "travel_by_cycle": _only("travel_by_cycle", cycles) if alone else cycles,
+            **{name: _only(name, of) if alone else of for name, of in found.items()},
         }
 
 

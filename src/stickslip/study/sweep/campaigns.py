@@ -48,7 +48,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.show import documents
 from stickslip.show.described import Described
 from stickslip.show.display import Summary, Tabular, require_library, text_of
-from stickslip.show.formatting import quantity
+from stickslip.show.formatting import count, quantity
 from stickslip.study.sweep.design import (
     OF_INDICES,
     Design,
@@ -144,6 +144,11 @@ class Estimate(metaclass=Described):
     """Bytes of all files."""
 
 
+CUT_SHORT = (
+    "Outputs of runs that ended early are those of the time up to then, or empty: see their status."
+)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CampaignRuns(Tabular):
     """The runs of a campaign, in the files of its folder."""
@@ -233,7 +238,7 @@ class CampaignRuns(Tabular):
 
     def __repr__(self) -> str:
         """Return the number of runs, and how they ended."""
-        return text_of(self._summary())
+        return text_of(self.in_short())
 
     def sensitivity(self, output: str) -> SensitivityIndices:
         """Return how much of an output each factor explains.
@@ -275,11 +280,15 @@ class CampaignRuns(Tabular):
         values = np.where(complete, values, np.nan)
         return indices_of(self.design, output, self.units.get(output, "1"), values, reasons)
 
-    def _summary(self) -> Summary:
-        rows = [("folder", str(self.folder)), ("files", str(len(self.parts)))]
-        rows += [("size", quantity(self.size / 1e6, "MB"))]
-        rows += [(Status[name].value, f"{count} runs") for name, count in self.status.items()]
-        return Summary(sentence=f"{len(self)} runs, {self.certified} certified.", rows=rows)
+    def in_short(self) -> Summary:
+        """Return number, size and endings of the runs."""
+        files = f"{count(len(self.parts), 'file')} of {quantity(self.size / 1e6, 'MB')}"
+        complete = all(Status[name].complete for name in self.status)
+        return Summary(
+            sentence=f"{count(len(self), 'run')}, {self.certified:,} certified, in {files}.",
+            rows=[(name, f"{n:,}. {Status[name].value}") for name, n in self.status.items()],
+            notes=[] if complete else [CUT_SHORT],
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,7 +30,7 @@ from stickslip.engine.trajectory import Ensemble, Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
-from stickslip.show.formatting import percent, quantity, span
+from stickslip.show.formatting import number, percent, quantity, span
 from stickslip.study.sweep import parameter_grid as grid
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
 
@@ -135,25 +135,30 @@ class VelocityMap(OnAxes):
         return xr.Dataset(columns, axes)
 
     def _summary(self) -> Summary:
-        rows = [
-            (
-                path,
-                f"{span(float(x.min()), float(x.max()), self.units[path], 4)}, {len(x)} values",
-            )
+        known = np.isfinite(self.velocity)
+        rows, picks = [], (("largest", np.nanargmax), ("least", np.nanargmin))
+        for word, pick in picks if known.any() else ():
+            place = np.unravel_index(pick(self.velocity), self.velocity.shape)
+            at = [
+                f"{number(values[i], 6)} {self.units[name]}"
+                for i, (name, values) in zip(place, self.axes.items(), strict=True)
+            ]
+            rows.append((word, number(self.velocity[place] + 0.0, 6), *at))
+        over = [
+            f"{path} {span(float(x.min()), float(x.max()), self.units[path], 4)}, {len(x)} values"
             for path, x in self.axes.items()
         ]
-        known = self.velocity[np.isfinite(self.velocity)]
-        if known.size:
-            rows.append(
-                (
-                    f"mean velocity of {self.coordinate}" if self.coordinate else "mean velocity",
-                    span(float(known.min()), float(known.max()), self.unit, 4),
-                )
-            )
+        turns = self.reversals().tolist() if len(self.axes) == 1 else []
+        unit = self.units[next(iter(self.axes))]
+        changes = "The mean velocity changes sign at about"
         return Summary(
-            sentence=f"{known.size} of {self.velocity.size} runs have a velocity.",
+            sentence=f"{known.sum()} of {known.size} runs have a velocity; {'; '.join(over)}.",
+            head=(" ".join(["mean velocity", self.coordinate]).strip(), self.unit, *self.axes),
             rows=rows,
-            notes=self.early_ends(),
+            notes=(
+                *(f"{changes} {quantity(x, unit, 3)}." for x in turns),
+                *self.early_ends(),
+            ),
         )
 
 

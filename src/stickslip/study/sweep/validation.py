@@ -39,6 +39,7 @@ from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import parameters, turned, vary
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary
+from stickslip.show.documents import json_value
 from stickslip.show.formatting import interval, joined, number, parameter_words, percent, quantity
 from stickslip.show.formatting import scale_of as shown_in
 from stickslip.show.formatting import within as value_within
@@ -139,22 +140,17 @@ class ValidatedRecord(metaclass=Described):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; not the samples."""
+        names = ("name", "quantity", "unit", "origin", "noise", "noise_stated", "agrees")
         size, at = self.largest
         return {
-            "name": self.name,
-            "quantity": self.quantity,
-            "unit": self.unit,
+            **{name: getattr(self, name) for name in names},
             "samples": len(self.t),
             "residual_rms": self.rms,
             "largest_residual": size,
             "largest_residual_at": at,
-            "origin": self.origin,
-            "noise": self.noise,
-            "noise_stated": self.noise_stated,
             "share_in_band": self.inside,
             "share_in_band_with_noise": self.inside_with_noise,
             "share_with_as_large_residual": self.as_large,
-            "agrees": self.agrees,
             "time_shift": self.shift,
             "residual_rms_with_time_shift": self.shifted_rms,
         }
@@ -282,16 +278,13 @@ class Validation(InPanels):
     def verdict(self) -> str:
         """Whether the measurement agrees with the prediction, as a sentence."""
         what = "measurement" if self.records and self.travels else self._record or self._reading
+        lacks = ""
         if not self.drawn:
-            return (
-                f"Whether the {what} agrees with the prediction cannot be told: no parameter of the"
-                " law or of the mechanism has an uncertainty."
-            )
-        if self.agrees is None and self.travels and not self.stated:
-            return (
-                f"Whether the {what} agrees with the prediction cannot be told: no uncertainty of"
-                " the readings was stated."
-            )
+            lacks = "no parameter of the law or of the mechanism has an uncertainty"
+        elif self.agrees is None and self.travels and not self.stated:
+            lacks = "no uncertainty of the readings was stated"
+        if lacks:
+            return f"Whether the {what} agrees with the prediction cannot be told: {lacks}."
         if self.agrees is None:
             return (
                 f"Whether the {what} agrees with the prediction is not clear: its residuals are"
@@ -360,27 +353,22 @@ class Validation(InPanels):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        return {
-            "agrees": self.agrees,
-            "verdict": self.verdict,
-            "records": [record.to_dict() for record in self.records],
-            "travels": [travel.to_dict() for travel in self.travels],
+        names = ("agrees", "verdict", "records", "travels", "drawn", "kept", "seed", "reasons")
+        found = {name: getattr(self, name) for name in names} | {
             "uncertainty_of_travels_stated": self.stated if self.travels else None,
             "share_with_as_large_residuals_of_travels": self.travels_as_large,
-            "drawn": list(self.drawn),
-            "kept": list(self.kept),
             "draws": self.count,
-            "seed": self.seed,
-            "reasons": list(self.reasons),
         }
+        return dict(json_value(found))
 
     def _summary(self) -> Summary:
         first, *rest = self.sentences()
         rows = [
-            (travel.name, number(travel.measured, 4), number(travel.predicted, 4), travel.unit)
+            (travel.name, travel.quantity.replace("_", " "), *travel.cells())
             for travel in self.travels
         ]
-        head = ("", "measured", "predicted", "unit") if rows else ()
+        columns = ("trial", "quantity", "measured", "predicted", "95 % band", "meets it")
+        head = columns if rows else ()
         return Summary(sentence=first, head=head, rows=rows, notes=rest)
 
 
