@@ -288,7 +288,6 @@ LABELS = {
     "drive": "the force that drives the motion",
     "drive frequency": "the frequency of the drive",
     "effective size": "too few independent samples",
-    "force sign": "the sign of the force",
     "friction sign": "the sign of friction",
     "gap": "gaps",
     "held samples": "samples logged at a lower rate",

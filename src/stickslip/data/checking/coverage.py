@@ -483,28 +483,6 @@ def monotone(settings: measurement.Array) -> str:
     return ""
 
 
-def _orders(velocity: measurement.Array) -> list[str]:
-    """Return how the speeds of each direction go; one with hardly a reading has no order."""
-    sides = (velocity[velocity < 0.0], velocity[velocity > 0.0])
-    return [monotone(side) for side in sides if side.size >= FEWEST_IN_ORDER]
-
-
-def speeds_in_order(velocity: measurement.Array) -> bool:
-    """Whether the speeds of a table are in order: those of each direction by themselves.
-
-    Examples
-    --------
-    >>> speeds_in_order(np.array([-0.4, -0.2, -0.1, 0.1, 0.2, 0.4]))
-    True
-    >>> speeds_in_order(np.array([0.1, 0.4, 0.2])), speeds_in_order(np.array([0.1, 0.2, 0.4, 0.1]))
-    (False, False)
-    >>> speeds_in_order(np.array([0.1, 0.2, 0.4, -0.1]))
-    True
-    """
-    found = _orders(velocity)
-    return bool(found) and all(found)
-
-
 def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, str]:
     """Return how each parameter goes that was set anew from trial to trial, if all are in order.
 
@@ -532,28 +510,16 @@ def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, s
     return found if all(found.values()) else {}
 
 
-def speeds(record: measurement.Measurement) -> Iterator[Finding]:
-    """Say of a table that its speeds are in order."""
-    velocity = np.asarray(record.values("velocity"))
-    if speeds_in_order(velocity):
-        how = "mostly " if any(order.startswith("mostly") for order in _orders(velocity)) else ""
-        said = f"The speeds are {how}in order from row to row; if they were measured"
-        yield _finding(said, "speed")
-
-
 def order_of_settings(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
-    """Say of readings that what was set is in order."""
+    """Say of readings that what was set is in order; of a table, the judge says it."""
     for path, how in [*settings_in_order(records).items()][:1]:
         what = path.rpartition(".")[2].replace("_", " ")
-        yield _finding(f"The {what} {how} from trial to trial; if it was set", what)
-
-
-def _finding(said: str, what: str) -> Finding:
-    return Finding(
-        kind="order",
-        sentence=f"{said} in this order, a slow drift reads as an effect of the {what}.",
-        measure=f"Measure in random order, or repeat the first {what} at the end",
-    )
+        yield Finding(
+            kind="order",
+            sentence=f"The {what} {how} from trial to trial; if it was set in this order, a slow"
+            f" drift reads as an effect of the {what}.",
+            measure=f"Measure in random order, or repeat the first {what} at the end",
+        )
 
 
 def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> tuple[str, ...]:
@@ -561,10 +527,9 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
 
     Examples
     --------
-    >>> from stickslip import Measurement
-    >>> table = Measurement(velocity=[0.1, 0.2, 0.4], friction=[2.0, 2.1, 2.3])
-    >>> [one[:23] for one in with_order(["Measure at 1 m/s.", "Warm it up."], [*speeds(table)], 2)]
-    ['Measure at 1 m/s.', 'Measure in random order']
+    >>> order = Finding(kind="order", sentence="It rises.", measure="Measure in random order")
+    >>> with_order(["Measure at 1 m/s.", "Warm it up."], [order], 2)
+    ('Measure at 1 m/s.', 'Measure in random order: it rises.')
     """
     found = [
         f"{finding.measure}: {lower_first(finding.sentence)}"

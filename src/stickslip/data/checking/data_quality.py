@@ -5,6 +5,7 @@ by every verb.
 """
 
 import html
+import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -33,10 +34,10 @@ RESTING_BODY = "the body rested, which bounds its friction at rest."
 """What it means that a body does not move in one of several trials."""
 RESTING_JOINT = "the joint rests, which says little of its friction."
 """What it means that a joint does not move."""
-FORWARD = "forward_share"
-"""Number of a finding about the directions of a motion."""
 MASSES = ("inertia", "mass")
 """Last names of parameters to which the force of a motion is in proportion."""
+BEYOND_STOPS = 10.0
+"""Span of positions over the way between stops that no zero that is off explains, but a unit."""
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
 
@@ -248,23 +249,12 @@ def _of_records(
 
 
 def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding]:
-    """Yield findings of trials without faults that are none where others move, or otherwise."""
+    """Yield findings of trials without the fault of one that rests where others move."""
     still = {finding.record for finding in findings if _still(finding)}
-    shares: dict[str, list[float]] = {}
-    for finding in findings:
-        if finding.kind == "reversals" and FORWARD in finding.numbers:
-            shares.setdefault(_joint_of(finding), []).append(finding.numbers[FORWARD])
-    # Trials in one direction only are no fault where others go the other way.
-    both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
     for finding in findings:
         if _still(finding) and len(still) < trials:
-            yield _resting(finding, RESTING_JOINT if _joint_of(finding) else RESTING_BODY)
-        elif (
-            FORWARD in finding.numbers
-            and finding.severity == "warning"
-            and _joint_of(finding) in both
-        ):
-            yield motion.beside_other_way(finding)
+            of_joint = ", " in finding.record
+            yield _resting(finding, RESTING_JOINT if of_joint else RESTING_BODY)
         else:
             yield finding
 
@@ -304,11 +294,6 @@ def _joints(
                 yield replace(finding, record=label)
 
 
-def _joint_of(finding: Finding) -> str:
-    """Return the joint of a trial that a finding is about; empty of a record without joints."""
-    return finding.record.partition(", ")[2]
-
-
 def _still(finding: Finding) -> bool:
     return finding.kind == "constant" and finding.severity == "error"
 
@@ -337,11 +322,7 @@ def _agreement(
     # Where signals contradict each other, energies would only repeat it.
     if not _wrong(agree) and not coupled:
         yield from motion.energy(record, mechanism)
-        size = [*motion.proportion(record, mechanism)]
-        yield from size
-        # Where its size is wrong, its sign tells no more.
-        if not size:
-            yield from motion.direction(record, moving)
+        yield from motion.proportion(record, mechanism)
 
 
 def _record(
@@ -357,8 +338,7 @@ def _record(
         yield from coverage.resting(record)
         if not grave:
             yield from coverage.stated(record)
-            yield from coverage.speeds(record)
-            yield from signal_quality.plausible(record, None)
+            yield from signal_quality.plausible(record)
     if not grave:
         yield from coverage.coefficient(record, mechanism)
     if record.time is None:
@@ -375,29 +355,25 @@ def _record(
         yield Finding(kind="outliers", severity="warning", sentence=said, numbers=numbers)
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
-    rubbed = isinstance(record.friction, np.ndarray)
-    # What only asks for errors needs a motion only to compare it with friction.
-    moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
+    # What only asks for errors needs a motion for its speed, or to compare it with friction.
+    needed = isinstance(record.friction, np.ndarray) or signal_quality.has_speed(record)
+    moving = None if _wrong(still) or (grave and not needed) else motion.motion_of(record)
+    yield from signal_quality.too_fast(record, moving)
     enough = isinstance(record.time, np.ndarray) and (
         record.time.size >= signal_quality.FEWEST_SAMPLES
     )
     if not grave:
-        yield from _signals(record, mechanism, moving, enough)
+        yield from _signals(record, mechanism, enough)
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving, coupled=coupled)
     if enough and not grave and not _wrong(still):
-        yield from _course(record, mechanism, moving, coupled=coupled)
+        yield from _course(record, moving, coupled=coupled)
 
 
-def _signals(
-    record: Measurement,
-    mechanism: Mechanism | None,
-    moving: motion.Motion | None,
-    enough: bool,
-) -> Iterator[Finding]:
+def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> Iterator[Finding]:
     """Yield what each signal tells by itself."""
     yield from motion.missing(record, mechanism)
-    yield from signal_quality.plausible(record, moving)
+    yield from signal_quality.plausible(record)
     yield from signal_quality.usual(record)
     yield from motion.straight(record)
     if not enough:
@@ -418,15 +394,11 @@ def _signals(
 
 
 def _course(
-    record: Measurement,
-    mechanism: Mechanism | None,
-    moving: motion.Motion | None,
-    *,
-    coupled: bool,
+    record: Measurement, moving: motion.Motion | None, *, coupled: bool
 ) -> Iterator[Finding]:
     """Yield what the course of the motion and of the friction tells."""
     if moving is not None:
-        yield from motion.reversals(moving, offset=motion.has_offset(record, mechanism))
+        yield from motion.reversals(moving)
         yield from motion.rests(moving)
         yield from motion.slow(moving)
     if coupled:  # levels are what a force has beside its own acceleration
@@ -457,6 +429,21 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.
     inside = any(wall.coordinate not in slip_names(mechanism) for wall in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
+    lower, upper = (None if inside else getattr(mechanism, name, None) for name, *_ in bounds)
+    room = math.inf if lower is None or upper is None else float(upper) - float(lower)
+    span = float(np.ptp(position))
+    if span > BEYOND_STOPS * room:
+        yield Finding(
+            kind="mechanism",
+            severity="error",
+            sentence=(
+                f"Position spans {quantity(span, unit)}, and the stops of the mechanism are"
+                f" {quantity(room, unit)} apart: give the unit of the position, as --unit"
+                " position=mm, or correct the stops."
+            ),
+            numbers={"span": span, "room": room},
+        )
+        return
     for name, side, reached in bounds:
         stop = None if inside else getattr(mechanism, name, None)  # of what was measured
         if stop is not None and side * (float(reached) - float(stop)) > 0:

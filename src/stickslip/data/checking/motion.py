@@ -9,14 +9,14 @@
 import math
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
+from stickslip.data.checking.finding import TURN, Finding, Severity
 from stickslip.data.differentiation import (
     CUTOFF,
     PADDED,
@@ -158,12 +158,8 @@ def motion_of(record: Measurement) -> Motion | None:
         found = np.gradient(smoothed, time)
 
 
-def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
-    """Count the changes of direction, and say what follows from there being none.
-
-    Motion one way tells no friction level from a constant force: one that a fit looks for, or that
-    a sensor of force may add. Where there is no such `offset`, nothing is lost.
-    """
+def reversals(motion: Motion) -> Iterator[Finding]:
+    """Count the changes of direction; what follows from there being none, the judge says."""
     seen = motion.directions[motion.directions != 0]
     if not seen.size:
         noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
@@ -181,32 +177,12 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         return
     changes = int(np.count_nonzero(np.diff(seen)))
     numbers = {"reversals": changes, "forward_share": float(np.mean(seen > 0))}
+    sentence = f"No reversals: the motion goes {'forward' if seen[0] > 0 else 'backward'} only."
     if changes:
-        yield Finding(
-            kind="reversals",
-            sentence=(
-                f"The direction changes {number(changes, 7) + ' times' if changes > 1 else 'once'};"
-                f" {percent(numbers['forward_share'])} of the moving samples go forward."
-            ),
-            numbers=numbers,
-        )
-        return
-    way = "forward" if seen[0] > 0 else "backward"
-    one_number = ", so that friction level and offset cannot be separated" if offset else ""
-    yield Finding(
-        kind="reversals",
-        severity="warning" if offset else "info",
-        sentence=f"No reversals: the motion goes {way} only{one_number}.",
-        measure=OTHER_WAY if offset else "",
-        numbers=numbers,
-    )
-
-
-def beside_other_way(finding: Finding) -> Finding:
-    """Return that a trial goes one way, as no fault where another goes the other way."""
-    way = "forward" if finding.numbers["forward_share"] else "backward"
-    sentence = f"No reversals: the motion goes {way} only, and that of other trials the other way."
-    return replace(finding, severity="info", sentence=sentence, measure="")
+        times = number(changes, 7) + " times" if changes > 1 else "once"
+        sentence = f"The direction changes {times};"
+        sentence += f" {percent(numbers['forward_share'])} of the moving samples go forward."
+    yield Finding(kind="reversals", sentence=sentence, numbers=numbers)
 
 
 def straight(record: Measurement) -> Iterator[Finding]:
@@ -379,63 +355,7 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
         )
         sentence += " and would supply energy. Sign convention: friction has the sign of the"
         sentence += f" slip velocity; {TURN}."
-    elif along < 0.5:
-        severity = "warning"
-        sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"
-        sentence += " samples: check for an offset, a delay, or opposite sign conventions."
     yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)
-
-
-EXPLAINED_FOR_SIGN: Final = 0.5
-"""Share of a force that the motion must explain, for its sign to be told."""
-GIVEN_OUT: Final = 0.1
-"""Energy that friction would give out, over all that the force exchanges, from which it is told."""
-BOTH_WAYS: Final = 0.05
-"""Share of the samples in each direction; in one alone, a level cannot be told from an offset."""
-ONE_SINE: Final = 0.95
-"""Correlation from which acceleration and displacement are one, as those of a single sine."""
-
-
-def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
-    """Doubt the sign of a force that seems to move a negative inertia against negative friction.
-
-    Springs and a constant are left aside; no passive mechanism has both.
-    """
-    known = {*record.quantities()}
-    if motion is None or "force" not in known or known & {"friction", "spring_force", "pull"}:
-        return
-    ways = motion.directions
-    if min(float(np.mean(ways > 0)), float(np.mean(ways < 0))) < BOTH_WAYS:
-        return
-    force, v, a = np.asarray(record.values("force")), motion.velocity, acceleration_of(record)
-    steps = np.diff(motion.time, prepend=motion.time[0])
-    # Inertia, Coulomb and viscous friction, a constant and a spring: what a passive body takes.
-    columns = np.stack([a, ways, v, np.ones(v.size), np.cumsum(v * steps)], axis=1)
-    # In a single sine acceleration and displacement are one: the spring is left out.
-    if abs(float(np.corrcoef(a, columns[:, -1])[0, 1])) > ONE_SINE:
-        columns = columns[:, :-1]
-    # Scaled to one size, as units differ by orders of magnitude.
-    size = np.sqrt(np.mean(columns**2, axis=0))
-    if not (size > 0.0).all() or not np.ptp(force):
-        return
-    found = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
-    left = force - columns @ found
-    explained = 1.0 - float(np.var(left) / np.var(force))
-    rubbed = found[1] * ways + found[2] * v
-    work = float(np.sum(rubbed * v) / np.sum(np.abs(force * v)))
-    if found[0] >= 0.0 or work > -GIVEN_OUT or explained < EXPLAINED_FOR_SIGN:
-        return
-    inertia = f"{number(float(found[0]), 2)} {turned('kg', record.turning)}"
-    yield Finding(
-        kind="force sign",
-        severity="warning",
-        sentence=(
-            f"Force acts against the motion: {percent(explained)} of it corresponds to an inertia"
-            f" of {inertia} and to friction that supplies energy. Check its sign (if it is wrong,"
-            f" {TURN}), and which quantity each column holds."
-        ),
-        numbers={"inertia": float(found[0]), "work": work, "explained": explained},
-    )
 
 
 # Forces that must fit the motion: one that is missing, energy from nowhere, factors of units.
@@ -478,16 +398,6 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
             " free decay."
         ),
     )
-
-
-def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
-    """Whether a constant force may stand beside friction in a record.
-
-    A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
-    position alone was recorded, has the forces that its parameters say.
-    """
-    measured = {*record.quantities()} & {*COMMANDS, *OTHERS}
-    return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
 
 
 def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
@@ -786,7 +696,10 @@ def swing_of(record: Measurement) -> Swing | None:
 
 
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Compare a force with what a mechanism takes to move as it did, friction left aside."""
+    """Compare a force with what a mechanism takes to move as it did, friction left aside.
+
+    A force of the other sign is refused by the judge.
+    """
     known = record.quantities()
     if mechanism is None or "force" not in known or record.time is None:
         return
@@ -798,16 +711,12 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return
     factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
-    if share < EXPLAINED_FOR_FACTOR or 1.0 / DOUBTED < factor < DOUBTED:
+    if share < EXPLAINED_FOR_FACTOR or factor < 0.0 or 1.0 / DOUBTED < factor < DOUBTED:
         return
     cure = "check that position is in m (not mm), force in N (not kN)"
-    severity: Severity = "warning"
-    if factor < 0.0:
-        cure = f"check its sign (if it is wrong, {TURN})"
-    else:
-        if factor > 1.0:
-            cure = "check that time is in s (not ms), position in m, force in N (not mN)"
-        severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
+    if factor > 1.0:
+        cure = "check that time is in s (not ms), position in m, force in N (not mN)"
+    severity: Severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
     unit = turned("kg", record.turning)
     yield Finding(
         kind="units",
@@ -821,8 +730,8 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
 
 
 def compares_mass(finding: Finding) -> bool:
-    """Whether a finding compares a force with what the mass takes to move, signs aside."""
-    return "explained" in finding.numbers and finding.numbers.get("factor", -1.0) > 0.0
+    """Whether a finding compares a force with what the mass takes to move."""
+    return "explained" in finding.numbers
 
 
 def _factor(mechanism: Mechanism, record: Measurement, moving: Motion) -> tuple[float, float]:

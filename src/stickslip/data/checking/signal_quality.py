@@ -1,7 +1,7 @@
 """Single signals: their times, constant, saturated or jumping values, doubtful units, mains hum."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -355,6 +355,8 @@ HUGE: Final = 1e60
 WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians", "V": "volts", "A": "amperes"}
 SPANNED: Final = ("m", "rad")
 SMALLEST_SPAN: Final = 1e-6
+IMPOSSIBLE_SPEED: Final = 1000.0
+"""Speed [m/s] of a bullet: no body with friction that is measured moves faster."""
 LONGEST_RUN: Final = 20
 """Samples that a signal must sit at its extreme to count as saturated."""
 LONGER: Final = 8
@@ -687,7 +689,7 @@ def quantised(record: Measurement) -> Iterator[Finding]:
         )
 
 
-def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+def plausible(record: Measurement) -> Iterator[Finding]:
     """Ask for the unit of numbers that no rig has."""
     for name, values in arrays(record):
         unit = record.unit(name)
@@ -709,17 +711,28 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
                 f"spans {quantity(span, 'm')}: check that the values are in metres.",
                 span,
             )
-    if motion is None or record.position is None or record.velocity is not None:
+
+
+def has_speed(record: Measurement) -> bool:
+    """Whether positions along a line say how fast a record is; about an axis any speed may be."""
+    return record.position is not None and record.velocity is None and not record.turning
+
+
+def too_fast(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+    """Ask for the units of a speed that no rig has, and refuse those that no mechanism has."""
+    if motion is None or not has_speed(record) or motion.fastest <= LARGEST_VALUES["m/s"]:
         return
-    if record.turning:  # as fast as it likes
-        return
-    spans = float(np.ptp(record.values("position")))
-    if spans <= LARGEST_VALUES["m"] and motion.fastest > LARGEST_VALUES["m/s"]:
-        speed = motion.fastest
+    speed = quantity(motion.fastest, "m/s")
+    text = f"changes at {speed}: check that the values are in metres and seconds."
+    if certain := motion.fastest > IMPOSSIBLE_SPEED:
         text = (
-            f"changes at {quantity(speed, 'm/s')}: check that the values are in metres and seconds."
+            f"changes at {speed}, faster than any mechanism: give its unit, as --unit position=mm,"
+            " or that of the times, as --unit time=ms."
         )
-        yield _doubted("position", text, speed)
+    elif float(np.ptp(record.values("position"))) > LARGEST_VALUES["m"]:
+        return  # which was said
+    found = _doubted("position", text, motion.fastest)
+    yield replace(found, severity="error") if certain else found
 
 
 def lifted(record: Measurement) -> Iterator[Finding]:
