@@ -414,7 +414,7 @@ def load_measurement(
         have a current, as ``{"elbow": "0.12 N m/A"}``.
     layout : Layout, optional
         How a text file holds its table, where lines that are no comments stand above the header,
-        units have a row of their own, or thousands are parted; see `guess_data`.
+        units have a row of their own, or thousands are separated; see `guess_data`.
 
     Returns
     -------

@@ -150,7 +150,7 @@ _GROUPED: Final = re.compile(
         |(?P<comma>,)\d{3}(?:(?:,\d{3})+(?:\.\d+)?|\.\d+))\s*""",
     re.VERBOSE,
 )
-"""A number whose thousands are parted by a mark; 1,592 alone may be one with decimals."""
+"""A number whose thousands are separated by a mark; 1,592 alone may be one with decimals."""
 _THOUSANDS: Final = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
 """A number with a comma that may stand between thousands or before decimals."""
 _WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
@@ -449,7 +449,7 @@ def refuse_numbers(path: Path, text: str) -> None:
 
 
 def _check_single(path: Path, name: str, rows: list[str], text: str) -> None:
-    """Refuse a single column whose rows are parted by something else."""
+    """Refuse a single column whose rows are separated by something else."""
     for mark, words in (("|", "'|'"), (None, "blanks"), (":", "':'")):
         parts = [row.split(mark) for row in rows]
         several = [cells for cells in parts if len(cells) > 1]
@@ -540,7 +540,7 @@ def _first(path: Path, sheets: dict[str, str]) -> tables.Table:
 
 
 def _text(path: Path, sheet: Any) -> str:
-    """Return the cells of a sheet as text, parted by tabs."""
+    """Return the cells of a sheet as text, separated by tabs."""
     sheet.reset_dimensions()  # which programs write wrongly
     out = io.StringIO()
     writer = csv.writer(out, delimiter="\t", lineterminator="\n")

@@ -17,15 +17,15 @@ from stickslip.data.differentiation import are_steady_readings
 from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
+    COEFFICIENTS,
+    GUESSED,
+    INPUTS,
     INTERVAL,
     LONGEST_HEADER,
-    ROLLING,
     STYLES,
     SURE,
-    UNITS,
-    VOLTAGE,
-    VOLTS,
-    WANTED,
+    VOCABULARY,
+    WORDS,
     Column,
     Reading,
     doubted,
@@ -34,6 +34,7 @@ from stickslip.data.readers.columns import (
     is_unit_of,
     is_voltage,
     is_wanted,
+    meaning_of,
     motor_constants,
     parts_of,
 )
@@ -54,86 +55,12 @@ from stickslip.show.described import Described
 from stickslip.show.formatting import count, joined, number, percent
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
-COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
-"""Names of coefficients of friction."""
-NAMES: Final[Mapping[str, tuple[str, ...]]] = {
-    "time": (
-        *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),
-        *("t", "millis", "micros"),
-    ),
-    "position": (
-        *("position", "pos", "weg", "lage", "winkel", "angle", "ang", "displacement"),
-        *("verschiebung", "lvdt", "wegaufnehmer", "auslenkung", "stroke", "hub", "drehwinkel"),
-        *("lageistwert", "travel", "encoder"),
-        *("x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
-    ),
-    "velocity": (
-        *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "velo", "angvel", "gyro", "dq", "qd", "v", "n", "ω"),
-    ),
-    "force": (
-        *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
-        *("thrust", "effort", "loadcell", "kraftmessdose", "fx", "f", "m", "tau", "τ"),
-    ),
-    "current": ("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"),
-    "friction": (
-        *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
-        *("frictionforce", "fr", "ff", "traction", "tractionforce", *COEFFICIENTS),
-    ),
-    "load": (
-        *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft", "last"),
-        *("clampforce", "preload", "vorspannkraft", "fn", "fz"),
-    ),
-    "reference": (
-        *("reference", "setpoint", "sollposition", "sollweg", "solllage", "sollwert"),
-        *("sollwinkel", "lagesollwert", "target"),
-    ),
-}
-"""Names of columns by quantity, in English and German, umlauts written out."""
 DERIVATIVE: Final = re.compile(r"d(?:q|phi|theta|[φϕθ])|(?:x|q|s|pos|ang|angle|phi|theta|[φϕθ])dot")
 """How names of derivatives are made of those of coordinates."""
 RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
 """How names of columns that have no sign for it say a unit over a time."""
-SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
-"""Words in names of voltages that drive no axis by themselves."""
-MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
-"""Words of measured signals."""
-COMMANDS: Final = ("u", "cmd", "command", "control", "ctrl", "input", "pwm", "duty", "stellgroesse")
-"""Words in names of what a drive was given, in whatever unit."""
-PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb", "sliding")
-"""Words of measured signals, beside which others are commands or derived, and of what drives."""
-TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
-"""Words in names of columns of temperatures."""
-CONDITIONS: Final = (*TEMPERATURES, "humidity", "feuchte", "luftfeuchte")
-"""Words in names of columns that hold a condition."""
-INPUTS: Final[Mapping[str, tuple[str, ...]]] = {
-    "pressure": ("pressure", "druck"),
-    "transmitted": ("transmitted", "uebertragen"),
-    "motor": ("motor",),
-    "external": ("external", "extern"),
-    "gravity": ("gravity", "schwerkraft"),
-}
-"""Words in names of columns of what friction may depend on, beside a temperature."""
-OF_FORCES: Final = ("force", "torque", "moment", "kraft", "drehmoment")
-"""Words beside them that say no more."""
-TRIALS: Final = ("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
-"""Names of columns that number trials."""
 MOST_TRIALS: Final = 0.05
 """Trials over samples up to which such a column may number them."""
-SENSITIVITY: Final = {
-    "position": ("1 mm/V", "1 rad/V"),
-    "reference": ("1 mm/V", "1 rad/V"),
-    "velocity": ("1 m/s/V", "1 rad/s/V"),
-    "force": ("1 N/V", "1 N m/V"),
-    "friction": ("1 N/V", "1 N m/V"),
-    "load": ("1 N/V", "1 N/V"),
-}
-"""Assumed sensitivities of channels in volts, of a motion along a line and about an axis."""
-TURNING: Final = (
-    *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
-    *("joint", "effort", "gyro", "φ", "ϕ", "θ", "ω", "tau", "τ"),
-)
-"""What names of columns contain where an axis turns, beside the word ang."""
 COUNTED: Final = {"millis": "ms", "micros": "us"}
 """Times of a microcontroller by the names of its functions."""
 PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
@@ -177,8 +104,6 @@ SLOW, FAR = 1.0, 100.0
 """Step of times [s] and span of positions [m] or [rad] that columns without a unit hardly have."""
 VARIED: Final = 0.5
 """Span of a velocity over its largest value from which its integral is like no other column."""
-CALENDAR: Final = ("a", "d")
-"""Units of time that are no such word: time.a is the time of a joint, not in years."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -188,6 +113,8 @@ READINGS: Final = (
     " one motion. If they are such samples, give --columns time={!r} and --route balance."
 )
 BESIDE_LOAD: Final = "as the other force beside Fz"
+UNDRIVEN: Final = ("The file has no force", "No column is known as a force")
+"""How doubts begin that say that no force is known: of films none is needed."""
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
 
 
@@ -507,12 +434,13 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
         refuse_numbers(path, text)
         return None, {}
     layout = found.layout
+    mark = text_layout.MARKS[layout.separator]
     decimal = "comma" if layout.decimal == "," else "point"
-    thousands = f", thousands parted by {layout.thousands!r}" if layout.thousands else ""
+    thousands = f", thousands separated by {layout.thousands!r}" if layout.thousands else ""
     header = ", ".join(map(repr, (name for name in found.names if name)))
     reasons = {
         "code page": layout.encoding.removesuffix("-sig"),
-        "cells": f"parted by {text_layout.MARKS[layout.separator]}, decimal {decimal}{thousands}",
+        "cells": f"separated by {mark}, decimal {decimal}{thousands}",
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
     if found.units:
@@ -552,7 +480,7 @@ def assigned(
             score=9.0, name=names[0], unit=unit, stated=unit == stated, why="as given"
         )
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
-    quantities = [q for q in NAMES if not (by_current and q == "force")]
+    quantities = [q for q in GUESSED if not (by_current and q == "force")]
     kinds = [_by_kind(frame, left, taken, quantities, turning, units) for turning in (False, True)]
     taken = max(kinds, key=lambda found: sum(item.score for item in found.values()))
     if "current" in taken and "force" in taken:
@@ -567,7 +495,7 @@ def assigned(
     if {"force", "friction"} <= taken.keys() and _is_its_size(frame, taken):
         size = taken["friction"]
         taken["friction"] = replace(taken.pop("force"), why=f"as {size.name!r} is its size")
-    return {q: taken[q] for q in (*NAMES, *taken) if q in taken}
+    return {q: taken[q] for q in (*GUESSED, *taken) if q in taken}
 
 
 def _of_servo(
@@ -642,7 +570,7 @@ def _by_derivative(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]
             changed[q] = replace(own[q], unit=unit, stated=False, why=f"{why} of {offer.name!r}")
         found = {**found, **changed}
         break
-    return {q: found[q] for q in sorted(found, key=[*NAMES, *found].index)}
+    return {q: found[q] for q in sorted(found, key=[*GUESSED, *found].index)}
 
 
 def _over_way(times: measurement.Array, speed: measurement.Array, x: measurement.Array) -> float:
@@ -668,7 +596,7 @@ def _units_between(
     """
     fits: list[dict[str, str]] = []
     for turns in (True,) if turning else (False, True):
-        kinds = {q: UNITS[q][turns * (q != "time")] for q in own}
+        kinds = {q: meaning_of(q).units[turns * (q != "time")] for q in own}
         offered = [(own[q].unit or "",) if own[q].unit else OFFERED[kinds[q]] for q in own]
         for units in itertools.product(*offered) if ratio and not fits else ():
             pairs = dict(zip(own, units, strict=True))
@@ -762,7 +690,7 @@ def _by_kind(
 
 
 def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
-    kinds = UNITS[quantity]
+    kinds = meaning_of(quantity).units
     if found.unit is None or len(kinds) < 2 or is_of(found.unit, "count"):
         return True
     return not is_of(found.unit, kinds[not turning])
@@ -790,7 +718,7 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
         unit = since
         why = f"{why}, as its numbers count from 1970".removeprefix(", ")
         score = score or BY_UNIT
-    rises = quantity == "time" and not _is_named(name, CONDITIONS) and _increases(column)
+    rises = quantity == "time" and not _is_named(name, WORDS["conditions"]) and _increases(column)
     if unit is None and not score and rises:
         score, why = BY_VALUES, "because it increases"
     if score:
@@ -808,7 +736,7 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
     if unit is None and quantity == "time":
         return bare, COUNTED.get(bare)
     if unit is None:
-        plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
+        plain = re.sub("|".join(WORDS["voltage"]), "", bare, flags=re.IGNORECASE)
         return (plain, "V") if plain != bare else (bare, None)
     return bare, unit
 
@@ -822,16 +750,16 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     """Return how well name and unit of a column fit a quantity, and that in words."""
     fits = unit is not None and is_unit_of(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
-    volts = unit is not None and quantity in SENSITIVITY and is_of(unit, "V")
+    volts = unit is not None and bool(meaning_of(quantity).sensitivity) and is_of(unit, "V")
     if unit is not None and not _may_have(unit, quantity):
         return 0.0, ""
     if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
         return 0.0, ""
     score, why = _named_score(bare, quantity)
-    rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
+    rivals = [other for other in GUESSED if not fits or is_unit_of(unit or "", other)]
     most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
-        preferred = any(part in PREFERRED for part in parts_of(bare))
+        preferred = any(part in WORDS["preferred"] for part in parts_of(bare))
         return score + fits + 0.1 * preferred, why
     if counts and not bare:
         return BY_UNIT, "by its name"
@@ -845,7 +773,7 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
 def _may_have(unit: str, quantity: str) -> bool:
     """Whether the column of a quantity may have a unit: one of its kind, counts or volts."""
     counts = quantity in ("position", "reference") and is_of(unit, "count")
-    volts = quantity in SENSITIVITY and is_of(unit, "V")
+    volts = bool(meaning_of(quantity).sensitivity) and is_of(unit, "V")
     return is_unit_of(unit, quantity) or counts or volts
 
 
@@ -862,7 +790,9 @@ def _is_other(name: str, quantity: str) -> bool:
     """Whether a name is that of an error, a condition or a command, which a quantity is not."""
     parts = parts_of(name)
     return (
-        is_barred(parts, quantity) or is_wanted(parts) or any(part in CONDITIONS for part in parts)
+        is_barred(parts, quantity)
+        or is_wanted(parts)
+        or any(part in WORDS["conditions"] for part in parts)
     )
 
 
@@ -871,7 +801,7 @@ def _last_says(name: str, quantity: str) -> bool:
     last = re.split(r"[./:]", name)[-1]
     if last == name or len(last) < 2 or _named_score(last, quantity)[0]:
         return False
-    return any(_named_score(last, other)[0] >= WHOLE for other in NAMES)
+    return any(_named_score(last, other)[0] >= WHOLE for other in GUESSED)
 
 
 def _named_score(name: str, quantity: str) -> tuple[float, str]:
@@ -886,16 +816,16 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     if quantity == "velocity" and DERIVATIVE.fullmatch(joined):
         return WHOLE + 0.2, "by its name"  # of q_d beside qdot, the d says less
     wanted = is_wanted(parts)
-    words = NAMES[quantity]
+    words = meaning_of(quantity).names
     if quantity == "reference" and wanted:
-        bare = "".join(part for part in parts if part not in WANTED)
-        moves = any(word in joined for word in NAMES["position"] if len(word) > 2)
-        if moves or joined in words or bare in NAMES["position"]:
+        bare = "".join(part for part in parts if part not in WORDS["wanted"])
+        moves = any(word in joined for word in VOCABULARY["position"].names if len(word) > 2)
+        if moves or joined in words or bare in VOCABULARY["position"].names:
             return WHOLE + 0.5, "by its name"
         return 0.0, ""
     if wanted and quantity not in ("force", "time"):
         return 0.0, ""
-    rolls = quantity == "velocity" and any(part in ROLLING for part in parts)
+    rolls = quantity == "velocity" and any(part in WORDS["rolling"] for part in parts)
     less = 1.5 if wanted or rolls else 0.0  # a sliding speed beside it comes first
     if joined in words:
         return WHOLE - less, "by its name"
@@ -916,9 +846,9 @@ def _is_rival(parts: Sequence[str], quantity: str) -> bool:
     if quantity == "load":
         return any(word in joined for word in ("torque", "moment", "present"))
     if quantity == "force":  # a friction torque is no torque of a drive
-        return any(part in NAMES["friction"] for part in parts)
+        return any(part in VOCABULARY["friction"].names for part in parts)
     if quantity == "position":  # the speed of an angle
-        speed = any(len(part) > 1 and part in NAMES["velocity"] for part in parts)
+        speed = any(len(part) > 1 and part in VOCABULARY["velocity"].names for part in parts)
         return speed or any(map(DERIVATIVE.fullmatch, (joined, *parts)))
     return False
 
@@ -930,7 +860,7 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     found = [style.fullmatch(name) for style in STYLES]
     words = {hit["unit"].strip() for hit in found[SURE:] if hit}
     parts = [(hit["name"], hit["unit"].strip()) for hit in found if hit and is_unit(hit["unit"])]
-    parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
+    parts = [part for part in parts if not (part[1] in words and part[1] in WORDS["calendar"])]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
     if not own and (rate := RATE.fullmatch(name)):  # speed_mm_s
         unit = f"{rate['unit']}/{rate['per']}"
@@ -939,12 +869,12 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
         not parts
         and len(name) > 1
         and not name[-1].isdigit()  # A1, V1 and m1 are names of channels
-        and name.casefold() not in NAMES.get(quantity, ())
+        and name.casefold() not in meaning_of(quantity).names
         and not DERIVATIVE.fullmatch(name)
         and is_unit(name)
     ):
         return "", name  # counts, rpm
-    others = [part for part in parts if part[1] not in words or part[1] in VOLTS]
+    others = [part for part in parts if part[1] not in words or part[1] in WORDS["volts"]]
     return next(iter((*own, *others)), (name, None))
 
 
@@ -1056,7 +986,7 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     column = frame.data[frame.names[name]]
     if pd.api.types.is_numeric_dtype(column.dtype) or not len(column):
         return
-    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in NAMES if q != "time"}
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in GUESSED if q != "time"}
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
@@ -1129,7 +1059,7 @@ def _turns(
 ) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, column in found.items():
-        kinds = UNITS.get(quantity, ())
+        kinds = meaning_of(quantity).units
         if column.unit and len(kinds) > 1:
             straight, turns = (is_of(column.unit, kind) for kind in kinds[:2])
             if straight or turns:
@@ -1150,7 +1080,7 @@ def _turns(
     if place is not None and place.unit and is_of(place.unit, "count") and "force" not in found:
         own = place.name.casefold()
         return "lin" not in own and ("enc" in own or "current" in found)
-    return any(word in name for name in moving for word in TURNING)
+    return any(word in name for name in moving for word in WORDS["turning"])
 
 
 def _with_unit(motor_constant: float | str, unit: str) -> str:
@@ -1312,7 +1242,7 @@ def _gain(quantity: str, turning: bool, unit: str | None) -> str:
     """Return an assumed gain of a column in counts or volts."""
     if unit is not None and is_of(unit, "count"):
         return "0.001 rad/count" if turning else "0.001 mm/count"
-    return SENSITIVITY[quantity][turning]
+    return meaning_of(quantity).sensitivity[turning]
 
 
 def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
@@ -1347,7 +1277,7 @@ def joint_in(name: str) -> tuple[str, str]:
     """
     first, _, joint = name.partition(".")
     known = first in ("time", *measurement.BY_JOINT, "reference", "current") and "." not in joint
-    none = ("", *NAMES["time"], *MEASURED, *WANTED)
+    none = ("", *VOCABULARY["time"].names, *WORDS["measured"], *WORDS["wanted"])
     return (first, joint) if known and joint.casefold() not in none else ("", "")
 
 
@@ -1426,7 +1356,7 @@ def trial_column(
             continue
         cells = frame.data[frame.names[name]]
         values = cells.nunique()
-        named = "".join(parts_of(name)) in TRIALS
+        named = "".join(parts_of(name)) in VOCABULARY["trial"].names
         # where it is named, all that it must do is come again
         if cells.isna().any() or not 1 < values <= (0.5 if named else MOST_TRIALS) * len(cells):
             continue
@@ -1445,7 +1375,7 @@ def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[s
         name
         for name in frame.names
         if name not in taken
-        and _is_named(name, CONDITIONS)
+        and _is_named(name, WORDS["conditions"])
         and bool(frame.data[frame.names[name]].notna().any())
     )
 
@@ -1472,7 +1402,9 @@ def _doubt_offers(frame: Frame, friction: Found) -> Iterator[Found]:
     """
     names = [*filter(None, frame.names)]
     own = parts_of(_bare_and_unit(friction.name, frame.units.get(friction.name), "friction")[0])
-    forces = [[word] for q in ("friction", "force") for word in NAMES[q] if len(word) > 1]
+    forces = [
+        [word] for q in ("friction", "force") for word in meaning_of(q).names if len(word) > 1
+    ]
     for name in names:
         half, stated = is_half_width(frame.names[name]), frame.units.get(name)
         bare, unit = _bare_and_unit(name, stated, measurement.STATED)
@@ -1514,7 +1446,7 @@ def changing_temperature(
     found = [
         Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
         for name in names
-        if _is_named(name, TEMPERATURES)
+        if _is_named(name, VOCABULARY["temperature"].names)
         for cells in [[part.data[part.names[name]] for part in parts]]
         if any(column.nunique() > 1 for column in cells)
         and all(np.isfinite(pd.to_numeric(column, errors="coerce")).all() for column in cells)
@@ -1548,12 +1480,12 @@ def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
 
 def _is_input(bare: str, quantity: str) -> bool:
     """Whether a name is that of an input of the contact: its word alone, or any pressure."""
-    parts = [part for part in parts_of(bare) if part not in OF_FORCES]
+    parts = [part for part in parts_of(bare) if part not in WORDS["of forces"]]
     if quantity == "pressure":
-        return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(
+        return any(part.endswith(meaning_of(quantity).names) for part in parts) and not _is_other(
             bare, quantity
         )
-    return len(parts) == 1 and parts[0] in INPUTS[quantity]
+    return len(parts) == 1 and parts[0] in meaning_of(quantity).names
 
 
 def _is_full(frame: Frame, name: str) -> bool:
@@ -1584,8 +1516,8 @@ def _may_drive(frame: Frame, name: str) -> bool:
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not (_named_score(bare, "load")[0] or _is_other(bare, "force"))
     moves = any(_named_score(bare, q)[0] for q in ("position", "velocity", "reference"))
-    forced = forced or (unit is None and not moves and _is_named(bare, COMMANDS))
-    if any(part in SUPPLIES for part in parts_of(name)):
+    forced = forced or (unit is None and not moves and _is_named(bare, WORDS["commands"]))
+    if any(part in WORDS["supplies"] for part in parts_of(name)):
         return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
 
@@ -1630,7 +1562,7 @@ def _doubts(
     for quantity, one in found.items():
         stamps = quantity == "time" and one.unit is None and "stamp" in one.why
         if one.unit is None and quantity not in units and not stamps:
-            kinds = UNITS.get(quantity, ("SI",))
+            kinds = meaning_of(quantity).units or ("SI",)
             yield (
                 f"The column {one.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed for"
                 f" the {quantity}{_implausible(frame, quantity, one, turning)}."
@@ -1638,7 +1570,7 @@ def _doubts(
         elif one.unit is not None and is_of(one.unit, "V") and quantity not in units:
             yield (
                 f"The column {one.name!r} is in {one.unit}, and"
-                f" {SENSITIVITY[quantity][turning]} is assumed: give the sensitivity of the"
+                f" {_gain(quantity, turning, one.unit)} is assumed: give the sensitivity of the"
                 f" sensor as its gain, as --gain {quantity}='...'."
             )
         elif one.unit is not None and is_of(one.unit, "count") and quantity not in units:
@@ -1646,7 +1578,7 @@ def _doubts(
                 f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
                 " angle as its gain."
             )
-    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*ROLLING}:
+    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*WORDS["rolling"]}:
         yield (
             f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
             " speed: surfaces that roll slide at a part of it."
@@ -1754,23 +1686,23 @@ def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
         taken = {column.name for column in found.values()}
         left = [name for name in frame.names if name and name not in taken]
         drives = [name for name in left if _may_drive(frame, name)]
-        unread = [shown(name) for name in left if not _is_named(name, CONDITIONS)]
+        unread = [shown(name) for name in left if not _is_named(name, WORDS["conditions"])]
         more = f" and {len(unread) - MOST_LISTED} more" if len(unread) > MOST_LISTED else ""
         listed = f"{', '.join(unread[:MOST_LISTED])}{more}"
         if drives:
             yield (
-                f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
+                f"{UNDRIVEN[0]} that can be read as it is, but {drives[0]!r} may drive the"
                 f" axis: give it as --columns force={drives[0]!r}, with its factor to newtons (N m"
                 " of an axis that turns) as --gain force=..."
             )
         elif unread:
             yield (
-                f"No column is known as a force by its name or unit; not read: {listed}. If one of"
+                f"{UNDRIVEN[1]} by its name or unit; not read: {listed}. If one of"
                 " them drives the body, give it as --columns force=...; else the body is assumed"
                 " to move without a drive."
             )
         else:
-            yield "The file has no force: the body is assumed to move without a drive."
+            yield f"{UNDRIVEN[0]}: the body is assumed to move without a drive."
     elif "friction" in found and found["friction"].why == BESIDE_LOAD:
         yield (
             f"{found['friction'].name!r} is taken for the friction that a sensor shows. If it"

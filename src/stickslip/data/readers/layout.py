@@ -633,7 +633,7 @@ def _upper(text: str) -> list[str]:
 
 
 def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]]:
-    """Yield, if rows of numbers are parted by a mark, where they begin.
+    """Yield, if rows of numbers are separated by a mark, where they begin.
 
     That is the number of words among them, negative; the number of cells that are not empty at the
     end of all rows; the first line.

@@ -11,10 +11,16 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip import errors
-from stickslip.data.measurement import STATED
+from stickslip.data.measurement import STATED, TRAVELS
 from stickslip.data.readers import binary, csv_reader, robots
 from stickslip.data.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
-from stickslip.data.readers.columns import Column, is_half_width, stated_unit, without_unit
+from stickslip.data.readers.columns import (
+    VOCABULARY,
+    Column,
+    is_half_width,
+    stated_unit,
+    without_unit,
+)
 from stickslip.data.readers.layout import Layout, regular_times, seconds_of, unit_in
 from stickslip.data.readers.table import TRIAL, Table
 from stickslip.data.readers.toml import check_file, check_path
@@ -131,14 +137,6 @@ RUN: Final = frozenset({"t", "friction", "normal_force", "mode"})
 """Columns by which a file shows that a run of this package wrote it."""
 STATES: Final = ({"x": "position", "v": "velocity"}, {"theta": "position", "omega": "velocity"})
 """What the states of one body are called there, on a line and about an axis."""
-TURNING: Final[Mapping[str, str]] = {
-    "angle": "position",
-    "angular velocity": "velocity",
-    "angular_velocity": "velocity",
-    "torque": "force",
-}
-"""What quantities of a body that turns are called in records in time."""
-
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
 _HEADER = re.compile(r"(?P<name>[^\[\]]*+)(?:\[(?P<unit>[^\[\]]*+)\])?+")
@@ -428,12 +426,23 @@ def _named(
             known = [label for label in names if label != SECOND]
             raise errors.UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
-    for word, quantity in TURNING.items():
-        if "time" in names and word in names and quantity not in names:
-            names[quantity], found_units[quantity] = names.pop(word), found_units.pop(word)
+    _called_plainly(names, found_units)
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
     return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+
+
+def _called_plainly(names: dict[str, str], units: dict[str, str | None]) -> None:
+    """Call what a record in time, or a table of friction, has under other plain names.
+
+    A speed has no sign: beside positions it is no velocity.
+    """
+    if not {"time", "friction"} & names.keys() or {*TRAVELS} & names.keys():
+        return
+    for quantity, meaning in VOCABULARY.items():
+        word = next((word for word in meaning.plain if word in names), "")
+        if word and quantity not in names and not (word == "speed" and "position" in names):
+            names[quantity], units[quantity] = names.pop(word), units.pop(word)
 
 
 def _recognise(names: dict[str, str], units: dict[str, str | None], *, of_run: bool) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from stickslip.data import travels
 from stickslip.data.checking.motion import GRAVITY, Swing
 from stickslip.data.readers.columns import Reading
-from stickslip.data.readers.guess import Guess, guess_data
+from stickslip.data.readers.guess import UNDRIVEN, Guess, guess_data
 from stickslip.data.readers.layout import Layout
 from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
@@ -325,7 +325,7 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
             )
         runs.append(_run(path, film.time, film.values("position")))
         doubts += [runs[-1].doubt] if runs[-1].doubt else []
-    doubts = [doubt for doubt in doubts if "no force" not in doubt]  # films need none
+    doubts = [doubt for doubt in doubts if not doubt.startswith(UNDRIVEN)]
     runs.sort(key=lambda run: run.frequency)
     return FilmedRig(guess=guess, runs=tuple(runs), doubts=tuple(dict.fromkeys(doubts)))
 
