@@ -77,16 +77,15 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
     moments = np.array([x[stretches == k].T @ driven[stretches == k] for k in range(count)])
     left = []
     for k in range(count + 1):  # the last one turns all of them
-        sign = np.where(stretches < k, -1.0, 1.0)
-        y = sign * driven + other
         side = np.where(np.arange(count) < k, -1.0, 1.0)
+        y = side[stretches] * driven + other
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
     best = int(np.argmin(left))
     most = 1.0 - EXPLAINED
-    if best == count and left[best] < most * left[0]:
-        raise InputError(OTHER_SIGN)
     if left[best] < most * left[0]:
+        if best == count:
+            raise InputError(OTHER_SIGN)
         begin = int(np.argmax(stretches == best))
         raise InputError(
             f"the sign of the force changes at about t = {rows.time[begin]:.3g} s: turned before"
@@ -94,10 +93,9 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
             " balance. Give the force the sign of the position all along."
         )
     c = np.linalg.solve(gram, x.T @ response)
-    friction = x[:, :n] @ c[:n]
     plain = np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     without = response - x[:, n:] @ plain
-    wrong = float(np.mean(friction * speed)) < 0.0
+    wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     inertial = float(c[n + 1]) < 0.0 if inertia else True
     if wrong and inertial and left[0] < most * float(without @ without):
         raise InputError(OTHER_SIGN)
