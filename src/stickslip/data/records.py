@@ -30,7 +30,6 @@ from stickslip.data.measurement import (
     unit_of_input,
 )
 from stickslip.data.readers.columns import (
-    INTERVAL,
     Column,
     Reading,
     check_columns,
@@ -40,6 +39,7 @@ from stickslip.data.readers.columns import (
     spelled,
 )
 from stickslip.data.readers.layout import Layout, Repair, repaired, repairs
+from stickslip.data.tolerances import NEGLIGIBLE, NORMAL_95
 from stickslip.data.units import gain_factor, read_gain, read_number
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms import Mechanism, load_stated, motor_of
@@ -57,8 +57,6 @@ if TYPE_CHECKING:
 
 RUBBING: Final = ("friction", "spring_force")
 """Forces that are often written as coefficients, over the load."""
-TWICE: Final = 0.01
-"""Relative distance at which a gain is taken for the factor of the column's own unit, rounded."""
 
 
 def gains_of(given: Mapping[str, float | str], known: Iterable[str]) -> dict[str, float | str]:
@@ -252,7 +250,7 @@ class Scaling:
 
     def _refuse_twice(self, name: str, unit: str, target: str, gain: float) -> None:
         scale = factor(unit, target)
-        if scale == 1.0 or not math.isclose(abs(gain), scale, rel_tol=TWICE):
+        if scale == 1.0 or not math.isclose(abs(gain), scale, rel_tol=NEGLIGIBLE):
             return
         cure = "leave the gain out" if gain > 0.0 else "give the gain as -1"
         raise InputError(
@@ -628,8 +626,8 @@ class _Files:
         parts: dict[str, Any] = {**_nested(values), **self.common}
         if doubt is not None and ("friction" in values or STATED in reading.columns):
             half = is_half_width(frame.names[STATED])
-            doubt = scaling.stated(doubt, values, turning) / (INTERVAL if half else 1.0)
-            done += (f"half-widths of 95 % over {INTERVAL:g} as uncertainties",) * half
+            doubt = scaling.stated(doubt, values, turning) / (NORMAL_95 if half else 1.0)
+            done += (f"half-widths of 95 % over {NORMAL_95:.3g} as uncertainties",) * half
             parts["uncertainty"] = {**parts.get("uncertainty", {}), "friction": doubt}
         return Measurement(
             **parts,

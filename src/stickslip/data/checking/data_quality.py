@@ -19,6 +19,7 @@ from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
 from stickslip.data.differentiation import REPLACED, as_readings, outlier_sentence, without_outliers
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
 from stickslip.data.rig import check_record
+from stickslip.data.tolerances import DECADE, FEWEST_SAMPLES, LISTED
 from stickslip.data.travels import is_filmed, other_drives
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import PREFIX, BoundedMechanism, Mechanism, cycle_or_none, slip_names
@@ -36,8 +37,6 @@ RESTING_JOINT = "the joint rests, which says little of its friction."
 """What it means that a joint does not move."""
 MASSES = ("inertia", "mass")
 """Last names of parameters to which the force of a motion is in proportion."""
-BEYOND_STOPS = 10.0
-"""Span of positions over the way between stops that no zero that is off explains, but a unit."""
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
 
@@ -359,9 +358,7 @@ def _record(
     needed = isinstance(record.friction, np.ndarray) or signal_quality.has_speed(record)
     moving = None if _wrong(still) or (grave and not needed) else motion.motion_of(record)
     yield from signal_quality.too_fast(record, moving)
-    enough = isinstance(record.time, np.ndarray) and (
-        record.time.size >= signal_quality.FEWEST_SAMPLES
-    )
+    enough = isinstance(record.time, np.ndarray) and (record.time.size >= FEWEST_SAMPLES)
     if not grave:
         yield from _signals(record, mechanism, enough)
     if enough and not _wrong(still):
@@ -432,7 +429,7 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     lower, upper = (None if inside else getattr(mechanism, name, None) for name, *_ in bounds)
     room = math.inf if lower is None or upper is None else float(upper) - float(lower)
     span = float(np.ptp(position))
-    if span > BEYOND_STOPS * room:
+    if span > DECADE * room:
         yield Finding(
             kind="mechanism",
             severity="error",
@@ -461,8 +458,6 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
 
 # What no fit is made from, refused in the same words by every verb.
 
-MOST_LISTED = 6
-"""Names of trials in a message."""
 ACTING = ("force", "reference", "friction")
 """What acts on a body: a second record without it would be predicted as if nothing did."""
 
@@ -504,7 +499,7 @@ def findings_text(findings: Sequence[Finding]) -> str:
     for finding in findings:
         records.setdefault((finding.sentence, bool(finding.record)), []).append(finding.record)
     return " ".join(
-        f"{joined([*dict.fromkeys(names)], MOST_LISTED)}: {sentence}" if named else sentence
+        f"{joined([*dict.fromkeys(names)], LISTED)}: {sentence}" if named else sentence
         for (sentence, named), names in records.items()
     )
 

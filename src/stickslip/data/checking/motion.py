@@ -31,26 +31,28 @@ from stickslip.data.differentiation import (
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
+from stickslip.data.tolerances import (
+    DECADE,
+    FEWEST,
+    FEWEST_SAMPLES,
+    HALF,
+    MOSTLY,
+    NEARLY_ALL,
+    NEGLIGIBLE,
+    PER_MILLE,
+    SLIGHT,
+    SMALL,
+)
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 from stickslip.show.formatting import count, number, percent, quantities, quantity
 
 GRAVITY: Final = 9.81
 """Acceleration of weights that are not given otherwise [m/s^2]."""
-SLOW: Final = 0.05
-BENT: Final = 0.01
-"""Distance from the line of motion over its length up to which a motion counts as straight."""
-HYSTERESIS: Final = 0.01
-"""Speed over the largest below which a direction is not believed, where there is no noise."""
-RESTING: Final = 1e-3
 SWING: Final = 0.005
 """Way over the whole stroke that a direction must last to be believed."""
 SURE: Final = 5.0
 """Standard deviations of its noise that a speed must have to be one."""
-SHORTEST: Final = 10
-"""Samples that a rest has at least."""
-MOSTLY: Final = 0.9
-"""Share of a record at rest from which it shows little of friction in motion."""
 LITTLE: Final = "the record shows little of friction in motion"
 
 
@@ -80,7 +82,7 @@ class Motion:
     @property
     def sure(self) -> float:
         """Speed above which a direction is believed [m/s]."""
-        return max(HYSTERESIS * self.fastest, SURE * self.noise)
+        return max(NEGLIGIBLE * self.fastest, SURE * self.noise)
 
     @cached_property
     def directions(self) -> NDArray[np.int64]:
@@ -102,7 +104,7 @@ class Motion:
         A body that turns is no slower than twice a speed for twice as long as than the speed, half
         of it on either side; at rest, it is hardly any longer.
         """
-        slow = max(RESTING * self.fastest, SURE * self.noise)
+        slow = max(PER_MILLE * self.fastest, SURE * self.noise)
         (first, end), (wide, wide_end) = self._slower(slow), self._slower(2.0 * slow)
         at = np.searchsorted(wide, first, side="right") - 1
         speeds = np.pad(self.velocity, 1)  # 0 beyond the ends of the record
@@ -111,7 +113,7 @@ class Motion:
         before = (first - wide[at] >= beside) | (first == 0)
         after = (wide_end[at] - end >= beside) | (end == self.time.size)
         turns = opposite & before & after & (end - first < self.time.size)
-        rests = (end - first >= SHORTEST) & ~turns
+        rests = (end - first >= FEWEST_SAMPLES) & ~turns
         return np.asarray((self.time[end - 1] - self.time[first])[rests])
 
     def _slower(self, speed: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -124,7 +126,7 @@ class Motion:
     @property
     def hardly_moves(self) -> bool:
         """Whether the body rests for most of the record: friction is what is applied to it then."""
-        return bool(np.sum(self.rests) > MOSTLY * (self.time[-1] - self.time[0]))
+        return bool(np.sum(self.rests) > NEARLY_ALL * (self.time[-1] - self.time[0]))
 
 
 def motion_of(record: Measurement) -> Motion | None:
@@ -147,7 +149,7 @@ def motion_of(record: Measurement) -> Motion | None:
         # The same for the derivative, whose spectrum grows with the frequency squared.
         noise = blur * 2 * np.pi * np.sqrt(2 * corner**3 / 3) / dt
         moving = Motion(time=time, velocity=found, noise=float(noise), unit=unit, cutoff=cutoff)
-        corner, enough = corner / 2, SURE * noise <= SLOW * moving.fastest
+        corner, enough = corner / 2, SURE * noise <= SLIGHT * moving.fastest
         if enough or corner * time.size < PADDED:
             return moving
         # A coarse encoder has a filter so low that it takes off no more than its noise.
@@ -190,7 +192,7 @@ def straight(record: Measurement) -> Iterator[Finding]:
     line = record.line
     if line is None:
         return
-    bent = line.wander > max(BENT * line.length, line.jitter)
+    bent = line.wander > max(NEGLIGIBLE * line.length, line.jitter)
     tilt, across = f"{number(float(np.degrees(line.tilt)))}°", quantity(line.across, "m")
     way = (
         f"Position is the coordinate along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
@@ -225,7 +227,7 @@ def rests(motion: Motion) -> Iterator[Finding]:
     """Say for how long nothing moves."""
     durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
     if not durations.size:
-        text = f"No periods of rest of {SHORTEST} samples or more."
+        text = f"No periods of rest of {FEWEST_SAMPLES} samples or more."
         yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
         return
     total, still = float(np.sum(durations)), motion.hardly_moves
@@ -261,8 +263,8 @@ def slow(motion: Motion) -> Iterator[Finding]:
     fastest = motion.fastest
     if fastest == 0.0:
         return
-    share, unit = float(np.mean(speed < SLOW * fastest)), motion.unit
-    text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, unit)},"
+    share, unit = float(np.mean(speed < SLIGHT * fastest)), motion.unit
+    text = f"{percent(share)} of the samples are slower than {quantity(SLIGHT * fastest, unit)},"
     text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
     text += "." if share else ": this record does not determine friction near zero velocity."
     yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})
@@ -270,13 +272,6 @@ def slow(motion: Motion) -> Iterator[Finding]:
 
 # Signals that must fit each other: velocity and position, forces and motion, friction and load.
 
-ALIKE: Final = 0.9
-"""Correlation from which two velocities are one and the same but for a factor."""
-OFF: Final = 0.1
-OPPOSITE: Final = 0.8
-"""Share of the moving samples with friction against the sign rule from which the sign is wrong."""
-HALF: Final = 0.5
-"""Energy given out over all that changes hands, from which the sign is wrong as well."""
 KNOWN: Final = (
     (1e3, "velocity looks like mm/s"),
     (1e6, "velocity looks like µm/s"),
@@ -305,14 +300,14 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
     alike = float(derived @ measured) / float(np.sqrt(power * (measured @ measured)))
     numbers = {"factor": factor, "correlation": alike}
     severity: Severity = "info"
-    if abs(alike) < ALIKE:
+    if abs(alike) < NEARLY_ALL:
         sentence = (
             "Velocity does not follow the derivative of position (correlation"
             f" {number(alike, 2)}): the two belong to different bodies, are delayed, or have"
             " different time bases."
         )
         severity = "warning"
-    elif factor <= 1.0 + OFF and factor / alike**2 >= 1.0 - OFF:
+    elif factor <= 1.0 + SMALL and factor / alike**2 >= 1.0 - SMALL:
         sentence = "Velocity agrees with the derivative of position"
         sentence += f" (factor {number(factor)}, correlation {number(alike)})."
     else:
@@ -325,9 +320,9 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
 def _guess(factor: float) -> str:
     """Return what a factor between the two suggests."""
     for known, words in KNOWN:
-        if abs(abs(factor) / known - 1.0) < OFF:
+        if abs(abs(factor) / known - 1.0) < SMALL:
             return f" ({words}{', with the opposite sign' if factor < 0 else ''})"
-    return " (the signs are opposite)" if abs(factor + 1.0) <= OFF else ""
+    return " (the signs are opposite)" if abs(factor + 1.0) <= SMALL else ""
 
 
 def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
@@ -347,7 +342,7 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
     numbers = {"opposite_share": against, "same_share": along, "work": taken}
     severity: Severity = "info"
     sentence = f"Friction has the sign of the velocity on {percent(along)} of the moving samples."
-    if against > OPPOSITE or (against > 0.5 and taken < -HALF):
+    if against > MOSTLY or (against > 0.5 and taken < -HALF):
         severity = "error"
         sentence = (
             f"Friction is opposite in sign to the velocity on {percent(against)} of the"
@@ -364,21 +359,8 @@ OTHERS: Final = ("friction", "spring_force", "pull")
 """With one of these a record says by itself what acts; friction needs no drive."""
 LEVELS: Final = 31
 """Positions at which speeds are compared."""
-FEWEST_PASSES: Final = 3
-"""... of which so many must be passed twice."""
-GAINED: Final = 0.1
-"""Energy gained at one position, over the largest there is, that neither noise nor filters make."""
 CLEAR: Final = 20.0
 """The largest speed over its noise, from which speeds are compared at all."""
-LASTING: Final = 10
-"""Passages of one position in which a motion should lose energy."""
-KEPT: Final = 0.9
-"""Share of the energy left after these that is doubted."""
-FLAT: Final = 0.01
-"""Work of a mechanism's own forces over the kinetic energy, below which it has none."""
-EXPLAINED_FOR_FACTOR: Final = 0.5
-"""Share of a force that the motion must explain; noise then hides at most half of a factor."""
-DOUBTED: Final = 10.0
 IMPOSSIBLE: Final = 300.0
 """Factor between a force and the motion it causes that units make, and no mass known badly."""
 
@@ -409,29 +391,29 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
     if not _undriven(record) or (mechanism is not None and not _passive(mechanism, record)):
         return
     gained, kept, rose = _sizes(record, mechanism)
-    swing = swing_of(record) if mechanism is not None and rose > GAINED >= gained else None
+    swing = swing_of(record) if mechanism is not None and rose > SMALL >= gained else None
     if swing is not None and mechanism is not None:
         yield _swinging(swing, record, mechanism)
         return
     forced = "force" in record.quantities()
     which = "its force is constant" if forced else "no drive is recorded"
     severity: Severity = "warning" if mechanism is None else "error"
-    if gained > GAINED:
+    if gained > SMALL:
         sentence = (
             f"The motion gains energy although {which}: it passes the same positions at a higher"
             f" speed than before and gains {percent(gained)} of its largest energy. Check whether"
             " the force is missing, or whether the record begins before the release."
         )
-    elif rose > GAINED:
+    elif rose > SMALL:
         sentence = (
             f"The speed rises and falls, by {percent(rose)} of the largest, although {which} and"
             " the mechanism has no spring. Check whether the force is missing, or the stiffness of"
             " the mechanism."
         )
-    elif kept > KEPT:
+    elif kept > NEARLY_ALL:
         severity = "warning"
         sentence = (
-            f"The motion keeps {percent(kept)} of its energy over {LASTING} passages or more"
+            f"The motion keeps {percent(kept)} of its energy over {FEWEST_SAMPLES} passages or more"
             f" although {which}: check whether the force is missing."
         )
     else:
@@ -538,9 +520,9 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
         # Noise of a square is 2 v dv, and its range that of as many samples.
         noise = 2.0 * float(np.sqrt(np.mean(squares))) * _range_of_noise(moving, at.size)
         rises.append(max(rise - noise, 0.0) / most)
-        if at.size >= LASTING and squares[0] > GAINED * most:
+        if at.size >= FEWEST_SAMPLES and squares[0] > SMALL * most:
             left.append(float(squares[-1] / squares[0]))
-    gained, kept = (float(np.median(x)) if len(x) >= FEWEST_PASSES else 0.0 for x in (rises, left))
+    gained, kept = (float(np.median(x)) if len(x) >= FEWEST else 0.0 for x in (rises, left))
     return gained, kept
 
 
@@ -569,7 +551,7 @@ def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion
         return False
     pull = _pull(mechanism, np.linspace(x.min(), x.max(), LEVELS))
     work = float(np.ptp(pull)) * float(np.ptp(x))
-    return work < FLAT * 0.5 * _mass(mechanism) * moving.fastest**2
+    return work < NEGLIGIBLE * 0.5 * _mass(mechanism) * moving.fastest**2
 
 
 def _mass(mechanism: Mechanism) -> float:
@@ -612,7 +594,7 @@ def inertia_of(record: Measurement) -> float | None:
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return None
     factor, share = _factor(Axis(inertia=1.0), record, moving)
-    return factor if share >= EXPLAINED_FOR_FACTOR and factor > 0.0 else None
+    return factor if share >= HALF and factor > 0.0 else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -661,7 +643,7 @@ def swing_of(record: Measurement) -> Swing | None:
     moving = motion_of(record)
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return None
-    if free and _turned(moving) <= GAINED:
+    if free and _turned(moving) <= SMALL:
         return None
     x, t = _positions(record), moving.time
     # Both sides through one low pass, without the ends, beyond which it guesses the motion.
@@ -677,7 +659,7 @@ def swing_of(record: Measurement) -> Swing | None:
     found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
     first, second, *others = found
     left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
-    if float(left @ left) > (1.0 - EXPLAINED_FOR_FACTOR) * float(without @ without):
+    if float(left @ left) > (1.0 - HALF) * float(without @ without):
         return None
     if not record.turning:
         slope = -float(first)
@@ -687,7 +669,7 @@ def swing_of(record: Measurement) -> Swing | None:
         both = np.stack([a, table[:, 4]], axis=1)
         both -= aside @ np.linalg.lstsq(aside, both, rcond=None)[0]
         told = float(both[:, 0] @ both[:, 1]) ** 2
-        sure = told >= EXPLAINED_FOR_FACTOR * float(np.prod(np.sum(both**2, axis=0)))
+        sure = told >= HALF * float(np.prod(np.sum(both**2, axis=0)))
         if others[2] <= 0.0 or not sure:  # or a torque that does not vary, or drives backward
             return None
     given = None if free else 1.0 / float(others[2])
@@ -711,7 +693,7 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return
     factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
-    if share < EXPLAINED_FOR_FACTOR or factor < 0.0 or 1.0 / DOUBTED < factor < DOUBTED:
+    if share < HALF or factor < 0.0 or 1.0 / DECADE < factor < DECADE:
         return
     cure = "check that position is in m (not mm), force in N (not kN)"
     if factor > 1.0:

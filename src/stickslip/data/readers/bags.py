@@ -25,6 +25,7 @@ from typing_extensions import override
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.table import Table, json_of, one_line, parsed_as
+from stickslip.data.tolerances import GAP, LARGEST_TEXT, MOST_LISTED
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.display import require_library
@@ -47,10 +48,6 @@ COMMANDED: Final = re.compile(
 """Names of topics whose joint states are wanted and not measured."""
 LONGEST: Final = 64
 """Elements up to which an array in a message has a column each."""
-HOLE: Final = 3.0
-"""Usual steps of a clock beyond which nothing is interpolated between two of its samples."""
-MOST_TOPICS: Final = 12
-"""Topics that a message lists."""
 _STAMP: Final = (("sec", "secs"), ("nanosec", "nanosecs", "nsec", "nsecs"))
 
 
@@ -218,7 +215,7 @@ class _Joined:
                 _full(signal): signal for signal in self.signals if _full(signal) in self.names
             }
         if not wanted:
-            listed = joined([shown(_full(signal)) for signal in self.signals[:MOST_TOPICS]])
+            listed = joined([shown(_full(signal)) for signal in self.signals[:MOST_LISTED]])
             raise InputError(
                 f"{self.file}: no joint has a position or a velocity; there is {listed}."
             )
@@ -354,7 +351,7 @@ def _at(clock: _Signal, signal: _Signal) -> tuple[Array, str]:
     found = np.interp(clock.times - begin, times - begin, values)
     steps = np.diff(times)
     if steps.size:
-        wide = np.append(steps, 0) > HOLE * np.median(steps)
+        wide = np.append(steps, 0) > GAP * np.median(steps)
         inside &= ~wide[before] | exact
     return np.where(inside, found, np.nan), "" if exact.all() else "interpolated"
 
@@ -542,8 +539,8 @@ def _nothing(topics: Sequence[Topic]) -> str:
     full = [topic for topic in topics if topic.messages]
     if not full:
         return "contains no messages."
-    listed = ", ".join(f"{part.name} ({part.kind}, {part.messages})" for part in full[:MOST_TOPICS])
-    more = f" and {len(full) - MOST_TOPICS} more" if len(full) > MOST_TOPICS else ""
+    listed = ", ".join(f"{part.name} ({part.kind}, {part.messages})" for part in full[:MOST_LISTED])
+    more = f" and {len(full) - MOST_LISTED} more" if len(full) > MOST_LISTED else ""
     return (
         f"has no topic with states of joints ({', '.join(STATES)}); its topics, with types and"
         f" numbers of messages, are {listed}{more}. Name columns by topic and field, as"
@@ -732,8 +729,6 @@ def _ros1_fields(header: bytes) -> dict[bytes, bytes]:
 # Logs in MCAP: messages of ROS 2, or in JSON.
 
 MCAP: Final = (".mcap",)
-LARGEST_JSON: Final = 2**24
-"""Bytes of a message in JSON at most: as objects they take some twenty times as many."""
 
 
 def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
@@ -775,8 +770,8 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
 
 
 def _from_json(data: bytes) -> Any:
-    if len(data) > LARGEST_JSON:
-        raise ValueError(f"it has {len(data)} bytes of JSON, more than {LARGEST_JSON}")
+    if len(data) > LARGEST_TEXT:
+        raise ValueError(f"it has {len(data)} bytes of JSON, more than {LARGEST_TEXT}")
     return json_of(data)
 
 
@@ -836,8 +831,6 @@ PARTS: Final = ("*.db3*", "*.mcap*")
 """Files in the folder of a bag of ROS 2 that hold its messages, compressed or not."""
 METADATA: Final = "metadata.yaml"
 """File in the folder of a bag of ROS 2 that lists the others."""
-LARGEST_METADATA: Final = 2_000_000
-"""Bytes of it that are read at most: a file of messages takes some hundred."""
 
 
 def read_bag(path: Path, names: Collection[str] = ()) -> Table:
@@ -877,9 +870,9 @@ def _described(path: Path) -> _Described:
     from ruamel.yaml import YAML
 
     with open_regular(path) as file:
-        data = file.read(LARGEST_METADATA + 1)
-    if len(data) > LARGEST_METADATA:
-        raise ValueError(f"{METADATA} has more than {number(LARGEST_METADATA / 1e6)} MB")
+        data = file.read(LARGEST_TEXT + 1)
+    if len(data) > LARGEST_TEXT:
+        raise ValueError(f"{METADATA} has more than {number(LARGEST_TEXT / 1e6)} MB")
     information = YAML(typ="safe").load(data.decode())["rosbag2_bagfile_information"]
     mode = str(information.get("compression_mode") or "none").casefold()
     method = str(information.get("compression_format") or "").casefold()

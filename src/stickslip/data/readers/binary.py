@@ -38,6 +38,7 @@ from stickslip.data.readers.table import (
     parsed_as,
     read_of,
 )
+from stickslip.data.tolerances import FEWEST_SAMPLES, MOST_CELLS, MOST_LISTED
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.show.display import require_library
 from stickslip.units import is_unit
@@ -193,17 +194,12 @@ def _count_fields(parts: Sequence[Element], order: str) -> int:
 # Vectors of MATLAB files as columns of a table.
 
 Found: TypeAlias = tuple[str, Any]
-MOST_LISTED: Final = 12
-FEWEST_VALUES: Final = 10
-"""Values from which a vector is no setting, so that it is said if it is not read."""
 LEAST_SPLIT, MOST_SPLIT = 100, 64
 """Rows from which, and columns up to which, a matrix is one of signals."""
 DEEPEST_STRUCT: Final = 5
 MOST_ELEMENTS: Final = 1_000
 """Elements of an array of structs that are looked at."""
 LONGEST_TEXT: Final = 1_000
-MOST_IN_MATRIX: Final = 20_000_000
-"""Numbers up to which a matrix is read."""
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
 
@@ -244,7 +240,7 @@ def read_mat(path: Path, names: Collection[str] = ()) -> Table:
         for name, value in vectors.items()
         if value.size == size
     }
-    others = [n for n, value in vectors.items() if value.size not in (size, *range(FEWEST_VALUES))]
+    others = [n for n, value in vectors.items() if value.size not in (size, *range(FEWEST_SAMPLES))]
     return Table(data=pd.DataFrame(columns), remarks=(*left_out(others),))
 
 
@@ -478,7 +474,7 @@ class _Hdf5:
             return np.array(["".join(map(chr, np.ravel(item[()])))])
         if not filled or not (kind in {"double", "single"} or kind.startswith(("int", "uint"))):
             return f"{' × '.join(map(str, shape))} {kind}"
-        if _is_vector(item) or (_is_signals(item) and item.size <= MOST_IN_MATRIX):
+        if _is_vector(item) or (_is_signals(item) and item.size <= MOST_CELLS):
             return self.read(item, name)
         return f"{' × '.join(map(str, shape)) or '1'} {kind}"
 

@@ -192,8 +192,6 @@ _PLUS_MINUS: Final = re.compile(r"(?:±|\+/?[-−])(?!\s*\d)")  # before digits 
 _HALF_WIDTH: Final = re.compile(
     r"(?i)(?<![\d.,])95\s*%|(?:^|[\W_])(?:ci|ki|conf|u)[ _]?95(?!\d)|(?<!\d)95[ _]?ci(?![^\W_])"
 )
-INTERVAL: Final = 1.96
-"""Half-width of an interval of 95 % over the standard uncertainty, of a normal distribution."""
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 

@@ -25,7 +25,6 @@ from stickslip.data.readers import instruments, tracks
 from stickslip.data.readers import table as tables
 from stickslip.data.readers.columns import without_unit
 from stickslip.data.readers.layout import (
-    ALIKE,
     BRACKETS,
     DOUBTED,
     Layout,
@@ -42,6 +41,7 @@ from stickslip.data.readers.layout import (
     without_names,
 )
 from stickslip.data.readers.toml import decode
+from stickslip.data.tolerances import FEWEST_SAMPLES, LONGEST_LINE, MOST_CELLS
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.display import require_library
 from stickslip.show.formatting import joined
@@ -138,7 +138,6 @@ HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
 LOOKED_AT: Final = 50
 """Rows that are enough to see that a text is no table."""
-LONGEST_LINE: Final = 100_000
 TAIL: Final = 4096
 """Bytes at the end of a file among whose numbers a last one that is cut stands out."""
 LEAST_CODE: Final = 32
@@ -282,7 +281,7 @@ def _parsed(
 def _without_doubts(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
     """Return a table with columns of their own for uncertainties in cells such as 3.51 ± 0.1."""
     for name in [*table.columns]:
-        top = table[name].dropna().iloc[:ALIKE]
+        top = table[name].dropna().iloc[:FEWEST_SAMPLES]
         stated = f"{without_unit(name)}_uncertainty"
         if stated in table or not any(doubted_parts(cell) for cell in top if isinstance(cell, str)):
             continue
@@ -307,7 +306,7 @@ def _cut_number(data: bytes, layout: Layout) -> str:
         return ""
     lines = data[-TAIL:].decode(layout.encoding, errors="replace").splitlines()[1:]
     cells = [row[-1] for line in lines if (row := cells_of(line, layout.separator))]
-    if len(cells) <= ALIKE or not all(map(is_number, cells)):
+    if len(cells) <= FEWEST_SAMPLES or not all(map(is_number, cells)):
         return ""
     *above, last = (_digits(cell, layout.decimal) for cell in cells)
     least = [min(pair[part] for pair in above) for part in range(len(last))]
@@ -502,8 +501,6 @@ def grouped(cell: object) -> str:
 SPREADSHEET: Final = (".xlsx", ".xlsm")
 """Endings of workbooks."""
 CURE: Final = "save the sheet of the record as CSV"
-MOST_CELLS: Final = 2e7
-"""Cells up to which a sheet is read, empty ones that are stepped over included."""
 
 
 def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.Table:

@@ -20,7 +20,6 @@ from stickslip.data.readers.columns import (
     COEFFICIENTS,
     GUESSED,
     INPUTS,
-    INTERVAL,
     LONGEST_HEADER,
     STYLES,
     SURE,
@@ -39,7 +38,7 @@ from stickslip.data.readers.columns import (
     parts_of,
 )
 from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
-from stickslip.data.readers.table import MOST_LISTED, TRIAL
+from stickslip.data.readers.table import TRIAL
 from stickslip.data.readers.table_reader import (
     KELVINS,
     Frame,
@@ -50,6 +49,17 @@ from stickslip.data.readers.table_reader import (
     read_frame,
 )
 from stickslip.data.readers.toml import check_file, check_path
+from stickslip.data.tolerances import (
+    FEWEST_SAMPLES,
+    GAP,
+    HALF,
+    MOST_LISTED,
+    NEARLY_ALL,
+    NORMAL_95,
+    ROUNDED,
+    ROUNDING,
+    SLIGHT,
+)
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.described import Described
 from stickslip.show.formatting import count, joined, number, percent
@@ -59,8 +69,6 @@ DERIVATIVE: Final = re.compile(r"d(?:q|phi|theta|[φϕθ])|(?:x|q|s|pos|ang|angl
 """How names of derivatives are made of those of coordinates."""
 RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
 """How names of columns that have no sign for it say a unit over a time."""
-MOST_TRIALS: Final = 0.05
-"""Trials over samples up to which such a column may number them."""
 COUNTED: Final = {"millis": "ms", "micros": "us"}
 """Times of a microcontroller by the names of its functions."""
 PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
@@ -68,24 +76,8 @@ PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
-ORDERED: Final = 0.9
-"""Share of the steps of a column of times that go one way at least."""
-RESTART: Final = 0.5
-"""Share of the time that has passed by which it goes back where a further record begins."""
 SAME_MOTION: Final = 0.99
 """Correlation from which two positions are those of one axis."""
-EQUAL: Final = 1e-9
-"""Share of their range by which two positions may differ that are said to be equal."""
-ONE_TO_ONE: Final = 0.02
-"""Distance of the ratio of two positions from 1 up to which no gear is between them."""
-DIGITS: Final = 0.5
-"""Share of the cells of a column that are numbers from which the others are faults."""
-SIZE: Final = 0.02
-"""Share of a force by which the friction that is its size may differ, as its digits may."""
-GAP: Final = 3.0
-"""Usual steps of time from which a step is called a gap."""
-FULL: Final = 0.5
-"""Share of the rows that have all columns, below which it is said that others are lost."""
 LONG: Final = 4_000_000
 """Bytes of a text from which its top is looked at first."""
 TOP: Final = 250_000
@@ -102,8 +94,6 @@ OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
 """Units that columns without one may have, by those of SI."""
 SLOW, FAR = 1.0, 100.0
 """Step of times [s] and span of positions [m] or [rad] that columns without a unit hardly have."""
-VARIED: Final = 0.5
-"""Span of a velocity over its largest value from which its integral is like no other column."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -578,7 +568,7 @@ def _over_way(times: measurement.Array, speed: measurement.Array, x: measurement
     known = np.isfinite(times) & np.isfinite(speed) & np.isfinite(x)
     t, v, x = times[known], speed[known], x[known]
     steps = np.diff(t)
-    varied = t.size >= text_layout.ALIKE and float(np.ptp(v)) > VARIED * float(np.abs(v).max())
+    varied = t.size >= FEWEST_SAMPLES and float(np.ptp(v)) > HALF * float(np.abs(v).max())
     if not varied or not np.ptp(x) or np.any(steps <= 0.0):
         return 0.0
     way = np.concatenate([[0.0], np.cumsum(steps * (v[1:] + v[:-1]) / 2.0)])
@@ -604,7 +594,7 @@ def _units_between(
                 continue
             x, v, t = (factor(unit, kinds[q]) for q, unit in pairs.items())
             # times in a stated unit were converted to seconds before
-            if abs(ratio * x / (v * (1.0 if own["time"].unit else t)) - 1.0) < ONE_TO_ONE:
+            if abs(ratio * x / (v * (1.0 if own["time"].unit else t)) - 1.0) < ROUNDED:
                 fits.append({q: u for q, u in pairs.items() if u not in (own[q].unit, kinds[q])})
     fewest = [units for units in fits if len(units) == min(map(len, fits))]
     if len(fewest) > 1 and step >= 1.0:
@@ -650,7 +640,7 @@ def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
     known = np.isfinite(force) & np.isfinite(friction)
     apart = np.abs(force - friction)[known]
     usual = float(np.median(force[known])) if known.any() else 0.0
-    return usual > 0.0 and bool(np.median(apart) <= SIZE * usual)
+    return usual > 0.0 and bool(np.median(apart) <= ROUNDED * usual)
 
 
 def _by_kind(
@@ -888,7 +878,7 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
             return False
         seconds = text_layout.seconds_of(part)
         return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
-    return share_later(part) > ORDERED
+    return share_later(part) > NEARLY_ALL
 
 
 def _are_coarse(seconds: measurement.Array) -> bool:
@@ -896,7 +886,7 @@ def _are_coarse(seconds: measurement.Array) -> bool:
 
     Sorting by time would average these rows.
     """
-    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - ORDERED)
+    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - NEARLY_ALL)
 
 
 def share_later(column: "pd.Series[Any]") -> float:
@@ -911,7 +901,7 @@ def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> 
     if len(part) < 2 or not pd.api.types.is_numeric_dtype(part.dtype):
         return False
     bare, _ = _bare_and_unit(name, stated, "time")
-    return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
+    return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > NEARLY_ALL
 
 
 def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, measurement.Array] | None:
@@ -990,7 +980,7 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
-    if cells.map(lambda cell: text_layout.is_number(str(cell).strip())).mean() > DIGITS:
+    if cells.map(lambda cell: text_layout.is_number(str(cell).strip())).mean() > HALF:
         frame.raw(name)
 
 
@@ -1031,7 +1021,7 @@ def _refuse_disorder(frame: Frame, name: str) -> None:
             )
         return
     later = share_later(column.iloc[:CHECKED].dropna())
-    if later > ORDERED and unit:
+    if later > NEARLY_ALL and unit:
         raise InputError(
             f"{frame.file}: the column {shown(name)} is in {unit}, which is no unit of time. Name"
             ' the right one, as units={"time": "s"}.'
@@ -1187,7 +1177,7 @@ def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
     cure = "Interpolate channels of different rates to the times of one of them first"
     if not full.any():
         raise InputError(f"{frame.file}: no row has all of its columns. {cure}.")
-    if full.mean() < FULL:
+    if full.mean() < HALF:
         yield (
             f"Only {count(int(full.sum()), 'row')} of {full.size:,} have all of these columns, and"
             f" the others are left out. {cure}, if that is too few."
@@ -1217,11 +1207,11 @@ def restarts(times: measurement.Array) -> list[int]:
     known = times[rows]
     back = np.flatnonzero(np.diff(known) < 0.0)
     # the first rows span nothing, and many steps back are no records
-    least = RESTART * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
+    least = HALF * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
     found, first = [], 0
-    for last in back.tolist() if back.size < MOST_TRIALS * known.size else ():
+    for last in back.tolist() if back.size < SLIGHT * known.size else ():
         span = float(np.ptp(known[first : last + 1]))
-        if span > least and known[last] - known[last + 1] > RESTART * span:
+        if span > least and known[last] - known[last + 1] > HALF * span:
             found.append(int(rows[last + 1]))
             first = last + 1
     return found
@@ -1358,7 +1348,7 @@ def trial_column(
         values = cells.nunique()
         named = "".join(parts_of(name)) in VOCABULARY["trial"].names
         # where it is named, all that it must do is come again
-        if cells.isna().any() or not 1 < values <= (0.5 if named else MOST_TRIALS) * len(cells):
+        if cells.isna().any() or not 1 < values <= (0.5 if named else SLIGHT) * len(cells):
             continue
         if named:
             return name, "by its name"
@@ -1419,7 +1409,7 @@ def _doubt_offers(frame: Frame, friction: Found) -> Iterator[Found]:
         behind = unit is not None or names.index(name) > names.index(friction.name)
         fits = unit in (None, friction.unit) or is_unit_of(unit or "", measurement.STATED)
         if fits and left is not None and (left in (own, *forces) or (behind and not left)):
-            what = f"half-widths of 95 %, divided by {INTERVAL:g}"
+            what = f"half-widths of 95 %, divided by {NORMAL_95:.3g}"
             why = f"by its name: {what if half else 'the standard uncertainty of each reading'}"
             score = WHOLE if left else PART
             one = Found(score=score, name=name, unit=unit, stated=unit == stated, why=why)
@@ -1642,10 +1632,10 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
             if abs(np.corrcoef(x[both], y[both])[0, 1]) < SAME_MOTION:
                 continue
             ratio = float(np.polyfit(x[both], y[both], 1)[0])
-            ratio = 1.0 if abs(ratio - 1.0) < ONE_TO_ONE else ratio
+            ratio = 1.0 if abs(ratio - 1.0) < ROUNDED else ratio
             apart = float(np.ptp((y - ratio * x)[both]) / abs(ratio))
             size = number(apart / factor(first.unit, first.unit_in_si), 3)
-            if first.unit_in_si == other.unit_in_si and apart <= EQUAL * float(np.ptp(x[both])):
+            if first.unit_in_si == other.unit_in_si and apart <= ROUNDING * float(np.ptp(x[both])):
                 said[name] = (
                     f"Two columns are positions of this axis: {first.name!r} is read, and {name!r}"
                     f" is not; they are {'equal' if ratio == 1.0 else 'in one ratio throughout'}."

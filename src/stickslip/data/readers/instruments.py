@@ -28,6 +28,7 @@ from stickslip.data.readers.table import (
     rows_of,
     times_in,
 )
+from stickslip.data.tolerances import LONGEST_HEAD, MOST_LISTED
 from stickslip.errors import InputError
 from stickslip.show.formatting import count, joined
 from stickslip.units import factor, is_of, is_unit, shown
@@ -45,8 +46,6 @@ _END_OF_HEADER: Final = "***End_of_Header***"
 _SPECIAL: Final = re.compile(r"^\*\*\*Start_Special.*?^\*\*\*End_Special[^\n]*\n?", re.M | re.S)
 _DIMENSIONS: Final = {"Time": "s", "Frequency": "Hz", "": "s"}
 """Units of what these files call the dimension of their times."""
-LONGEST_LABVIEW_HEAD: Final = 10_000
-"""Characters at the top in which the first header ends."""
 TIMES: Final = "X_Value"
 _SEPARATORS: Final = {"Tab": "\t", "Comma": ","}
 
@@ -71,7 +70,7 @@ def is_labview(text: str) -> bool:
     >>> is_labview("LabVIEW Measurement\t\n***End_of_Header***\n"), is_labview("t;x\n0;1\n")
     (True, False)
     """
-    head = text[:LONGEST_LABVIEW_HEAD].lstrip("\ufeff")
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
     return head.startswith(_BEGIN) and _END_OF_HEADER in head
 
 
@@ -242,8 +241,6 @@ def _cut(segments: Sequence[_Segment]) -> Iterator[str]:
 
 SCOPE: Final = "channels of TwinCAT Scope"
 """What such a file is, for messages."""
-LONGEST_SCOPE_HEAD: Final = 10_000
-"""Characters at the top among which its mark is sought."""
 _MARK: Final = re.compile(r'"?starttime of export"?(?P<separator>.)', re.IGNORECASE)
 _END_OF_ROWS: Final = ("", "eof")
 SCOPE_TIME: Final = "time [ms]"
@@ -257,7 +254,7 @@ def is_scope(text: str) -> bool:
     >>> is_scope("Name;Scope\nFile;a.csv\nStarttime of export;1337\n"), is_scope("t;x\n0;1\n")
     (True, False)
     """
-    head = text[:LONGEST_SCOPE_HEAD].lstrip("\ufeff")
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
     named = head.lstrip('"').lower().startswith("name")
     return named and any(_MARK.match(line) for line in head.splitlines())
 
@@ -464,8 +461,6 @@ def read_serial(text: str) -> Table:
 # a column Step, and further lines below it. A step is a trial.
 
 TRIBOMETER: Final = "steps of a tribometer"
-LONGEST_STEP_HEAD: Final = 20_000
-"""Characters at the top among which a step is sought."""
 _STEP: Final = re.compile(
     r"""^[ \t"]*+step[ \t]*+(?:
         (?:no\.?|nr\.?|number|\#)[ \t]*+[:=]?[ \t]*+(?P<number>\d++)\b
@@ -481,8 +476,6 @@ RADIUS: Final = "radius"
 FORCES: Final = {"g": "gf", "kg": "kgf", "mg": "mgf"}
 """Units of masses in which forces are given there, and what is meant."""
 _FORCE: Final = re.compile(r"F[xyzntf]?|F_?[xyznt]|load|force", re.I)
-LISTED: Final = 12
-"""Steps in a sentence at most."""
 FEWEST_IN_STEP: Final = 2
 """Numbers in a row of a table, and rows in a step."""
 
@@ -510,7 +503,7 @@ def is_tribometer(text: str) -> bool:
     ... )
     (True, False)
     """
-    head = text[:LONGEST_STEP_HEAD].lstrip("\ufeff")
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
     recipe = _RECIPE.match(head) is not None and STEP in head.casefold()
     return recipe or _STEP.search(head) is not None
 
@@ -552,7 +545,7 @@ def read_tribometer(text: str) -> Table:
     if others:
         labels = [other.label or str(sections.index(other) + 1) for other in others]
         lost.append(
-            f"Steps with other columns, or units of another kind: {joined(labels, LISTED)}."
+            f"Steps with other columns, or units of another kind: {joined(labels, MOST_LISTED)}."
         )
     remarks = []
     labels = [section.label or str(number) for number, section in enumerate(kept, 1)]
@@ -565,7 +558,7 @@ def read_tribometer(text: str) -> Table:
     steps = own or (labels if len(tables) > 1 else [])
     if steps:
         remarks.append(
-            f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps, LISTED)}."
+            f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps, MOST_LISTED)}."
         )
     data, told = _with_sliding_speed(data, lines, separator)
     data, said = _from_slip(data)
@@ -625,7 +618,9 @@ def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[st
     if not missed:
         return []
     step, have, are = ("Steps", "have", "are") if len(missed) > 1 else ("Step", "has", "is")
-    which = f"{step} {joined([*missed], LISTED)} {have} no table of {FEWEST_IN_STEP} rows or more"
+    which = (
+        f"{step} {joined([*missed], MOST_LISTED)} {have} no table of {FEWEST_IN_STEP} rows or more"
+    )
     return [f"{which} and {are} left out."]
 
 

@@ -12,6 +12,7 @@ import pandas as pd
 from stickslip.data.measurement import Array
 from stickslip.data.readers.binary import check_parquet
 from stickslip.data.readers.table import Table, parsed_as, read_json
+from stickslip.data.tolerances import PER_MILLE, SLIGHT
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.display import require_library
@@ -30,8 +31,6 @@ STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
 """Steps of servos [deg] that count 12 bits a turn, by either convention."""
 FEWEST: Final = 20
 """Steps from which they show that they are multiples of one."""
-WHOLE: Final = 0.05
-"""Distance of a step from such a multiple; 24 bits leave 1e-4."""
 MOST: Final = 0.98
 """Share of the steps that are multiples."""
 RADIANS: Final = 13.0
@@ -148,7 +147,9 @@ def are_degrees(positions: Sequence[Array]) -> bool:
     gaps = [np.diff(np.unique(position)) for position in positions]
     moved = [gap for gap in gaps if gap.size >= FEWEST]
     return bool(moved) and any(
-        all(np.mean(np.abs(array / step - np.rint(array / step)) < WHOLE) > MOST for array in moved)
+        all(
+            np.mean(np.abs(array / step - np.rint(array / step)) < SLIGHT) > MOST for array in moved
+        )
         for step in STEPS
     )
 
@@ -307,8 +308,6 @@ ENDS: Final = {
     "current": "current",
 }
 """Ends of names, as in shoulder_pan.pos."""
-ALIKE: Final = 1e-3
-"""Share of a frame by which times that are numbers of frames may differ by rounding."""
 NO_RADIANS: Final = "which is no angle in rad"
 """What is said of positions whose unit is not known."""
 
@@ -403,7 +402,7 @@ def _times(data: Mapping[str, Array], fps: float) -> tuple[Array, tuple[str, ...
     away = np.abs(data["timestamp"] - counted)
     # Times are stored with 24 bits.
     rounding = 2.0**-23 * np.maximum(np.abs(counted), 1.0)
-    if np.all(away <= ALIKE / fps + rounding):
+    if np.all(away <= PER_MILLE / fps + rounding):
         return counted, (
             f"Times are frame numbers over {number(fps, 4)} fps: when a sample was measured is not"
             " in the data set, and a loop that was late looks like a jump of the motion.",

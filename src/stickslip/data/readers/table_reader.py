@@ -25,6 +25,7 @@ from stickslip.data.readers.layout import Layout, regular_times, seconds_of, uni
 from stickslip.data.readers.table import TRIAL, Table
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
+from stickslip.data.tolerances import SLIGHT
 from stickslip.show.formatting import number
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown, split_number
 
@@ -539,8 +540,6 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
 
 KELVINS = ("K", "°C", "degC", "°F", "degF")
 """Units of temperatures."""
-STEADY = 0.05
-"""Share of its mean within which a number may vary in a trial: the mean is taken."""
 
 
 def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
@@ -610,7 +609,7 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
         if len(values) == 1:
             found[key] = cells[0]
         elif len(known) == len(cells) and (
-            np.ptp(known) <= STEADY * abs(float(np.mean(known)))
+            np.ptp(known) <= SLIGHT * abs(float(np.mean(known)))
             or _is_temperature(name, frame.units.get(name))
         ):
             found[key] = float(np.mean(known))

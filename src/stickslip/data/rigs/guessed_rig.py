@@ -21,6 +21,7 @@ from stickslip.data.readers.guess import UNDRIVEN, Guess, guess_data
 from stickslip.data.readers.layout import Layout
 from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
+from stickslip.data.tolerances import HALF
 from stickslip.errors import InputError
 from stickslip.show.formatting import joined, number, percent, printable, quantity
 
@@ -337,7 +338,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     named = IN_NAME.search(path.stem)
     stated = float(re.sub("[,_p]", ".", named[1].lower())) if named else math.nan
     doubt = ""
-    if share < travels.OSCILLATION_SHARE and not named:
+    if share < HALF and not named:
         raise InputError(
             f"{path.name} shows no oscillation: the best frequency explains {percent(share)} of its"
             " motion about a smooth curve. Write the frequency of its drive into its name, as in"
@@ -347,7 +348,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     if not named:
         frequency, reason = float(f"{best:.3g}"), "as it oscillates"
         doubt = f"{path.name}: the frequency is read off the film; write the one that was set."
-    elif travels.oscillation(t, x, 0.5 * stated, 2 * travels.HARMONICS) < travels.OTHER * share:
+    elif travels.oscillation(t, x, 0.5 * stated, 2 * travels.HARMONICS) < HALF * share:
         frequency, reason = float(f"{best:.3g}"), "as it oscillates"
         doubt = (
             f"{path.name} oscillates with {number(best, 3)} Hz, and its name says"

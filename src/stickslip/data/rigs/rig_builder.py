@@ -42,6 +42,7 @@ from stickslip.data.rigs.schema import (
     flat,
     rig_table,
 )
+from stickslip.data.tolerances import LARGEST_TEXT
 from stickslip.data.travels import scale_of
 from stickslip.data.units import read_number
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
@@ -276,7 +277,7 @@ def read_rig(
     if path is None:
         name, data = BUNDLED, files("stickslip.data").joinpath(BUNDLED).read_bytes()
     else:
-        name, data = str(path), toml.read_bytes(path, largest=toml.LARGEST)
+        name, data = str(path), toml.read_bytes(path, largest=LARGEST_TEXT)
     raw = toml.parse(data, name)
     settable = [*toml.paths_of(raw), *_settable(raw)]
     overrides = {_in_words(path, raw, settable): value for path, value in overrides.items()}
