@@ -729,7 +729,7 @@ BRISTLES: Final = {"stiffness", "damping"}
 """Sizes in the scale of parameters of bristles."""
 SPEEDS: Final = (-0.1, 1e-3, 0.1, 1.0)
 """Speeds [m/s] at which a law over the normal force is compared with the same in forces."""
-SAMPLES: Final = 4001
+RUN_TIMES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
 BEYOND: Final = 1.05
 """Ratio to the range of the fit above which a run counts as outside of it: 5 % of speed or of
@@ -912,7 +912,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     said = []
     _, rate = slip_names(mechanism)
     # Ends of steps too: extremes of speed lie between even times.
-    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    seen = run.at(np.union1d(np.linspace(*run.span, RUN_TIMES), run.t))
     speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
     most = None if known is None else known.largest_speed
     assert not isinstance(most, Mapping)  # that of one contact

@@ -20,6 +20,7 @@ from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import number, quantity
 from stickslip.study.control.equations_of_motion import Evaluator, places_of
+from stickslip.study.tolerances import FEWEST_CYCLES, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 
 # Closes the loop: a controller that samples, computes and holds, around an exact simulation.
 
-PERIOD_TOLERANCE = 1e-9
-"""Share of a period that counts as none: delays are multiples of it or are not."""
 Stretch: TypeAlias = tuple[float, float, float]
 """Start of a stretch of constant or straight command [s], its value there, its slope."""
 SPREAD = Quantity("sigma", low=0)
@@ -54,12 +53,12 @@ class Timing(Parametrised):
     def times(self, t_end: float) -> list[float]:
         """Return the times of the samples before the end."""
         # Rounding of the end must not add a sample there.
-        return [k * self.period for k in range(math.ceil(t_end / self.period - PERIOD_TOLERANCE))]
+        return [k * self.period for k in range(math.ceil(t_end / self.period - ROUNDING))]
 
     def lag(self) -> tuple[int, float]:
         """Return the delay as whole periods and a rest [s]."""
         whole = round(self.delay / self.period)
-        if abs(self.delay - whole * self.period) <= PERIOD_TOLERANCE * self.period:
+        if abs(self.delay - whole * self.period) <= ROUNDING * self.period:
             return whole, 0.0
         whole = math.floor(self.delay / self.period)
         return whole, self.delay - whole * self.period
@@ -518,12 +517,10 @@ def _number(command: Any, t: float) -> float:
 
 Kind: TypeAlias = Literal["limit cycle", "growing", "decaying", "irregular", "none"]
 
-SAMPLES = 20_000
+RUN_TIMES = 20_000
 """Evenly spaced times at which a run is looked at, beside the ends of its steps."""
 HYSTERESIS = 0.2
 """Share of the range that a crossing must pass on either side of the middle."""
-FEWEST_CYCLES = 3
-"""Cycles that tell whether they are alike."""
 TOLERANCE = Quantity("eps", above=0, high=1)
 
 
@@ -622,7 +619,9 @@ def limit_cycle(
             f" {number(begin, 6)}."
         )
     # Ends of steps too: fast extremes lie between even times.
-    times = np.union1d(np.linspace(begin, last, SAMPLES), run.t[(run.t >= begin) & (run.t <= last)])
+    times = np.union1d(
+        np.linspace(begin, last, RUN_TIMES), run.t[(run.t >= begin) & (run.t <= last)]
+    )
     values = run.at(times)[state]
     starts = _crossings(times, values)
     if len(starts) <= FEWEST_CYCLES or 0.5 * float(np.ptp(values)) < least:
@@ -960,7 +959,7 @@ def compensation(
 
 # Partial feedback linearisation: one coordinate follows, friction and all else being known.
 
-ROUNDING = 1e-12
+UNCOMMANDED = 1e-12
 """Share of its parts at which an acceleration per command is none."""
 
 
@@ -1148,7 +1147,7 @@ class PartialLinearisation(Parametrised):
         return float(command) if normal > 0.0 else None
 
     def _is_singular(self, gain: float, size: float) -> bool:
-        return abs(gain) <= max(self.least, ROUNDING * size)
+        return abs(gain) <= max(self.least, UNCOMMANDED * size)
 
     def _stuck(
         self, table: Any, row: int, slip: int, target: float

@@ -46,6 +46,7 @@ from stickslip.show.described import Described
 from stickslip.show.display import Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity
 from stickslip.study.optimisation.steady_cycle import ACCELERATION, Cycle, measure, travelling
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,8 +59,6 @@ Progress: TypeAlias = Callable[[int, int, float], object]
 
 WIDTH = 0.25
 """Standard deviation of the first candidates, over the range of a parameter."""
-ROUNDING = 1e-9
-"""Share of a limit by which it may be exceeded: a motion that just reaches it is rounded."""
 ENDED = 10.0
 """Violation of a run that ended early, at its end; twice that at its beginning."""
 POPULATION = 40

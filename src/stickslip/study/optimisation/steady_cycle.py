@@ -27,16 +27,13 @@ from stickslip.mechanisms import DCMotor, Mechanism, cycle_of, slip_among, stati
 from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Parametrised
 from stickslip.show.described import Described
+from stickslip.study.tolerances import FEWEST_CYCLES, TRANSIENT
 
 Array = NDArray[np.float64]
 
-FIRST_CYCLES = 3
-"""Cycles after which a motion may count as steady."""
 MOST_CYCLES = 96
 """Cycles after which it is taken as it is."""
-REPEATED = 1e-6
-"""Change from cycle to cycle, over the largest in a cycle, that still counts as the same."""
-SAMPLES = 257
+CYCLE_TIMES = 257
 """Evenly spaced times of a cycle."""
 ZOOM = 17
 """Times between the neighbours of an extreme sample."""
@@ -140,7 +137,7 @@ def measure(
     """
     coordinate = coordinate or travelling(mechanism)
     slip, rate = slip_among(mechanism, coordinate, "measure")
-    period, count = cycle_of(mechanism), FIRST_CYCLES
+    period, count = cycle_of(mechanism), FEWEST_CYCLES
     solver = EventDriven(tier="compiled")
     while True:
         run = simulate(mechanism, law, t_end=count * period, solver=solver, throw=False)
@@ -179,7 +176,7 @@ def _repeats(run: Trajectory, slip: str, rate: str, count: int, period: float) -
     x, v = last[slip], last[rate]
     more = (x[-1] - x[0]) - (x[0] - before[slip][0])
     return bool(
-        abs(more) <= REPEATED * np.ptp(x) and abs(v[-1] - v[0]) <= REPEATED * np.abs(v).max()
+        abs(more) <= TRANSIENT * np.ptp(x) and abs(v[-1] - v[0]) <= TRANSIENT * np.abs(v).max()
     )
 
 
@@ -240,7 +237,7 @@ def _nodes(mechanism: Mechanism, run: Trajectory, begin: float, end: float, cycl
     for drive in mechanism.drives().values():
         jumps += [float(piece.start) for piece in drive.pieces(end)]
     inside = np.array([t for t in jumps if begin < t < end])
-    even = np.linspace(begin, end, cycles * (SAMPLES - 1) + 1)
+    even = np.linspace(begin, end, cycles * (CYCLE_TIMES - 1) + 1)
     return np.unique(np.concatenate([even, inside, np.nextafter(inside, -np.inf)]))
 
 
