@@ -2,8 +2,8 @@
 
 A plain balance, of inertia, level, viscous friction and offset, is fitted to all rows. Where the
 sign of the force is turned in the first :math:`k` of the stretches, and that leaves much less than
-as it is, it changes there; in all of them, it is the other one. Where the friction that explains most of what the inertia
-leaves gives energy to the motion, the force is that of the other sign.
+as it is, it changes there; in all of them, it is the other one. Where the friction that explains
+most of what the inertia leaves gives energy to the motion, the force is that of the other sign.
 """
 
 from collections.abc import Sequence
@@ -93,8 +93,7 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
             " balance. Give the force the sign of the position all along."
         )
     c = np.linalg.solve(gram, x.T @ response)
-    plain = np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
-    without = response - x[:, n:] @ plain
+    without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     inertial = float(c[n + 1]) < 0.0 if inertia else True
     if wrong and inertial and left[0] < most * float(without @ without):
