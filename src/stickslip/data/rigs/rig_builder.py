@@ -36,7 +36,7 @@ from stickslip.data.readers import toml
 from stickslip.data.readers.columns import MOTORS, Reading, column_of, motor_constants
 from stickslip.data.readers.layout import Layout
 from stickslip.data.records import read_data
-from stickslip.data.rigs import laws, rig_models, schema
+from stickslip.data.rigs import laws, rig_models
 from stickslip.data.rigs.laws import (
     NONE,
     ContactUnits,
@@ -427,21 +427,6 @@ def rig_table(
         contact=(contact, contact()),
         friction=(friction, friction()),
     )
-
-
-def json_schema() -> dict[str, Any]:
-    """Return the JSON schema of rig files."""
-    schema = rig_table(laws=tuple(known_laws().values())).model_json_schema(by_alias=True)
-    # contacts depend on the mechanism: what is no key of [friction] may be the name of one
-    friction = schema["$defs"]["Friction"]
-    text = "name or composition of a law, such as dahl(level + lorentz) + power"
-    friction["properties"]["law"] = {"type": "string", "description": text}
-    friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
-    contact = schema["$defs"]["Contact"]
-    contact["additionalProperties"] = {"$ref": "#/$defs/Contact"}
-    _drop_nulls(schema)
-    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return {**dialect, **schema, "title": "stickslip rig file"}
 
 
 def _drop_nulls(node: Any) -> None:
@@ -1328,4 +1313,14 @@ def rig_schema() -> dict[str, Any]:
     >>> sorted(rig_schema()["properties"])[:3]
     ['contact', 'data', 'estimates']
     """
-    return schema.json_schema()
+    schema = rig_table(laws=tuple(known_laws().values())).model_json_schema(by_alias=True)
+    # contacts depend on the mechanism: what is no key of [friction] may be the name of one
+    friction = schema["$defs"]["Friction"]
+    text = "name or composition of a law, such as dahl(level + lorentz) + power"
+    friction["properties"]["law"] = {"type": "string", "description": text}
+    friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
+    contact = schema["$defs"]["Contact"]
+    contact["additionalProperties"] = {"$ref": "#/$defs/Contact"}
+    _drop_nulls(schema)
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return {**dialect, **schema, "title": "stickslip rig file"}
