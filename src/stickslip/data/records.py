@@ -50,7 +50,7 @@ from stickslip.units import factor, is_of, shown
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip.data.readers.table_reader import Frame
+    from stickslip.data.readers.table_reader import QuantityTable
 
 
 # Columns of a record in SI: by their units, by their gains, and coefficients by the load.
@@ -91,8 +91,8 @@ def _gain(name: str, value: object) -> float | str:
 
 
 def with_motors(
-    frame: "Frame", gains: Mapping[str, float | str], constants: Mapping[str, float | str]
-) -> tuple["Frame", dict[str, float | str]]:
+    frame: "QuantityTable", gains: Mapping[str, float | str], constants: Mapping[str, float | str]
+) -> tuple["QuantityTable", dict[str, float | str]]:
     """Return a table with currents as forces, and the gains that make forces of them."""
     gains = dict(gains)
     if not constants:
@@ -128,7 +128,7 @@ def with_motors(
 class Scaling:
     """How the columns of one file become numbers in SI."""
 
-    frame: "Frame"
+    frame: "QuantityTable"
     """The table of the file."""
     gains: Mapping[str, float | str]
     """Factors by quantity; with its unit where that makes SI of the column's."""
@@ -565,7 +565,7 @@ class _Files:
             if getattr(self.reading, what):
                 raise InputError(f"{what} applies to time records, not to tables of trials.")
 
-    def _record(self, frame: "Frame", name: str) -> Measurement:
+    def _record(self, frame: "QuantityTable", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
         from stickslip.data.readers.guess import clock_of
         from stickslip.data.readers.table import TRIAL
@@ -643,14 +643,14 @@ class _Files:
             provenance="; ".join([Path(frame.file).name, *done]),
         )
 
-    def _with_cells(self, frame: "Frame", wanted: Iterable[str]) -> list[str]:
+    def _with_cells(self, frame: "QuantityTable", wanted: Iterable[str]) -> list[str]:
         """Return the columns of quantities without those of channels that were off."""
         found = [name for name in wanted if name in frame.names]
         named = ("time", *self.reading.columns)
         filled = [name for name in found if name in named or not frame.is_empty(name)]
         return filled if {*filled} - {"time"} else found
 
-    def _joint_columns(self, frame: "Frame") -> Iterator[str]:
+    def _joint_columns(self, frame: "QuantityTable") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.
 
         A log of a robot has more joints than a mechanism of some of them, or than one axis.
@@ -671,7 +671,7 @@ class _Files:
                     f"columns has {name} and the table {first}: give it by joint, or once for all."
                 )
 
-    def _beside(self, frame: "Frame") -> dict[str, Array]:
+    def _beside(self, frame: "QuantityTable") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
         joints = {name.partition(".")[2] for name in self._joint_columns(frame)}
         found: dict[str, Array] = {}
@@ -687,7 +687,7 @@ class _Files:
         return found
 
     def _inputs(
-        self, frame: "Frame", raw: Mapping[str, Array], turning: bool
+        self, frame: "QuantityTable", raw: Mapping[str, Array], turning: bool
     ) -> dict[str, Array | dict[str, Array]]:
         """Return contact inputs in their units; those of joints, as a table by joint."""
         found: dict[str, Array] = {}
@@ -758,7 +758,7 @@ def _no_file(given: object) -> str:
     )
 
 
-def _nothing_known(frame: "Frame") -> str:
+def _nothing_known(frame: "QuantityTable") -> str:
     listed = ", ".join(map(shown, list(frame.names)[:12]))
     first = [name for name in frame.names if name.rpartition("/")[2].lower() == "x"]
     plane = f'["{first[0]}", "{first[0][:-1]}{chr(ord(first[0][-1]) + 1)}"]' if first else '"..."'

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.data.measurement import Array
-from stickslip.data.readers.table import Table, json_of, one_line, parsed_as
+from stickslip.data.readers.table import FileTable, json_of, one_line, parsed_as
 from stickslip.data.tolerances import GAP, LARGEST_TEXT, MOST_LISTED
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.mechanisms import coordinate_of
@@ -132,7 +132,7 @@ class _Signal:
     """Whether it keeps its value until the next sample, as a command does."""
 
 
-def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
+def table_of(log: Log, file: str, names: Collection[str] = ()) -> FileTable:
     """Return the states of joints of a log as columns, and other numbers that are named.
 
     Columns are called position.elbow, velocity.elbow, force.elbow, and reference.elbow for a
@@ -207,7 +207,7 @@ class _Joined:
     names: Collection[str]
     """Columns that were asked for by name."""
 
-    def table(self, remarks: Sequence[str], lost: Sequence[str]) -> Table:
+    def table(self, remarks: Sequence[str], lost: Sequence[str]) -> FileTable:
         """Return the table, its times those of most samples."""
         wanted = {signal.column: signal for signal in self._measured()}
         if not wanted:
@@ -249,7 +249,7 @@ class _Joined:
             _apart(f"{topic}{rates[topic]}", how, found, clock)
             for (topic, how), found in apart.items()
         ]
-        return Table(
+        return FileTable(
             data=pd.DataFrame(data),
             remarks=(*remarks, *said, *self._told(data), *self._left(wanted)),
             lost=tuple(lost),
@@ -731,7 +731,7 @@ def _ros1_fields(header: bytes) -> dict[bytes, bytes]:
 MCAP: Final = (".mcap",)
 
 
-def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
+def read_mcap(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the states of joints in a log."""
     for name in ("mcap.reader", "mcap_ros2.decoder"):
         require_library(name, "logs", f"convert {path} to CSV")
@@ -833,7 +833,7 @@ METADATA: Final = "metadata.yaml"
 """File in the folder of a bag of ROS 2 that lists the others."""
 
 
-def read_bag(path: Path, names: Collection[str] = ()) -> Table:
+def read_bag(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the states of joints in a bag."""
     require_library("rosbags.highlevel", "logs", f"convert {path} to CSV")
     from rosbags.highlevel import AnyReader

@@ -30,7 +30,7 @@ from stickslip.data.readers.table import (
     FEWER_CHANNELS,
     TIME,
     TRIAL,
-    Table,
+    FileTable,
     left_out,
     merged,
     no_channel,
@@ -220,7 +220,7 @@ CHANNELS: Final = (
 )
 
 
-def read_mat(path: Path, names: Collection[str] = ()) -> Table:
+def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
     found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
@@ -241,7 +241,7 @@ def read_mat(path: Path, names: Collection[str] = ()) -> Table:
         if value.size == size
     }
     others = [n for n, value in vectors.items() if value.size not in (size, *range(FEWEST_SAMPLES))]
-    return Table(data=pd.DataFrame(columns), remarks=(*left_out(others),))
+    return FileTable(data=pd.DataFrame(columns), remarks=(*left_out(others),))
 
 
 def _size(vectors: Mapping[str, Any], names: Collection[str]) -> int:
@@ -521,7 +521,7 @@ _DEFLATED: Final = {0, 1}
 """Kinds of compression that are zlib's."""
 
 
-def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
+def read_mdf(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the channels of one group as columns, with their units in brackets."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the package's own imports
@@ -545,7 +545,7 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
         unit = f" [{unit_in(channel.unit)}]" if channel.unit and channel.unit.strip() else ""
         columns.setdefault(f"{channel.name}{unit}", np.asarray(channel.samples, dtype=float))
     others = [signal.name for signal in signals if signal.group_index != group]
-    return Table(data=pd.DataFrame(columns), remarks=(*left_out(others, "other times"),))
+    return FileTable(data=pd.DataFrame(columns), remarks=(*left_out(others, "other times"),))
 
 
 def _check_blocks(path: Path) -> None:
@@ -583,7 +583,7 @@ UNIT_PROPERTIES: Final = ("unit_string", "NI_UnitDescription", "Unit")
 """Properties of a channel that hold its unit; the first is LabVIEW's."""
 
 
-def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
+def read_tdms(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the channels of one group as columns; groups with the same channels are trials.
 
     Times of channels that state none are those that their waveform states.
@@ -614,7 +614,7 @@ def _quiet() -> Iterator[None]:
         logging.disable(level)
 
 
-def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]) -> Table:
+def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]) -> FileTable:
     """Return the group that has the columns that are wanted, or the most channels."""
     full = {name: [item for item in own if _is_signal(item)] for name, own in groups.items()}
     full = {name: own for name, own in full.items() if own}
@@ -632,10 +632,10 @@ def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]
         others = [name for name in full if name not in alike]
         remarks += read_of("group", wanted, others, ", with other channels")
     if len(tables) == 1:
-        return Table(data=tables[0], remarks=(*remarks,))
+        return FileTable(data=tables[0], remarks=(*remarks,))
     trials = [table.assign(**{TRIAL: name}) for table, name in zip(tables, alike, strict=True)]
     remarks.append(f"{len(alike)} groups have the same channels: each is a trial.")
-    return Table(data=pd.concat(trials, ignore_index=True), remarks=(*remarks,))
+    return FileTable(data=pd.concat(trials, ignore_index=True), remarks=(*remarks,))
 
 
 def _table(channels: Sequence[Any]) -> tuple[pd.DataFrame, list[str]]:
@@ -690,9 +690,9 @@ def _is_signal(channel: Any) -> bool:
 PARQUET: Final = (".parquet", ".pq")
 
 
-def read_parquet(path: Path, _names: Collection[str] = ()) -> Table:
+def read_parquet(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return the columns of a file."""
-    return Table(data=parquet_data(path))
+    return FileTable(data=parquet_data(path))
 
 
 def parquet_data(path: Path) -> pd.DataFrame:

@@ -68,7 +68,7 @@ def is_franka(text: str) -> bool:
     )
 
 
-def read_franka(text: str) -> tables.Table:
+def read_franka(text: str) -> tables.FileTable:
     r"""Return the columns of a log with their units.
 
     Examples
@@ -86,7 +86,7 @@ def read_franka(text: str) -> tables.Table:
         raise tables.unequal_rows(error) from None
     width = len(table.columns)
     more = sum(any(map(str.strip, line.split(",")[width:])) for line in text.splitlines())
-    return tables.Table(
+    return tables.FileTable(
         data=table.rename(columns={"time": "time [ms]"}),
         first_row=2,
         lost=(*tables.further_cells(more, width),),
@@ -100,7 +100,7 @@ class Dialect:
     title: str
     is_text: Callable[[str], bool]
     """Whether a text, or the top of one, is of this kind."""
-    read: Callable[[str], tables.Table]
+    read: Callable[[str], tables.FileTable]
     """Returns the table of a text."""
 
 
@@ -160,7 +160,7 @@ def ambiguous(file: str | Path, name: str) -> InputError:
     return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
-def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
+def read_text(path: Path, layout: Layout | None = None) -> tables.FileTable:
     """Return a CSV table; lines before the header may be comments."""
     data = bytes_of(path)
     if layout is not None:
@@ -186,7 +186,7 @@ def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
     return _parsed(path, data, names, sample, found)
 
 
-def read_as(path: Path, data: bytes, layout: Layout) -> tables.Table:
+def read_as(path: Path, data: bytes, layout: Layout) -> tables.FileTable:
     """Return the table of a file that holds it in a known way."""
     try:
         text = data.decode(layout.encoding)
@@ -220,7 +220,7 @@ def read_as(path: Path, data: bytes, layout: Layout) -> tables.Table:
 
 def _parsed(
     path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
-) -> tables.Table:
+) -> tables.FileTable:
     """Return the table below a header."""
     check_columns(str(path), len(names))
     twice = [name for name, number in Counter(names).items() if number > 1 and name.strip()]
@@ -275,7 +275,7 @@ def _parsed(
             f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
             " it: the last row is left out."
         )
-    return tables.Table(data=table, first_row=above + 1, lost=tuple(lost))
+    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost))
 
 
 def _without_doubts(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
@@ -503,7 +503,7 @@ SPREADSHEET: Final = (".xlsx", ".xlsm")
 CURE: Final = "save the sheet of the record as CSV"
 
 
-def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.Table:
+def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.FileTable:
     """Return the table of the first sheet that has one: names above rows of numbers."""
     openpyxl = require_library("openpyxl", "xlsx", f"save the sheet of {path} as CSV")
     with (
@@ -517,7 +517,7 @@ def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.Table:
             return _first(path, {sheet.title: _text(path, sheet) for sheet in book.worksheets})
 
 
-def _first(path: Path, sheets: dict[str, str]) -> tables.Table:
+def _first(path: Path, sheets: dict[str, str]) -> tables.FileTable:
     """Return the table of the first of the sheets, given as texts, that has one."""
     for title, text in sheets.items():
         dialect, found = dialect_of(text), layout_of(text, "utf-8")

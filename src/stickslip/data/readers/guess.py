@@ -41,7 +41,7 @@ from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
 from stickslip.data.readers.table import TRIAL
 from stickslip.data.readers.table_reader import (
     KELVINS,
-    Frame,
+    QuantityTable,
     by_trial,
     conditions_in,
     data_file,
@@ -363,7 +363,9 @@ def guess_data(
     )
 
 
-def _has_other_times(frame: Frame, found: Mapping[str, Found], given: Mapping[str, Column]) -> bool:
+def _has_other_times(
+    frame: QuantityTable, found: Mapping[str, Found], given: Mapping[str, Column]
+) -> bool:
     """Whether a column that readers take for times of samples says when readings were taken."""
     table = {"velocity", "friction"} <= {*found} and "position" not in found
     return table and "time" in frame.names and not {"time"} & {*found, *given}
@@ -393,7 +395,7 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
-def _timed(frame: Frame, columns: Mapping[str, Column]) -> Frame:
+def _timed(frame: QuantityTable, columns: Mapping[str, Column]) -> QuantityTable:
     """Return a table by its headers, with the times of rows at a rate that is given or stated."""
     frame = frame.as_headed()
     given = columns.get("time", "")
@@ -402,7 +404,7 @@ def _timed(frame: Frame, columns: Mapping[str, Column]) -> Frame:
     return frame.at_rate(*frame.rates) if len(frame.rates) == 1 else frame
 
 
-def _without_rate(frame: Frame, found: Mapping[str, Found]) -> Frame:
+def _without_rate(frame: QuantityTable, found: Mapping[str, Found]) -> QuantityTable:
     """Return a table without the times of rows at a stated rate if it has others."""
     if "time" in found and found["time"].name in frame.rates:
         return frame
@@ -446,7 +448,7 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
 
 
 def assigned(
-    frame: Frame,
+    frame: QuantityTable,
     given: Mapping[str, Column],
     units: Mapping[str, str],
     *,
@@ -489,7 +491,7 @@ def assigned(
 
 
 def _of_servo(
-    frame: Frame, found: Mapping[str, Found], units: Collection[str]
+    frame: QuantityTable, found: Mapping[str, Found], units: Collection[str]
 ) -> tuple[robots.Servo | None, dict[str, Found]]:
     """Return the family of servos whose registers were read, and these with their units."""
     servo = robots.servo_of(frame.names)
@@ -508,7 +510,7 @@ def _of_servo(
     return servo, {**found, **raw, **_angles(frame, {**found, **raw})}
 
 
-def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+def _angles(frame: QuantityTable, found: Mapping[str, Found]) -> dict[str, Found]:
     """Return positions of a servo that are no counts with their unit: degrees by their steps."""
     moving = {q: found[q] for q in ("position", "reference") if q in found}
     first = next(iter(moving.values()))
@@ -531,7 +533,7 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
     }
 
 
-def _by_derivative(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+def _by_derivative(frame: QuantityTable, found: Mapping[str, Found]) -> dict[str, Found]:
     """Return columns with the units in which the velocity is the derivative of the position.
 
     Of units that are not stated, as few as possible are not those of SI. A position that no name
@@ -602,13 +604,13 @@ def _units_between(
     return fewest[0] if len(fewest) == 1 else None
 
 
-def _numbers(frame: Frame, candidate: Found) -> measurement.Array:
+def _numbers(frame: QuantityTable, candidate: Found) -> measurement.Array:
     """Return the numbers of a column, NaN where there are none."""
     column = frame.data[frame.names[candidate.name]]
     return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
 
 
-def _stays(frame: Frame, column: Found) -> bool:
+def _stays(frame: QuantityTable, column: Found) -> bool:
     """Whether a column that nobody named has one value throughout."""
     numbers = _numbers(frame, column)
     known = numbers[np.isfinite(numbers)]
@@ -622,7 +624,7 @@ def _are_of_sensor(taken: Mapping[str, Found]) -> bool:
     return ends == [["fx"], ["fz"]] and not named and "friction" not in taken
 
 
-def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
+def _is_its_size(frame: QuantityTable, taken: Mapping[str, Found]) -> bool:
     """Whether the friction of a tribometer is the size of the force, or that over the load.
 
     The force is then what the sensor shows, with its sign, and drives nothing.
@@ -644,7 +646,7 @@ def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
 
 
 def _by_kind(
-    frame: Frame,
+    frame: QuantityTable,
     left: Sequence[str],
     given: Mapping[str, Found],
     quantities: Sequence[str],
@@ -686,7 +688,7 @@ def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
     return not is_of(found.unit, kinds[not turning])
 
 
-def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
+def _offers(frame: QuantityTable, name: str, quantity: str) -> Iterable[Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
     if frame.is_empty(name):
         return
@@ -904,7 +906,7 @@ def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> 
     return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > NEARLY_ALL
 
 
-def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, measurement.Array] | None:
+def clock_of(frame: QuantityTable, used: Collection[str]) -> tuple[str, measurement.Array] | None:
     """Return the column that says when steady readings were taken, and its times (n,) [s].
 
     It is called time, nothing else was read from it, though it may have been said to be no times of
@@ -935,7 +937,7 @@ def _increases(column: "pd.Series[Any]") -> bool:
     return bool(np.all(steps > 0.0) and np.ptp(steps) < 0.1 * np.median(steps))
 
 
-def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
+def _check_enough(frame: QuantityTable, found: Mapping[str, Found]) -> None:
     """Refuse what is neither a motion in time nor friction at velocities."""
     listed = ", ".join(map(shown, [name for name in frame.names if name][:12]))
     for name in frame.names if "time" not in found else ():
@@ -971,7 +973,7 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
         )
 
 
-def _refuse_faults(frame: Frame, name: str) -> None:
+def _refuse_faults(frame: QuantityTable, name: str) -> None:
     """Say which cell of a quantity's column is no number, such as #DIV/0!, if most of them are."""
     column = frame.data[frame.names[name]]
     if pd.api.types.is_numeric_dtype(column.dtype) or not len(column):
@@ -984,7 +986,7 @@ def _refuse_faults(frame: Frame, name: str) -> None:
         frame.raw(name)
 
 
-def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> None:
+def _refuse_rotation(frame: QuantityTable, name: str, found: Mapping[str, Found]) -> None:
     """Ask for the radius of the contact where a speed is one of rotation, and forces are none."""
     unit = _bare_and_unit(name, frame.units.get(name), "velocity")[1]
     forces = [found[q].unit for q in ("force", "friction", "load") if q in found]
@@ -997,7 +999,7 @@ def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> Non
         )
 
 
-def _refuse_text(frame: Frame, name: str) -> None:
+def _refuse_text(frame: QuantityTable, name: str) -> None:
     """Say which cell of a column is no number where its name is that of a motion."""
     column = frame.data[frame.names[name]]
     bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in ("position", "velocity")}
@@ -1006,7 +1008,7 @@ def _refuse_text(frame: Frame, name: str) -> None:
         frame.raw(name)
 
 
-def _refuse_disorder(frame: Frame, name: str) -> None:
+def _refuse_disorder(frame: QuantityTable, name: str) -> None:
     """Say of a column that is called time why it holds none."""
     bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
     column = frame.data[frame.names[name]]
@@ -1113,7 +1115,7 @@ def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
 
 
-def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Array) -> bool:
+def _is_steady(frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array) -> bool:
     """Whether rows are steady readings of friction, whose times say when they were taken."""
     resisting = [q for q in ("friction", "force", "current") if q in found]
     if len(resisting) != 1 or "velocity" not in found or "position" in found:
@@ -1124,7 +1126,7 @@ def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Arra
     return bool(full.sum() > 1) and are_steady_readings(*(row[full] for row in rows))
 
 
-def times_of(frame: Frame, offer: Found) -> measurement.Array | None:
+def times_of(frame: QuantityTable, offer: Found) -> measurement.Array | None:
     """Return the times of a record [s], NaN where there are none."""
     key = next((k for k in frame.names if offer.name in (k, frame.names[k])), None)
     if key is None:
@@ -1142,7 +1144,7 @@ def times_of(frame: Frame, offer: Found) -> measurement.Array | None:
 
 
 def repairs_of(
-    frame: Frame, found: Mapping[str, Found], times: measurement.Array | None, trial: str
+    frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array | None, trial: str
 ) -> tuple[text_layout.Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     gaps = not _full_rows(frame, found).all()
@@ -1159,7 +1161,7 @@ def repairs_of(
     return tuple(name for name, needed in steps.items() if needed)
 
 
-def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
+def _full_rows(frame: QuantityTable, found: Mapping[str, Found]) -> NDArray[np.bool_]:
     """Return which rows have a finite number, or a text, in all columns that are read."""
     headers = [
         frame.names[key]
@@ -1171,7 +1173,7 @@ def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
     return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
 
 
-def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
+def rates_doubt(frame: QuantityTable, found: Mapping[str, Found]) -> Iterator[str]:
     """Yield that most rows lack a cell, as where channels were sampled at other times."""
     full = _full_rows(frame, found)
     cure = "Interpolate channels of different rates to the times of one of them first"
@@ -1184,7 +1186,7 @@ def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
         )
 
 
-def _refuse_restarts(frame: Frame, times: measurement.Array) -> None:
+def _refuse_restarts(frame: QuantityTable, times: measurement.Array) -> None:
     """Refuse several records below each other, which sorting by time would mix."""
     begins = restarts(times)
     if begins:
@@ -1235,7 +1237,7 @@ def _gain(quantity: str, turning: bool, unit: str | None) -> str:
     return meaning_of(quantity).sensitivity[turning]
 
 
-def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
+def _of_one_joint(frame: QuantityTable, given: Mapping[str, Column]) -> list[str]:
     """Return the columns without those of further joints: q2 does not go with tau1."""
     known = [name for name in given.values() if isinstance(name, str)]
     inputs = inputs_in([*frame.names])
@@ -1326,7 +1328,7 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
 
 
 def trial_column(
-    frame: Frame,
+    frame: QuantityTable,
     given: Mapping[str, Column],
     found: Mapping[str, Found],
     times: measurement.Array | None,
@@ -1358,7 +1360,7 @@ def trial_column(
     return apart, "which changes where times begin again"
 
 
-def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
+def _conditions(frame: QuantityTable, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
     """Return the columns that seem to hold a condition."""
     taken = {*(column.name for column in found.values()), trial}
     return tuple(
@@ -1371,7 +1373,7 @@ def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[s
 
 
 def _with_doubt(
-    frame: Frame, found: dict[str, Found], doubt: Found | None, *, table: bool
+    frame: QuantityTable, found: dict[str, Found], doubt: Found | None, *, table: bool
 ) -> dict[str, Found]:
     """Return columns with that of stated uncertainties, given or known by its name in a table."""
     table = table and {"velocity", "friction"} <= found.keys()
@@ -1385,7 +1387,7 @@ def _with_doubt(
     return {**kept, measurement.STATED: replace(first, unit=unit, others=others)}
 
 
-def _doubt_offers(frame: Frame, friction: Found) -> Iterator[Found]:
+def _doubt_offers(frame: QuantityTable, friction: Found) -> Iterator[Found]:
     """Yield columns with a word of errors in their name, and beside it the friction or nothing.
 
     Signed errors and codes of errors are none.
@@ -1423,14 +1425,14 @@ def _is_named(name: str, words: Collection[str]) -> bool:
     return any(part in words or part.endswith("temperatur") for part in parts_of(name))
 
 
-def _of_trials(frame: Frame, trial: str) -> list[Frame]:
+def _of_trials(frame: QuantityTable, trial: str) -> list[QuantityTable]:
     """Return the rows of each trial; the table itself if no column numbers trials."""
     names = {**frame.names, TRIAL: frame.names.get(trial, trial)} if trial else frame.names
     return [part for _, part in by_trial(replace(frame, names=names))]
 
 
 def changing_temperature(
-    parts: Sequence[Frame], names: Iterable[str]
+    parts: Sequence[QuantityTable], names: Iterable[str]
 ) -> Iterator[tuple[str, Found]]:
     """Yield the temperature that laws may contain: known at all times, and one that changes."""
     found = [
@@ -1448,7 +1450,7 @@ def changing_temperature(
         yield "temperature", replace(found[0], others=tuple(column.name for column in found[1:]))
 
 
-def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
+def contact_inputs(frame: QuantityTable, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
     """Yield what else friction may depend on, from columns that are named so and have no holes."""
     names = {column.name for column in taken.values()}
     for quantity in (name for name in INPUTS if name not in taken):
@@ -1458,7 +1460,7 @@ def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[s
             yield quantity, replace(full[0], others=tuple(column.name for column in full[1:]))
 
 
-def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
+def _input_offers(frame: QuantityTable, quantity: str) -> Iterator[Found]:
     """Yield the columns whose name and unit are those of an input of the contact."""
     for name in filter(None, frame.names):
         stated = frame.units.get(name)
@@ -1478,7 +1480,7 @@ def _is_input(bare: str, quantity: str) -> bool:
     return len(parts) == 1 and parts[0] in meaning_of(quantity).names
 
 
-def _is_full(frame: Frame, name: str) -> bool:
+def _is_full(frame: QuantityTable, name: str) -> bool:
     """Whether all cells of a column are finite numbers."""
     column = frame.data[frame.names[name]]
     return bool(np.isfinite(pd.to_numeric(column, errors="coerce")).all())
@@ -1490,7 +1492,7 @@ def _temperature_unit(name: str, stated: str | None) -> str | None:
     return next((CELSIUS if key == "C" else key for key in spelt if key in ("C", *KELVINS)), stated)
 
 
-def _has_one_value(part: Frame, name: str) -> bool:
+def _has_one_value(part: QuantityTable, name: str) -> bool:
     """Whether the reader takes one value of a condition for a trial."""
     try:
         conditions_in(part, [name])
@@ -1499,7 +1501,7 @@ def _has_one_value(part: Frame, name: str) -> bool:
     return True
 
 
-def _may_drive(frame: Frame, name: str) -> bool:
+def _may_drive(frame: QuantityTable, name: str) -> bool:
     """Whether a column may hold what drives an axis, in volts or in the unit of another motion."""
     bare, unit = _bare_and_unit(name, frame.units.get(name), "force")
     volts = is_voltage(name)
@@ -1530,7 +1532,7 @@ def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[
 
 
 def _doubts(
-    frame: Frame,
+    frame: QuantityTable,
     found: Mapping[str, Found],
     turning: bool,
     units: Collection[str],
@@ -1587,7 +1589,7 @@ def _doubts(
     yield from _driving_doubts(frame, found)
 
 
-def _implausible(frame: Frame, quantity: str, one: Found, turning: bool) -> str:
+def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool) -> str:
     """Return what an assumed unit makes of a column, and the cure, where that is hardly true."""
     numbers = _numbers(frame, one)
     numbers = numbers[np.isfinite(numbers)]
@@ -1612,7 +1614,7 @@ def _scale_doubt(turning: bool) -> str:
     )
 
 
-def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str]:
+def _second_positions(frame: QuantityTable, found: Mapping[str, Found]) -> dict[str, str]:
     """Return what is said of other columns that show the same motion as the position, by name."""
     first, said = found.get("position"), {}
     if first is None or first.name not in frame.names or first.unit is None or _is_raw(first.unit):
@@ -1652,13 +1654,13 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
     return said
 
 
-def _values(frame: Frame, candidate: Found) -> measurement.Array:
+def _values(frame: QuantityTable, candidate: Found) -> measurement.Array:
     """Return a column (n,) of positions [m] or [rad], from any zero."""
     column = frame.data[frame.names[candidate.name]].to_numpy(dtype=float)
     return column * factor(candidate.unit, candidate.unit_in_si) if candidate.unit else column
 
 
-def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+def _left_out(frame: QuantityTable, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield which columns of inputs of the contact are left out for their holes."""
     for quantity in INPUTS:
         for column in _input_offers(frame, quantity):
@@ -1670,7 +1672,7 @@ def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
                 )
 
 
-def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+def _driving_doubts(frame: QuantityTable, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield what is not known of the force that drives the axis."""
     if not {"force", "current", "friction"} & set(found):
         taken = {column.name for column in found.values()}

@@ -21,7 +21,7 @@ from stickslip.data.readers.layout import are_units, cells_of, is_number, second
 from stickslip.data.readers.table import (
     TIME,
     TRIAL,
-    Table,
+    FileTable,
     further_cells,
     merged,
     numbered_twice,
@@ -74,7 +74,7 @@ def is_labview(text: str) -> bool:
     return head.startswith(_BEGIN) and _END_OF_HEADER in head
 
 
-def read_labview(text: str) -> Table:
+def read_labview(text: str) -> FileTable:
     r"""Return the channels of all segments as one table.
 
     Segments that go on in time follow each other; where times begin again, each is a trial.
@@ -115,12 +115,12 @@ def read_labview(text: str) -> Table:
         )
     if len(tables) == 1:
         line = kept[0].line if parts[0][1] else 1  # merged rows are not those of the file
-        return Table(data=tables[0], first_row=line, remarks=(*remarks,), lost=lost)
+        return FileTable(data=tables[0], first_row=line, remarks=(*remarks,), lost=lost)
     trials = [*_trials(tables)]
     if trials[-1] > 1:
         remarks.append(f"Times begin again in later segments: {trials[-1]} trials.")
         tables = [table.assign(**{TRIAL: n}) for table, n in zip(tables, trials, strict=True)]
-    return Table(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,), lost=lost)
+    return FileTable(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,), lost=lost)
 
 
 def _segments(lines: Sequence[str], separator: str) -> Iterator[_Segment]:
@@ -259,7 +259,7 @@ def is_scope(text: str) -> bool:
     return named and any(_MARK.match(line) for line in head.splitlines())
 
 
-def read_scope(text: str) -> Table:
+def read_scope(text: str) -> FileTable:
     r"""Return the channels of an export as one table.
 
     Times are in milliseconds, or the numbers of samples. Groups with other times than the first
@@ -298,7 +298,7 @@ def read_scope(text: str) -> Table:
             what = shown(names[places[0]])
             lost.append(f"{count(int(timeless.sum()), 'row')} of {what} without a time: not read.")
     data, same = merged([_group(rows, head, names, places) for places in groups])
-    return Table(data=data, first_row=first + 1 if same else 1, remarks=remarks, lost=(*lost,))
+    return FileTable(data=data, first_row=first + 1 if same else 1, remarks=remarks, lost=(*lost,))
 
 
 def _head(
@@ -411,7 +411,7 @@ def is_serial(text: str) -> bool:
     return _LINE.fullmatch(first.rstrip()) is not None
 
 
-def read_serial(text: str) -> Table:
+def read_serial(text: str) -> FileTable:
     r"""Return the numbers behind the arrows, named as the lines name them, or by their places.
 
     Examples
@@ -450,7 +450,7 @@ def read_serial(text: str) -> Table:
     lost = len(found) - len(rows) - bool(heads)
     are = "is" if lost == 1 else "are"
     said = [f"{count(lost, 'line')} without {width} numbers {are} not read."] if lost else []
-    return Table(data=data, lost=(*said,))
+    return FileTable(data=data, lost=(*said,))
 
 
 # Exports of tribometers: steps below each other, with a header each or a recipe above the table.
@@ -508,7 +508,7 @@ def is_tribometer(text: str) -> bool:
     return recipe or _STEP.search(head) is not None
 
 
-def read_tribometer(text: str) -> Table:
+def read_tribometer(text: str) -> FileTable:
     r"""Return the rows of all steps, with the number of their step as the trial.
 
     Examples
@@ -564,7 +564,7 @@ def read_tribometer(text: str) -> Table:
     data, said = _from_slip(data)
     if nameless := sum(len(section.rows) for section in found if not section.names):
         lost.append(f"{count(nameless, 'row')} below no names of columns: not read.")
-    return Table(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
+    return FileTable(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
 
 
 def _is_row(cells: Sequence[str]) -> bool:

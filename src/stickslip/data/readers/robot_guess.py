@@ -12,7 +12,7 @@ from scipy.signal import correlate, correlation_lags
 from stickslip.data.measurement import BESIDE, BY_JOINT, Array
 from stickslip.data.readers import guess
 from stickslip.data.readers.robots import NO_RADIANS
-from stickslip.data.readers.table_reader import Frame, data_file, read_frame
+from stickslip.data.readers.table_reader import QuantityTable, data_file, read_frame
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.tolerances import DECADE, GAP, NEARLY_ALL
 from stickslip.errors import InputError, ParameterError
@@ -158,7 +158,7 @@ def guess_robot(
 
 
 def _matched(
-    frame: Frame, clock: str, kinds: Mapping[str, str], units: Mapping[str, str], urdf: str
+    frame: QuantityTable, clock: str, kinds: Mapping[str, str], units: Mapping[str, str], urdf: str
 ) -> tuple[list[_Joint], list[str]]:
     """Return the joints of a description that a log has, and what is said of the others."""
     logged = dict(_logged(frame, clock, units))
@@ -196,7 +196,7 @@ def _matched(
     ], doubts
 
 
-def _refuse_clocks(frame: Frame, clock: str, joints: Collection[str]) -> None:
+def _refuse_clocks(frame: QuantityTable, clock: str, joints: Collection[str]) -> None:
     """Refuse joints with times of their own: those of one are not when another was read."""
     stem, own = guess.numbered(clock)
     for name in frame.names if own else ():
@@ -227,7 +227,7 @@ def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
 
 
 def _logged(
-    frame: Frame, clock: str, units: Mapping[str, str]
+    frame: QuantityTable, clock: str, units: Mapping[str, str]
 ) -> Iterator[tuple[str, dict[str, guess.Found]]]:
     """Yield the columns of each joint by quantity, by its name or number in the log."""
     names = [name for name in frame.names if name]
@@ -266,7 +266,9 @@ def _logged(
             )
 
 
-def _numbers(frame: Frame, joint: _Joint, units: Mapping[str, str]) -> Iterator[tuple[str, Array]]:
+def _numbers(
+    frame: QuantityTable, joint: _Joint, units: Mapping[str, str]
+) -> Iterator[tuple[str, Array]]:
     """Yield positions, measured and commanded, in SI."""
     for what in ("position", "reference"):
         found = joint.columns.get(what)
@@ -312,7 +314,7 @@ def _mean(joint: _Joint) -> float:
 
 
 def _delays(
-    frame: Frame, joints: Sequence[_Joint], times: Array, trial: str
+    frame: QuantityTable, joints: Sequence[_Joint], times: Array, trial: str
 ) -> Iterator[tuple[str, float]]:
     """Yield how far joints lag behind their commands [s]."""
     rows = np.ones(times.size, dtype=bool)

@@ -11,7 +11,7 @@ import pandas as pd
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.binary import check_parquet
-from stickslip.data.readers.table import Table, parsed_as, read_json
+from stickslip.data.readers.table import FileTable, parsed_as, read_json
 from stickslip.data.tolerances import PER_MILLE, SLIGHT
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
@@ -227,7 +227,7 @@ SETTINGS: Final = {
 """What stands above the entries, and its unit."""
 
 
-def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
+def read_servo(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return the entries of a log as rows, what is no number left out."""
     found = read_json(path)
     entries = found.get("entries") if isinstance(found, dict) else None
@@ -249,7 +249,7 @@ def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
         if name.split(" ")[0] in ("timestamp", "position") and not np.isfinite(values).any():
             raise InputError(f"{path}: no {name.split(' ')[0]!r} of its entries is a number.")
     kept = {name: values for name, values in columns.items() if np.isfinite(values).any()}
-    return Table(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(found, names))
+    return FileTable(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(found, names))
 
 
 def _number(value: Any) -> float:
@@ -312,7 +312,7 @@ NO_RADIANS: Final = "which is no angle in rad"
 """What is said of positions whose unit is not known."""
 
 
-def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
+def read_lerobot(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return all episodes as trials, with a column for each joint."""
     info = _info(path)
     features = info["features"]
@@ -344,7 +344,7 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
     if _largest(columns) > RADIANS and are_degrees(_positions(columns)):
         angles = ("position.", "reference.")
         columns = {f"{x} [deg]" if x.startswith(angles) else x: y for x, y in columns.items()}
-    return Table(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
+    return FileTable(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
 
 
 def _info(path: Path) -> Mapping[str, Any]:

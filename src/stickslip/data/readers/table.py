@@ -30,7 +30,7 @@ TIME: Final = "time [s]"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class FileTable:
     """The columns of a file, their names as they stand there."""
 
     data: pd.DataFrame

@@ -22,7 +22,7 @@ from stickslip.data.readers.columns import (
     without_unit,
 )
 from stickslip.data.readers.layout import Layout, regular_times, seconds_of, unit_in
-from stickslip.data.readers.table import TRIAL, Table
+from stickslip.data.readers.table import TRIAL, FileTable
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
 from stickslip.data.tolerances import SLIGHT
@@ -41,7 +41,7 @@ class Format:
 
     endings: tuple[str, ...]
     """Endings of its files, in lower case, or the ends of their names."""
-    read: Callable[[Path, Collection[str]], Table]
+    read: Callable[[Path, Collection[str]], FileTable]
     """Reads a file; what it is told are the columns that are wanted by name."""
     streamed: bool = False
     """Whether a file may be of any size, because only parts of it are kept."""
@@ -152,7 +152,7 @@ _PART_OF_STAMP = re.compile(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Frame:
+class QuantityTable:
     """A table whose columns are known by the quantities they hold."""
 
     file: str
@@ -176,7 +176,7 @@ class Frame:
         """Return whether no cell of a column holds anything, as of a channel that was off."""
         return bool(self.data[self.names[name]].isna().all())
 
-    def as_headed(self) -> "Frame":
+    def as_headed(self) -> "QuantityTable":
         """Return the table with all columns known by their headers, as who names them does."""
         known = {header: name for name, header in _headers(self.file, self.data)[0].items()}
         own = {key: known[header] for key, header in self.names.items()}
@@ -186,7 +186,7 @@ class Frame:
             units={own[key]: unit for key, unit in self.units.items()},
         )
 
-    def at_rate(self, rate: str) -> "Frame":
+    def at_rate(self, rate: str) -> "QuantityTable":
         """Return the table with a column, called like a rate, of the times of its rows."""
         times = regular_times(rate, len(self.data))
         if times is None or rate in self.names:
@@ -307,7 +307,7 @@ def read_frame(
     units: Mapping[str, str],
     layout: Layout | None = None,
     also: Collection[str] = (),
-) -> Frame:
+) -> QuantityTable:
     """Read a file and find out what its columns hold.
 
     `also` names columns that are wanted whatever they hold, of files that have more than a table.
@@ -358,7 +358,7 @@ def frame_of(
     remarks: Sequence[str] = (),
     lost: Sequence[str] = (),
     rates: Mapping[str, str] | None = None,
-) -> Frame:
+) -> QuantityTable:
     """Find out what the columns of a table hold; times may be a rate instead of a column."""
     if data.empty:
         raise errors.InputError(f"{file}: has no rows.")
@@ -397,7 +397,7 @@ def _named(
     first_row: int,
     columns: Mapping[str, str],
     units: Mapping[str, str],
-) -> Frame:
+) -> QuantityTable:
     names, found_units = _headers(file, data)
     data = data.set_axis(list(map(str, data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)
@@ -430,7 +430,7 @@ def _named(
     _called_plainly(names, found_units)
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
-    return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+    return QuantityTable(file=file, data=data, names=names, units=found_units, first_row=first_row)
 
 
 def _called_plainly(names: dict[str, str], units: dict[str, str | None]) -> None:
@@ -542,7 +542,7 @@ KELVINS = ("K", "°C", "degC", "°F", "degF")
 """Units of temperatures."""
 
 
-def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
+def by_trial(frame: QuantityTable) -> Iterator[tuple[str, QuantityTable]]:
     """Yield the rows of each trial with its name, in the order in which they come.
 
     A table without a column of trials, or with one trial only, is yielded as it is.
@@ -564,7 +564,7 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
         yield name, replace(frame, data=frame.data[cells == value])
 
 
-def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
+def condition_keys(frame: QuantityTable, columns: Sequence[str]) -> dict[str, str]:
     """Return the column of each condition, by name, with its unit if the column has one."""
     found = {}
     for name in columns:
@@ -585,7 +585,7 @@ def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
+def condition_cells(frame: QuantityTable, name: str) -> list[float | str | None]:
     """Return the cells of a column as numbers, or as texts if one is none; None where empty."""
     column = frame.data[frame.names[name]]
     numbers = pd.to_numeric(column, errors="coerce")
@@ -594,7 +594,7 @@ def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
     return [None if pd.isna(cell) else str(cell).strip() or None for cell in column]
 
 
-def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str]:
+def conditions_in(frame: QuantityTable, columns: Sequence[str]) -> dict[str, float | str]:
     """Return the conditions of a record, whose columns have one value each.
 
     A condition without any value is left out.
@@ -636,7 +636,7 @@ def _is_temperature(name: str, unit: str | None) -> bool:
     return named or unit in KELVINS
 
 
-def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:
+def unused_in(frame: QuantityTable, used: Collection[str]) -> dict[str, float | str | None]:
     """Return the columns that nothing was read from, with their value if they have one."""
     found: dict[str, float | str | None] = {}
     for name in frame.names:

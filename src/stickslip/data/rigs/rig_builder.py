@@ -48,7 +48,7 @@ from stickslip.data.rigs.rig_models import (
     Given,
     Number,
     RigFile,
-    Table,
+    TomlTable,
     UrdfTable,
     complaint,
     fill_friction,
@@ -120,7 +120,7 @@ Doubt = Annotated[Any, WithJsonSchema({"anyOf": [{**NUMBER[0], "exclusiveMinimum
 """An uncertainty in the unit of what it belongs to, with which it is read."""
 
 
-class RunTable(rig_models.Table):
+class RunTable(rig_models.TomlTable):
     """How long runs last."""
 
     t_end: Annotated[Any, rig_models.Number(Quantity("t_end", "s", above=0))] = 10.0
@@ -145,7 +145,7 @@ J = TypeVar("J")
 ByJoint = Annotated[dict[str, J], BeforeValidator(_by_joint)]
 
 
-class LayoutTable(rig_models.Table):
+class LayoutTable(rig_models.TomlTable):
     """How a text file holds its table; `stickslip init` finds it out."""
 
     encoding: str = "utf-8-sig"
@@ -162,7 +162,7 @@ class LayoutTable(rig_models.Table):
     """Whether the row below the header holds the units."""
 
 
-class ReadTable(rig_models.Table):
+class ReadTable(rig_models.TomlTable):
     """How the columns of a file are read."""
 
     columns: ByJoint[Columns] = Field(
@@ -253,7 +253,7 @@ def _known_law(name: str) -> str:
     return name
 
 
-class PublishedTable(rig_models.Table):
+class PublishedTable(rig_models.TomlTable):
     """What a publication reports for one law."""
 
     law: Annotated[str, AfterValidator(_known_law)] = Field(
@@ -301,7 +301,7 @@ def _nested(schema: dict[str, Any]) -> None:
 ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_schema_extra=_nested)]
 
 
-class EstimatesTable(rig_models.Table):
+class EstimatesTable(rig_models.TomlTable):
     """How well the values of a law, or of laws by contact, are known, as fits write it; in SI."""
 
     law: NameOrNames = Field(
@@ -354,7 +354,7 @@ def _contact_input(name: str) -> Any:
     return Annotated[number | drive, Discriminator(_number_or_drive)]
 
 
-class ContactTable(rig_models.Table):
+class ContactTable(rig_models.TomlTable):
     """What friction laws may ask of the contact, and the mechanism does not tell."""
 
 
@@ -376,7 +376,7 @@ def contact_table(contacts: tuple[str, ...] = ()) -> type[ContactTable]:
     return create_model("Contacts", __base__=found, **own)
 
 
-class RigTable(rig_models.Table):
+class RigTable(rig_models.TomlTable):
     """A rig: what moves, which friction values are known, and what was measured."""
 
     title: str = ""
@@ -757,7 +757,7 @@ def _of_law(path: str, tables: Mapping[str, str]) -> str:
     return f"{tables.get(table, table)}{dot}{key}"
 
 
-def _contact_inputs(table: Table, mechanism: Mechanism, file: RigFile) -> dict[str, Any]:
+def _contact_inputs(table: TomlTable, mechanism: Mechanism, file: RigFile) -> dict[str, Any]:
     """Return what a file tells of the contact; what the mechanism computes is refused."""
     names = [contact.name for contact in mechanism.contacts()]
     found = _values(table, "contact", file)
@@ -881,14 +881,14 @@ def _mechanism(table: RigTable, file: RigFile) -> Mechanism:
     return built
 
 
-def _varied(mechanism: Table) -> tuple[str, ...]:
+def _varied(mechanism: TomlTable) -> tuple[str, ...]:
     """Return the paths of the parameters that are marked to be fitted."""
     if isinstance(mechanism, UrdfTable) and mechanism.links == "unknown":
         return (LINKS,)
     return tuple(path for path, value in _numbers(mechanism, PREFIX) if value.marked)
 
 
-def _doubts(mechanism: Table) -> dict[str, float]:
+def _doubts(mechanism: TomlTable) -> dict[str, float]:
     """Return the uncertainties of the mechanism's parameters by path."""
     return {
         path: value.uncertainty
@@ -897,17 +897,17 @@ def _doubts(mechanism: Table) -> dict[str, float]:
     }
 
 
-def _numbers(table: Table, key: str) -> Iterator[tuple[str, Given]]:
+def _numbers(table: TomlTable, key: str) -> Iterator[tuple[str, Given]]:
     """Yield the numbers of a table, and of those below it that may be marked, by path."""
     for name, value in table.given().items():
         if isinstance(value, Given):
             yield f"{key}.{name}", value
         for part in value if isinstance(value, list) else [value]:
-            if isinstance(part, Table):  # of several, none may be marked
+            if isinstance(part, TomlTable):  # of several, none may be marked
                 yield from _numbers(part, f"{key}.{name}")
 
 
-def _build(table: Table, key: str, file: RigFile) -> Any:
+def _build(table: TomlTable, key: str, file: RigFile) -> Any:
     """Return the object whose parameters stand in a table, and in the tables below it."""
     if isinstance(table, UrdfTable):
         joints = table.joints.items()
@@ -957,14 +957,14 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
     return found
 
 
-def _values(table: Table, key: str, file: RigFile) -> dict[str, Any]:
+def _values(table: TomlTable, key: str, file: RigFile) -> dict[str, Any]:
     """Return what stands in a table by Python name, with the objects of the tables below it."""
     values = {}
     for name, value in table.given().items():
         path = f"{key}.{name}"
         if isinstance(value, ContactTable):
             continue  # of one of several contacts
-        if isinstance(value, Table):
+        if isinstance(value, TomlTable):
             values[name] = _build(value, path, file)
         elif isinstance(value, list):
             made = [_build(part, path, file) for part in value]
@@ -1098,12 +1098,12 @@ def _paths(table: RigTable, file: RigFile) -> list[Path]:
     return paths
 
 
-def _tables(table: Table) -> Iterator[Any]:
+def _tables(table: TomlTable) -> Iterator[Any]:
     """Yield a table and those below it."""
     yield table
     for value in table.given().values():
         for part in value if isinstance(value, list) else [value]:
-            if isinstance(part, Table):
+            if isinstance(part, TomlTable):
                 yield from _tables(part)
 
 

@@ -619,7 +619,7 @@ def _content(motion: Motion) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Problem:
+class OptimisationProblem:
     """A mechanism with a law, parameters between their ends, objectives and limits."""
 
     mechanism: Mechanism
@@ -823,7 +823,7 @@ def optimise(
     if progress is not None and not callable(progress):
         raise InputError(f"progress must be callable (tried, total, best), got {progress!r}.")
     slip, _ = slip_among(mechanism, coordinate or travelling(mechanism), "optimise")
-    problem = Problem(
+    problem = OptimisationProblem(
         mechanism=mechanism,
         law=law,
         slip=slip,
@@ -952,7 +952,7 @@ def _scenarios(
     return tuple(found)
 
 
-def _words(problem: Problem) -> str:
+def _words(problem: OptimisationProblem) -> str:
     if problem.scenarios == ({},):
         return GIVEN_LAW
     share = problem.quantile
@@ -970,7 +970,7 @@ def _limits(units: Mapping[str, str], given: Mapping[str, float]) -> dict[str, f
     return {name: float(value) for name, value in given.items()}
 
 
-def _check_goals(problem: Problem, start: Motion) -> None:
+def _check_goals(problem: OptimisationProblem, start: Motion) -> None:
     """Refuse objectives that the drives of the mechanism do not have."""
     needs = {"energy", "peak_force"} & ({goal.name for goal in problem.goals} | {*problem.limits})
     if needs and any(c.lasted == 1.0 and math.isnan(c.peak_force) for c in start.cycles):
@@ -982,10 +982,10 @@ def _check_goals(problem: Problem, start: Motion) -> None:
 
 
 def _evaluated(
-    problem: Problem, points: Sequence[Array], executor: Executor | None
+    problem: OptimisationProblem, points: Sequence[Array], executor: Executor | None
 ) -> list[Motion]:
     run = map if executor is None else executor.map
-    return list(run(partial(Problem.judge, problem), points))
+    return list(run(partial(OptimisationProblem.judge, problem), points))
 
 
 def _told(
@@ -1000,7 +1000,7 @@ def _told(
 
 
 def _single(
-    problem: Problem,
+    problem: OptimisationProblem,
     evaluations: int,
     seed: int,
     executor: Executor | None,
@@ -1034,7 +1034,7 @@ def _single(
 
 
 def _front(
-    problem: Problem,
+    problem: OptimisationProblem,
     evaluations: int,
     seed: int,
     executor: Executor | None,
