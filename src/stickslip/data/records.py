@@ -39,7 +39,7 @@ from stickslip.data.readers.columns import (
     spelled,
 )
 from stickslip.data.readers.layout import Layout, Repair, repaired, repairs
-from stickslip.data.tolerances import NEGLIGIBLE, NORMAL_95
+from stickslip.data.tolerances import INTERVAL, NEGLIGIBLE
 from stickslip.data.units import gain_factor, read_gain, read_number
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms import Mechanism, load_stated, motor_of
@@ -626,8 +626,8 @@ class _Files:
         parts: dict[str, Any] = {**_nested(values), **self.common}
         if doubt is not None and ("friction" in values or STATED in reading.columns):
             half = is_half_width(frame.names[STATED])
-            doubt = scaling.stated(doubt, values, turning) / (NORMAL_95 if half else 1.0)
-            done += (f"half-widths of 95 % over {NORMAL_95:.3g} as uncertainties",) * half
+            doubt = scaling.stated(doubt, values, turning) / (INTERVAL if half else 1.0)
+            done += (f"half-widths of 95 % over {INTERVAL} as uncertainties",) * half
             parts["uncertainty"] = {**parts.get("uncertainty", {}), "friction": doubt}
         return Measurement(
             **parts,

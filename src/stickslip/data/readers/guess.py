@@ -53,9 +53,9 @@ from stickslip.data.tolerances import (
     FEWEST_SAMPLES,
     GAP,
     HALF,
+    INTERVAL,
     MOST_LISTED,
     NEARLY_ALL,
-    NORMAL_95,
     ROUNDED,
     ROUNDING,
     SLIGHT,
@@ -1411,7 +1411,7 @@ def _doubt_offers(frame: QuantityTable, friction: Found) -> Iterator[Found]:
         behind = unit is not None or names.index(name) > names.index(friction.name)
         fits = unit in (None, friction.unit) or is_unit_of(unit or "", measurement.STATED)
         if fits and left is not None and (left in (own, *forces) or (behind and not left)):
-            what = f"half-widths of 95 %, divided by {NORMAL_95:.3g}"
+            what = f"half-widths of 95 %, divided by {INTERVAL}"
             why = f"by its name: {what if half else 'the standard uncertainty of each reading'}"
             score = WHOLE if left else PART
             one = Found(score=score, name=name, unit=unit, stated=unit == stated, why=why)
