@@ -357,7 +357,9 @@ def _record(
     # What only asks for errors needs a motion for its speed, or to compare it with friction.
     needed = isinstance(record.friction, np.ndarray) or signal_quality.has_speed(record)
     moving = None if _wrong(still) or (grave and not needed) else motion.motion_of(record)
-    yield from signal_quality.too_fast(record, moving)
+    fast = [*signal_quality.too_fast(record, moving)]
+    yield from fast
+    still += fast  # comparisons of such a motion would say so once more
     enough = isinstance(record.time, np.ndarray) and (record.time.size >= FEWEST_SAMPLES)
     if not grave:
         yield from _signals(record, mechanism, enough)
