@@ -311,7 +311,7 @@ def test_speeds_and_ways_that_no_mechanism_has_are_refused():
     assert finding.sentence.startswith("Position changes at 2,000 m/s, faster than any mechanism")
     refuse_faults(Measurement(**parts(position=0.2 * wave)), Axis(inertia=1.0))
     stopped = Axis(inertia=1.0, lower_stop=-0.05, upper_stop=0.05)
-    with pytest.raises(InputError, match="stops of the mechanism are 0.1 m apart: give the unit"):
+    with pytest.raises(InputError, match=r"stops of the mechanism are 0\.1 m apart: give the unit"):
         refuse_faults(Measurement(**parts(position=wave)), stopped)
 
 

@@ -348,9 +348,10 @@ def load_measurement(
     columns may be ``uncertainty``, ``uncertainty_kind``, ``name``, ``provenance``, ``initial.x``
     and the like, and parameter paths such as ``mechanism.compression``. Every other file is one
     record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``,
-    ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone, and named
-    by `stickslip.check`. A column ``trial`` says which trial each row belongs to. Names of what was
-    measured of several joints end with the joint, as ``force.elbow``. A header
+    ``load``, ``spring_force``, ``pull``, ``reference``, or ``angle``, ``angular velocity`` and
+    ``torque``; a ``speed`` is the velocity where no position is beside it. What else it has is left
+    alone, and named by `stickslip.check`. A column ``trial`` says which trial each row belongs to.
+    Names of what was measured of several joints end with the joint, as ``force.elbow``. A header
     may carry its unit, as ``travel [mm]``, or ``travel (mm)`` if `columns` names it; without one,
     and without an entry in `units`, numbers are in SI. A ``friction`` or ``spring_force`` in ``1``
     or ``%`` is a coefficient, which becomes a force by the load: of the file, or else of the
