@@ -255,3 +255,6 @@ def test_a_speed_is_a_velocity_where_nothing_else_tells_the_motion(tmp_path, hea
     np.savetxt(file, rows, delimiter=",", header=header, comments="")
     record = load_measurement(file)
     assert {*record.quantities()} == known
+    if "velocity" not in header and header != "speed,friction":
+        apart = load_measurement(file, columns={"velocity": ""})
+        assert {*apart.quantities()} == known - {"velocity"}

@@ -407,7 +407,8 @@ def _named(
         names[name] = own[name] = name
         found_units[name] = own_units[name] = "s"
         data = data.assign(**{name: stamp})
-    for quantity in [name for name, column in columns.items() if not column]:  # not to be read
+    unread = [name for name, column in columns.items() if not column]
+    for quantity in unread:
         names.pop(quantity, None)
         found_units.pop(quantity, None)
     columns = {name: column for name, column in columns.items() if column}
@@ -427,13 +428,15 @@ def _named(
             known = [label for label in names if label != SECOND]
             raise errors.UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
-    _called_plainly(names, found_units)
+    _called_plainly(names, found_units, unread)
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
     return QuantityTable(file=file, data=data, names=names, units=found_units, first_row=first_row)
 
 
-def _called_plainly(names: dict[str, str], units: dict[str, str | None]) -> None:
+def _called_plainly(
+    names: dict[str, str], units: dict[str, str | None], unread: Collection[str]
+) -> None:
     """Call what a record in time, or a table of friction, has under other plain names.
 
     A speed has no sign: beside positions it is no velocity.
@@ -442,7 +445,8 @@ def _called_plainly(names: dict[str, str], units: dict[str, str | None]) -> None
         return
     for quantity, meaning in VOCABULARY.items():
         word = next((word for word in meaning.plain if word in names), "")
-        if word and quantity not in names and not (word == "speed" and "position" in names):
+        signed = word != "speed" or "position" not in names
+        if word and signed and quantity not in (*names, *unread):
             names[quantity], units[quantity] = names.pop(word), units.pop(word)
 
 
