@@ -390,6 +390,16 @@ def test_friction_of_the_right_sign_is_said_to_be_so():
     assert finding.numbers["same_share"] > 0.99
 
 
+def test_friction_without_a_clear_direction_is_a_warning():
+    rng = np.random.default_rng(0)
+    # signs by chance, and a tenth of them none
+    signs = np.sign(rng.normal(size=8000)) * np.sign(true_velocity())
+    signs[rng.random(8000) < 0.1] = 0.0
+    (finding,) = found("friction sign", friction=20 * signs)
+    assert finding.severity == "warning"
+    assert finding.numbers["same_share"] == pytest.approx(0.45, abs=0.03)  # 2 % by chance
+
+
 # --- motion
 
 
@@ -418,11 +428,13 @@ def test_a_motion_that_noise_hides_is_a_warning():
 
 
 @pytest.mark.parametrize(("sign", "way"), [(1, "forward"), (-1, "backward")])
-def test_motion_in_one_direction_is_said(sign, way):
+def test_one_direction_leaves_level_and_offset_as_one_number(sign, way):
     time = np.arange(8000) / RATE
     position = sign * (time + 0.1 * np.sin(time))
     (finding,) = check(Measurement(time=time, position=position)).of("reversals")
-    assert finding.sentence == f"No reversals: the motion goes {way} only."
+    assert finding.severity == "warning"
+    assert f"goes {way} only" in finding.sentence
+    assert "friction level and offset cannot be separated" in finding.sentence
 
 
 def test_rests_are_timed():
@@ -624,6 +636,14 @@ def test_a_trial_at_rest_beside_others_is_data():
     refuse_faults(both, Axis(inertia=1.0))
     still = trials_of(lambda t: 0.0 * t, lambda t: 1.0 + 0.0 * t)
     assert {one.severity for one in check(still).of("constant")} == {"error"}
+
+
+def test_trials_that_go_either_way_tell_a_level_from_an_offset():
+    finding, other = check(trials_of(lambda t: t, lambda t: -t)).of("reversals")
+    assert str(other).endswith("goes backward only, and that of other trials the other way.")
+    assert (finding.severity, finding.measure) == ("info", "")
+    alike = check(trials_of(lambda t: t, lambda t: 2.0 * t)).of("reversals")
+    assert {one.severity for one in alike} == {"warning"}
 
 
 def test_a_mechanism_checks_overrides_and_stops():

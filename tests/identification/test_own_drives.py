@@ -69,6 +69,26 @@ def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name)
     assert run.certificate.certified
 
 
+@pytest.mark.parametrize("name", ["swing", "stroke"])
+def test_a_cart_that_goes_one_way_is_nothing_to_correct(name):
+    """No force was measured whose zero a level could be confused with."""
+    mechanism, length, rate, noise = CASES[name]
+    seen = record(mechanism, length, rate, noise)
+    (finding,) = check(seen, mechanism=mechanism).of("reversals")
+    assert (finding.severity, finding.sentence) == (
+        "info",
+        "No reversals: the motion goes forward only.",
+    )
+    pushed = replace(seen, force=np.zeros_like(seen.position))
+    (other,) = check(pushed, mechanism=mechanism).of("reversals")
+    assert other.severity == "warning"
+    assert "offset" in other.sentence
+    # nor is it the offset of an axis, which fits look for
+    sliding = Measurement(time=seen.time, position=np.asarray(seen.time) ** 2)
+    (third,) = check(sliding, mechanism=Axis(inertia=1.0)).of("reversals")
+    assert third.severity == "warning"
+
+
 @pytest.mark.slow
 def test_a_record_that_begins_later_is_compared_where_it_begins():
     mechanism, length, rate, noise = CASES["swing"]

@@ -35,6 +35,8 @@ RESTING_BODY = "the body rested, which bounds its friction at rest."
 """What it means that a body does not move in one of several trials."""
 RESTING_JOINT = "the joint rests, which says little of its friction."
 """What it means that a joint does not move."""
+FORWARD = "forward_share"
+"""Number of a finding about the directions of a motion."""
 MASSES = ("inertia", "mass")
 """Last names of parameters to which the force of a motion is in proportion."""
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
@@ -248,12 +250,23 @@ def _of_records(
 
 
 def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding]:
-    """Yield findings of trials without the fault of one that rests where others move."""
+    """Yield findings of trials without faults that are none where others move, or otherwise."""
     still = {finding.record for finding in findings if _still(finding)}
+    shares: dict[str, list[float]] = {}
+    for finding in findings:
+        if finding.kind == "reversals" and FORWARD in finding.numbers:
+            shares.setdefault(_joint_of(finding), []).append(finding.numbers[FORWARD])
+    # Trials in one direction only are no fault where others go the other way.
+    both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
     for finding in findings:
         if _still(finding) and len(still) < trials:
-            of_joint = ", " in finding.record
-            yield _resting(finding, RESTING_JOINT if of_joint else RESTING_BODY)
+            yield _resting(finding, RESTING_JOINT if _joint_of(finding) else RESTING_BODY)
+        elif (
+            FORWARD in finding.numbers
+            and finding.severity == "warning"
+            and _joint_of(finding) in both
+        ):
+            yield motion.beside_other_way(finding)
         else:
             yield finding
 
@@ -291,6 +304,11 @@ def _joints(
                 yield replace(finding, record=f"{label}, {name}" if label else name)
             elif name == first:
                 yield replace(finding, record=label)
+
+
+def _joint_of(finding: Finding) -> str:
+    """Return the joint of a trial that a finding is about; empty of a record without joints."""
+    return finding.record.partition(", ")[2]
 
 
 def _still(finding: Finding) -> bool:
@@ -366,7 +384,7 @@ def _record(
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving, coupled=coupled)
     if enough and not grave and not _wrong(still):
-        yield from _course(record, moving, coupled=coupled)
+        yield from _course(record, mechanism, moving, coupled=coupled)
 
 
 def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> Iterator[Finding]:
@@ -393,11 +411,15 @@ def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> 
 
 
 def _course(
-    record: Measurement, moving: motion.Motion | None, *, coupled: bool
+    record: Measurement,
+    mechanism: Mechanism | None,
+    moving: motion.Motion | None,
+    *,
+    coupled: bool,
 ) -> Iterator[Finding]:
     """Yield what the course of the motion and of the friction tells."""
     if moving is not None:
-        yield from motion.reversals(moving)
+        yield from motion.reversals(moving, offset=motion.has_offset(record, mechanism))
         yield from motion.rests(moving)
         yield from motion.slow(moving)
     if coupled:  # levels are what a force has beside its own acceleration

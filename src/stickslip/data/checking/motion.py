@@ -9,14 +9,14 @@
 import math
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data.checking.finding import TURN, Finding, Severity
+from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
 from stickslip.data.differentiation import (
     CUTOFF,
     PADDED,
@@ -160,8 +160,12 @@ def motion_of(record: Measurement) -> Motion | None:
         found = np.gradient(smoothed, time)
 
 
-def reversals(motion: Motion) -> Iterator[Finding]:
-    """Count the changes of direction; what follows from there being none, the judge says."""
+def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
+    """Count the changes of direction, and say what follows from there being none.
+
+    Motion one way tells no friction level from a constant force: one that a fit looks for, or that
+    a sensor of force may add. Where there is no such `offset`, nothing is lost.
+    """
     seen = motion.directions[motion.directions != 0]
     if not seen.size:
         noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
@@ -179,12 +183,32 @@ def reversals(motion: Motion) -> Iterator[Finding]:
         return
     changes = int(np.count_nonzero(np.diff(seen)))
     numbers = {"reversals": changes, "forward_share": float(np.mean(seen > 0))}
-    sentence = f"No reversals: the motion goes {'forward' if seen[0] > 0 else 'backward'} only."
     if changes:
-        times = number(changes, 7) + " times" if changes > 1 else "once"
-        sentence = f"The direction changes {times};"
-        sentence += f" {percent(numbers['forward_share'])} of the moving samples go forward."
-    yield Finding(kind="reversals", sentence=sentence, numbers=numbers)
+        yield Finding(
+            kind="reversals",
+            sentence=(
+                f"The direction changes {number(changes, 7) + ' times' if changes > 1 else 'once'};"
+                f" {percent(numbers['forward_share'])} of the moving samples go forward."
+            ),
+            numbers=numbers,
+        )
+        return
+    way = "forward" if seen[0] > 0 else "backward"
+    one_number = ", so that friction level and offset cannot be separated" if offset else ""
+    yield Finding(
+        kind="reversals",
+        severity="warning" if offset else "info",
+        sentence=f"No reversals: the motion goes {way} only{one_number}.",
+        measure=OTHER_WAY if offset else "",
+        numbers=numbers,
+    )
+
+
+def beside_other_way(finding: Finding) -> Finding:
+    """Return that a trial goes one way, as no fault where another goes the other way."""
+    way = "forward" if finding.numbers["forward_share"] else "backward"
+    sentence = f"No reversals: the motion goes {way} only, and that of other trials the other way."
+    return replace(finding, severity="info", sentence=sentence, measure="")
 
 
 def straight(record: Measurement) -> Iterator[Finding]:
@@ -350,6 +374,10 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
         )
         sentence += " and would supply energy. Sign convention: friction has the sign of the"
         sentence += f" slip velocity; {TURN}."
+    elif along < 0.5:
+        severity = "warning"
+        sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"
+        sentence += " samples: check for an offset, a delay, or opposite sign conventions."
     yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)
 
 
@@ -380,6 +408,16 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
             " free decay."
         ),
     )
+
+
+def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
+    """Whether a constant force may stand beside friction in a record.
+
+    A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
+    position alone was recorded, has the forces that its parameters say.
+    """
+    measured = {*record.quantities()} & {*COMMANDS, *OTHERS}
+    return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
 
 
 def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
