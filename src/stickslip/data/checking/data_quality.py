@@ -15,7 +15,7 @@ import numpy as np
 
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
-from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.data.checking.finding import OTHER_WAY, SEVERITIES, Finding, Severity
 from stickslip.data.differentiation import REPLACED, as_readings, outlier_sentence, without_outliers
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
 from stickslip.data.rig import check_record
@@ -261,11 +261,7 @@ def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding
     for finding in findings:
         if _still(finding) and len(still) < trials:
             yield _resting(finding, RESTING_JOINT if _joint_of(finding) else RESTING_BODY)
-        elif (
-            FORWARD in finding.numbers
-            and finding.severity == "warning"
-            and _joint_of(finding) in both
-        ):
+        elif finding.measure == OTHER_WAY and _joint_of(finding) in both:
             yield motion.beside_other_way(finding)
         else:
             yield finding

@@ -183,23 +183,18 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         return
     changes = int(np.count_nonzero(np.diff(seen)))
     numbers = {"reversals": changes, "forward_share": float(np.mean(seen > 0))}
-    if changes:
-        yield Finding(
-            kind="reversals",
-            sentence=(
-                f"The direction changes {number(changes, 7) + ' times' if changes > 1 else 'once'};"
-                f" {percent(numbers['forward_share'])} of the moving samples go forward."
-            ),
-            numbers=numbers,
-        )
-        return
-    way = "forward" if seen[0] > 0 else "backward"
-    one_number = ", so that friction level and offset cannot be separated" if offset else ""
+    times = number(changes, 7) + " times" if changes > 1 else "once"
+    share = percent(numbers["forward_share"])
+    sentence = f"The direction changes {times}; {share} of the moving samples go forward."
+    if not changes:
+        sentence = f"No reversals: the motion goes {'forward' if seen[0] > 0 else 'backward'} only"
+        sentence += ", so that friction level and offset cannot be separated." * offset or "."
+    lost = offset and not changes
     yield Finding(
         kind="reversals",
-        severity="warning" if offset else "info",
-        sentence=f"No reversals: the motion goes {way} only{one_number}.",
-        measure=OTHER_WAY if offset else "",
+        severity="warning" if lost else "info",
+        sentence=sentence,
+        measure=OTHER_WAY if lost else "",
         numbers=numbers,
     )
 
