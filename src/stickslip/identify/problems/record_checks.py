@@ -81,10 +81,10 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
         y = side[stretches] * driven + other
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
-    best = int(np.argmin(left))
+    best = int(np.argmin(left[:count]))
     most = 1.0 - EXPLAINED
     if left[best] < most * left[0]:
-        if best == count:
+        if left[count] <= left[best]:
             raise InputError(OTHER_SIGN)
         begin = int(np.argmax(stretches == best))
         raise InputError(
