@@ -99,7 +99,7 @@ def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
         fit(AXIS, CoulombViscous, Measurement(trials=trials))
     assert str(caught.value).count("Position changes") == 1
     many = tuple(Measurement(**wrong, name=f"run{i}") for i in range(9))
-    with pytest.raises(InputError, match=r"run0, run1, run2, run3, run4 and 4 more: Force is"):
+    with pytest.raises(InputError, match=r"run0, run1, run2, run3, run4 and 4 more: Position changes"):
         fit(AXIS, CoulombViscous, Measurement(trials=many))
 
 
