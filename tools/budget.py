@@ -4,9 +4,9 @@
 every change that shrinks a room lowers it. Budgets are in ``tools/budget.toml``; what they are to
 become is written there beside them.
 
-Code lines are those without docstrings, comments and blank lines. A numeric constant of the judge
-is a number that a module or a class of it gives a name in capitals, or a field with a number as its
-default in a class of thresholds.
+Code lines are those without docstrings, comments and blank lines. A numeric constant is a number
+that a module or a class gives a name in capitals, or a field with a number as its default in a
+class of thresholds: those of the judge, and those of studies and data, are counted.
 """
 
 import argparse
@@ -22,6 +22,12 @@ from tools.structure import SOURCE, lines_of_code
 BUDGET = Path(__file__).with_name("budget.toml")
 THRESHOLDS = ("Thresholds",)
 """Classes whose fields are thresholds."""
+COUNTED = {
+    "judge": "constants",
+    "study": "constants of study and data",
+    "data": "constants of study and data",
+}
+"""Rooms whose numeric constants are counted, and the row that they are counted in."""
 
 
 def room_of(module: str, rooms: dict[str, list[str]]) -> str:
@@ -73,7 +79,7 @@ def constants(tree: ast.Module) -> int:
 
 
 def counted(rooms: dict[str, list[str]]) -> dict[str, int]:
-    """Return code lines by room, modules of all, and numeric constants of the judge."""
+    """Return code lines by room, modules of all, and numeric constants."""
     found: Counter[str] = Counter()
     package = SOURCE / "stickslip"
     for path in sorted(package.rglob("*.py")):
@@ -82,8 +88,8 @@ def counted(rooms: dict[str, list[str]]) -> dict[str, int]:
         room = room_of(path.relative_to(package).as_posix(), rooms)
         found[room or "elsewhere"] += lines_of_code(text, tree)
         found["modules"] += 1
-        if room == "judge":
-            found["constants"] += constants(tree)
+        if room in COUNTED:
+            found[COUNTED[room]] += constants(tree)
     found["lines"] = sum(found[room] for room in (*rooms, "elsewhere"))
     return dict(found)
 
@@ -97,14 +103,15 @@ def main() -> None:
     budget = tomllib.loads(text)
     found = counted(budget["rooms"])
     over = []
-    print(f"{'':12}{'today':>9}{'budget':>9}{'target':>9}")
+    print(f"{'':28}{'today':>9}{'budget':>9}{'target':>9}")
     for name, limit in budget["budget"].items():
         today = found.get(name, 0)
-        print(f"{name:12}{today:9,}{limit:9,}{budget['target'].get(name, 0):9,}")
+        print(f"{name:28}{today:9,}{limit:9,}{budget['target'].get(name, 0):9,}")
         if today > limit:
             over.append(f"{name} has {today:,}, {today - limit:,} above its budget of {limit:,}")
         if given.lower and today < limit:
-            text = re.sub(rf"(?m)^{name} = {limit}$", f"{name} = {today}", text, count=1)
+            key = f'"{name}"' if " " in name else name
+            text = re.sub(rf"(?m)^{key} = {limit}$", f"{key} = {today}", text, count=1)
     if given.lower:
         BUDGET.write_text(text, encoding="utf-8")
     if over:

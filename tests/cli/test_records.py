@@ -318,7 +318,7 @@ def test_millimetres_read_as_metres_are_refused(run, write, axis_record):
     write("mm.csv", q=1e3 * axis_record["q"])
     code, _, err = run("fit", "bare.toml", "--data", "mm.csv", *COLUMNS)
     assert code == 2
-    assert "check that position is in m (not mm)" in err
+    assert "give its unit, as --unit position=mm" in err
 
 
 def test_a_typo_in_columns_is_named_and_drops_nothing(run):

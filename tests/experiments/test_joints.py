@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Measurement, TwoLinkArm, check, load_measurement, load_rig
+from stickslip import Axis, Measurement, TwoLinkArm, check, load_measurement, load_rig, select
 from stickslip.data import refuse_same
 from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -90,9 +90,10 @@ def test_forces_of_a_joint_are_not_compared_with_its_motion_alone():
     q = {"shoulder": np.sin(3.0 * t), "elbow": 0.5 * np.sin(3.0 * t)}
     rate = 1.5 * np.cos(3.0 * t)
     coupled = {"shoulder": -2.0 * q["shoulder"], "elbow": 0.3 * q["elbow"] - 0.05 * rate}
-    assert check(Measurement(time=t, position=q["elbow"], force=coupled["elbow"])).of("force sign")
-    found = check(Measurement(time=t, position=q, force=coupled))
-    assert not found.of("force sign")
+    elbow = Measurement(time=t, position=q["elbow"], force=coupled["elbow"])
+    with pytest.raises(InputError, match="turn the sign of the force"):
+        select(Axis(inertia=0.1), None, elbow)
+    assert check(Measurement(time=t, position=q, force=coupled)).worst == "info"
 
 
 def test_angles_of_a_joint_are_told_in_radians():

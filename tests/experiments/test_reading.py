@@ -382,7 +382,7 @@ NO_TABLES = {
     "one line of cells": ("a," * 10_000_000, "is not a table: its first line has"),
     "names": ("1.5,2.5\n" * 10, "its first line holds numbers, not names"),
     "blanks": ("time position\n0 1\n1 2\n", "single column 'time position'.*separated by blanks"),
-    "bars": ("time|position\n0|1\n1|2\n", "single column .*parted by '|'"),
+    "bars": ("time|position\n0|1\n1|2\n", r"single column .*separated by '\|'"),
     "a cell of megabytes": ("time,position\n" + "1" * 5_000_000 + ",1\n", "column 'time'"),
     "web page": ("<!DOCTYPE html>\n<html><body>Not found</body></html>\n", "is not a table"),
 }

@@ -237,3 +237,24 @@ def test_a_file_that_a_run_wrote_is_a_record_of_its_law(tmp_path, kind):
     got = {e.path.rpartition(".")[2]: e.value for e in found.estimates}
     # the friction of the run is exact; a reading counts as having some noise all the same
     assert {name: got[name] for name in wanted} == pytest.approx(wanted, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("header", "known"),
+    [
+        ("time,speed,torque", {"velocity", "force"}),
+        ("speed,friction", {"velocity", "friction"}),
+        # a speed has no sign: beside positions it is no velocity
+        ("time,position,speed,force", {"position", "force"}),
+        ("time,speed,velocity,force", {"velocity", "force"}),
+    ],
+)
+def test_a_speed_is_a_velocity_where_nothing_else_tells_the_motion(tmp_path, header, known):
+    file = tmp_path / "log.csv"
+    rows = np.arange(1.0, 41.0)[:, None] * np.ones(header.count(",") + 1)
+    np.savetxt(file, rows, delimiter=",", header=header, comments="")
+    record = load_measurement(file)
+    assert {*record.quantities()} == known
+    if "velocity" not in header and header != "speed,friction":
+        apart = load_measurement(file, columns={"velocity": ""})
+        assert {*apart.quantities()} == known - {"velocity"}

@@ -60,7 +60,7 @@ def wrong(parts):
         "its noise level: no motion": Measurement(**{**parts, "position": noise}),
         "set its gain to −1": Measurement(velocity=speed, friction=-3 * np.sign(speed) - speed),
         "whether the force is missing": Measurement(**{**parts, "force": None}),
-        "not mm": Measurement(**{**parts, "position": 1e3 * parts["position"]}),
+        "--unit position=mm": Measurement(**{**parts, "position": 1e3 * parts["position"]}),
         "was measured in": Measurement(
             trials=(Measurement(**parts), Measurement(**{**parts, "force": None}))
         ),
@@ -72,7 +72,7 @@ def wrong(parts):
     [
         "Position is constant", "its noise level: no motion", "set its gain to −1",
         "whether the force is missing",
-        "not mm", "was measured in",
+        "--unit position=mm", "was measured in",
     ],
 )  # fmt: skip
 def test_fit_and_select_refuse_the_same_records(parts, words):
@@ -88,11 +88,13 @@ def test_fit_and_select_refuse_the_same_records(parts, words):
 def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
     wrong = {**parts, "position": 1e3 * parts["position"]}
     trials = tuple(Measurement(**wrong, name=name) for name in ("north", "south"))
-    with pytest.raises(InputError, match=r"used. north and south: Force is 0.001") as caught:
+    with pytest.raises(InputError, match=r"used. north and south: Position changes") as caught:
         fit(AXIS, CoulombViscous, Measurement(trials=trials))
-    assert str(caught.value).count("Force is") == 1
+    assert str(caught.value).count("Position changes") == 1
     many = tuple(Measurement(**wrong, name=f"run{i}") for i in range(9))
-    with pytest.raises(InputError, match=r"run0, run1, run2, run3, run4 and 4 more: Force is"):
+    with pytest.raises(
+        InputError, match=r"run0, run1, run2, run3, run4 and 4 more: Position changes"
+    ):
         fit(AXIS, CoulombViscous, Measurement(trials=many))
 
 

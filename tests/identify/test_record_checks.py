@@ -48,10 +48,21 @@ def test_a_sign_that_changes_midway_is_refused_with_its_time(inertia):
         refused(t, x, np.where(t > 4.0, -force, force), inertia=inertia)
 
 
-def test_a_force_of_the_other_sign_is_refused():
+@pytest.mark.parametrize("inertia", [None, INERTIA])
+def test_a_force_of_the_other_sign_is_refused(inertia):
     t, x, force = driven()
     with pytest.raises(InputError, match="friction would drive the motion"):
-        refused(t, x, -force)
+        refused(t, x, -force, inertia=inertia)
+
+
+@pytest.mark.parametrize("rate", [0.3, 3.0])
+def test_the_sign_is_told_below_and_above_a_resonance_and_of_a_single_sine(rate):
+    t = np.arange(0.0, 8.0, 1.0 / RATE)
+    v = np.cos(rate * t) * rate
+    force = INERTIA * -np.sin(rate * t) * rate**2 + LEVEL * np.sign(v) + VISCOUS * v
+    refused(t, np.sin(rate * t), force, inertia=INERTIA)
+    with pytest.raises(InputError, match="friction would drive the motion"):
+        refused(t, np.sin(rate * t), -force, inertia=INERTIA)
 
 
 @pytest.mark.parametrize("friction", [1.0, 0.0])

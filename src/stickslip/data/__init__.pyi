@@ -23,7 +23,6 @@ from stickslip.data.checking.signal_quality import MainsLine as MainsLine
 from stickslip.data.checking.signal_quality import is_narrow as is_narrow
 from stickslip.data.checking.signal_quality import lines_of as lines_of
 from stickslip.data.checking.signal_quality import words_of as words_of
-from stickslip.data.differentiation import GAP as GAP
 from stickslip.data.differentiation import REPLACED as REPLACED
 from stickslip.data.differentiation import as_readings as as_readings
 from stickslip.data.differentiation import between_gaps as between_gaps
@@ -90,6 +89,7 @@ from stickslip.data.rigs.guessed_rig import guessed_rig as guessed_rig
 from stickslip.data.rigs.rig_builder import load_rig as load_rig
 from stickslip.data.rigs.rig_builder import rig_schema as rig_schema
 from stickslip.data.rigs.rig_writer import rig_toml as rig_toml
+from stickslip.data.tolerances import GAP as GAP
 from stickslip.data.travels import is_filmed as is_filmed
 from stickslip.data.travels import scale_of as scale_of
 from stickslip.data.travels import settled_speed as settled_speed

@@ -16,19 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import SAMPLED, Array, Measurement
+from stickslip.data.tolerances import DECADE, FEW_SAMPLES, FEWEST, GAP, HALF, LISTED, NEGLIGIBLE
 from stickslip.errors import InputError, check_even_times
 from stickslip.show.formatting import joined, number
 
 CUTOFF: Final = 0.1
 """Corner of the low pass over the sampling frequency: 100 Hz where 1 kHz was sampled."""
 ORDER: Final = 4
-GAP: Final = 3.0
-"""A step of time longer than so many usual ones is a gap, across which nothing is filtered."""
 PADDED: Final = 10.0
 """Periods of the corner frequency by which ends are continued."""
 MOST_PIECES: Final = 1000
-SHORTEST_PIECE: Final = 30
-"""Samples that a piece needs to be filtered; the ends of a shorter one would be all of it."""
 USUAL: Final = 98.0
 """Percentile of speeds that counts as the largest: beyond it are outliers."""
 QUARTILE: Final = 0.6745
@@ -186,7 +183,7 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
         return values
     found = np.array(values, dtype=float)
     for piece in np.split(np.arange(time.size), cuts):
-        if piece.size >= SHORTEST_PIECE:
+        if piece.size >= FEW_SAMPLES:
             span = slice(piece[0], piece[-1] + 1)
             found[span] = _low_pass(sections, corner, time[span], found[span])
     return found
@@ -379,10 +376,6 @@ TABLE: Final = {"velocity", "friction", "load", "force"}
 """What rows of a table have; beside anything else they are samples of a motion."""
 READING_INTERVAL: Final = 1.0
 """Step of time [s] from which rows, each at another speed, are readings."""
-VELOCITY_CHANGE: Final = 0.01
-"""Change of a velocity over its range from which the next one is another ..."""
-CHANGED_SHARE: Final = 0.5
-"""... and the share of the rows that are followed by another one."""
 SCATTER_RATIO: Final = 2.0
 """Scatter of friction about the mean velocity of some rows, over that about its own velocity."""
 MEAN_ROWS: Final = 5
@@ -435,7 +428,7 @@ def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
     if slow and np.diff([-1, *gaps, time.size - 1]).max() < FEWEST_READINGS:
         return True
     steps = np.abs(np.diff(velocity))
-    if float(np.mean(steps > VELOCITY_CHANGE * extent)) < CHANGED_SHARE:
+    if float(np.mean(steps > NEGLIGIBLE * extent)) < HALF:
         return False
     if slow:
         return True
@@ -461,9 +454,6 @@ def _rms(values: Array) -> float:
 # A step is none, as the median of five samples follows it, nor is the turn of a swing, beside which
 # samples differ as much. What is more frequent belongs to the signal.
 
-FAR: Final = 10.0
-"""Least distance of an outlier from the median of its neighbours, over that which a tenth exceeds.
-"""
 APART: Final = 3.0
 """The same over the change from a sample to the next, the usual one and those beside ..."""
 BESIDE: Final = 9
@@ -475,16 +465,8 @@ OFTEN: Final = 0.2
 SHARES: Final = {"position": 0.005, "velocity": 0.005, "force": 0.5, "friction": 0.5}
 """... and over the range. What has mass moves smoothly; a force that is commanded may have peaks.
 """
-SELDOM: Final = 0.01
-"""Most outliers over the samples: what is more frequent belongs to the signal ..."""
-FEW: Final = 3
-"""... unless they are so few."""
-LEAST: Final = 30
-"""Samples of a record whose outliers are looked for."""
 ROUNDS: Final = 200
 """Most rounds in which outliers are looked for, each beside what the one before left."""
-LISTED: Final = 6
-"""Times in a sentence at most."""
 REPLACED: Final = "Straight lines between the samples beside stand in their place."
 """What becomes of outliers of a record of one coordinate."""
 
@@ -528,7 +510,7 @@ def without_outliers(
 
 def _without(record: Measurement, found: dict[str, tuple[float, ...]]) -> Measurement:
     """Return a record without outliers, whose times are added to those found."""
-    if record.time is None or record.time.size < LEAST:
+    if record.time is None or record.time.size < FEW_SAMPLES:
         return record
     columns: dict[str, Any] = {}
     for name in SHARES.keys() & {*record.quantities()}:
@@ -568,7 +550,9 @@ def far_off(x: Array, column: str) -> NDArray[np.bool_]:
     usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
     beside = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), BESIDE)
     least = max(
-        FAR * float(np.quantile(apart, 0.9)), SHARES[column] * float(np.ptp(middle)), APART * usual
+        DECADE * float(np.quantile(apart, 0.9)),
+        SHARES[column] * float(np.ptp(middle)),
+        APART * usual,
     )
     top, bottom = maximum_filter1d(middle, BESIDE), minimum_filter1d(middle, BESIDE)
     lone = (apart > least) & (np.maximum(x - top, bottom - x) > OUT * beside)
@@ -578,9 +562,9 @@ def far_off(x: Array, column: str) -> NDArray[np.bool_]:
     far: NDArray[np.bool_] = lone | ((apart > least) & (apart > APART * beside))
     for end, off, at in ((x, apart, far), (x[::-1], apart[::-1], far[::-1])):
         # A motion may turn there, as fast as it moves beside.
-        at[:2] &= off[:2] > FAR * max(least, float(np.max(np.abs(np.diff(end[3 : 3 + BESIDE])))))
+        at[:2] &= off[:2] > DECADE * max(least, float(np.max(np.abs(np.diff(end[3 : 3 + BESIDE])))))
     if column == "velocity":
         fastest = usual_top_speed(middle)
         moves = fastest > least
         far &= (np.abs(middle) > least) | (moves & (np.abs(x) > OUT * fastest))
-    return far if far.sum() <= max(SELDOM * x.size, FEW) else np.zeros(x.size, dtype=bool)
+    return far if far.sum() <= max(NEGLIGIBLE * x.size, FEWEST) else np.zeros(x.size, dtype=bool)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import Levels, levels_at
+from stickslip.data.tolerances import NEARLY_ALL, NEGLIGIBLE, NORMAL_95, ROUNDING
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slips_by_angle
@@ -23,17 +24,10 @@ LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
 PREFIX: Final = "friction"
 AT_REST: Final = "static_coefficient"
-NORMAL_95: Final = 1.959963984540054
 HARD: Final = ("rounding range", "stated interval")
 """Intervals that have an end beyond which the value cannot lie; others are of 95 %."""
 KINDS: Final = ("95 %", *HARD)
-SYMMETRY_TOLERANCE: Final = 1e-9
-"""How far apart the two halves of a covariance may be, over their standard deviations."""
-EVEN = 0.9
-"""Share of the longer side of an interval from which both sides count as the same."""
 LEAST_SIDE = 1e-300
-VALID_SHARE: Final = 0.01
-"""Share of draws that must lie in the valid ranges of a law, or too few are left of them."""
 
 
 def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
@@ -263,14 +257,14 @@ class LawEstimates:
         # Scaled to variances of 1: tolerances hold whatever the units are.
         scale = np.where(spreads > 0.0, spreads, 1.0)
         scaled = table / np.outer(scale, scale)
-        if np.max(np.abs(scaled - scaled.T)) > SYMMETRY_TOLERANCE:
+        if np.max(np.abs(scaled - scaled.T)) > ROUNDING:
             raise InputError(
                 "estimates.covariance must be symmetric; its two halves differ by up to"
                 f" {number(np.max(np.abs(table - table.T)))}."
             )
         least = float(np.linalg.eigvalsh(scaled)[0])
         # Rounding in a file may make an eigenvalue a little less than 0.
-        if least < -SYMMETRY_TOLERANCE * len(names):
+        if least < -ROUNDING * len(names):
             raise InputError(
                 "estimates.covariance must be positive semi-definite; scaled to unit variances,"
                 f" its smallest eigenvalue is {number(least)}."
@@ -442,7 +436,7 @@ class LawEstimates:
                 ):
                     kept.append(row)
             # Counted over all that was tried, so that the loop ends where hardly any draw is valid.
-            if len(kept) < VALID_SHARE * tried:
+            if len(kept) < NEGLIGIBLE * tried:
                 raise InputError(
                     f"nearly all samples of {', '.join(names)} are invalid for {law.name}: the"
                     " intervals extend beyond the allowed range of the parameters. Narrow the"
@@ -489,7 +483,7 @@ class LawEstimates:
         sides = np.abs(ends - centre[:, None])
         # The distribution is split at its centre, and each half scaled to the side of its interval.
         share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST_SIDE)
-        share[share > EVEN] = 1.0  # a covariance is that of the longer side
+        share[share > NEARLY_ALL] = 1.0  # a covariance is that of the longer side
         found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
         return found
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.data.tolerances import HALF, ROUNDED
 from stickslip.data.units import LARGEST, size_wanted
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms import Mechanism, slips_by_angle
@@ -34,10 +35,6 @@ if TYPE_CHECKING:
 
 SLENDER: Final = 3.0
 """Spread along a line over that across it from which on the points lie along it."""
-NET: Final = 0.5
-"""Distance of the end from the start over the whole way from which on a body travels."""
-MOVED: Final = 0.02
-"""Way over the whole way from which on a body has moved, where there is no jitter."""
 SURE: Final = 6.0
 """Standard deviations of the jitter that it must have moved as well."""
 
@@ -86,7 +83,7 @@ def travels(way: NDArray[np.float64]) -> bool:
     >>> travels(np.array([0.0, -0.1, 0.3, 0.8])), travels(np.array([0.0, 1.0, -1.0, 0.2]))
     (True, False)
     """
-    return bool(abs(way[-1] - way[0]) > NET * np.ptp(way))
+    return bool(abs(way[-1] - way[0]) > HALF * np.ptp(way))
 
 
 def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], Line]:
@@ -123,7 +120,7 @@ def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.fl
     way = way - way[0]
     jitter = min(float(np.sqrt(np.mean(np.diff(beside) ** 2) / 2)), float(short))
     length = float(np.ptp(way))
-    far = np.abs(way) >= max(MOVED * length, min(SURE * jitter, length / 2))
+    far = np.abs(way) >= max(ROUNDED * length, min(SURE * jitter, length / 2))
     net = way[-1] if travels(way) else way[int(np.argmax(far))]
     ahead = axes[0, 0] > 0 or (axes[0, 0] == 0 < axes[0, 1])
     cosine, sine = axes[0] if ahead else -axes[0]

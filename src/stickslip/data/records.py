@@ -30,7 +30,6 @@ from stickslip.data.measurement import (
     unit_of_input,
 )
 from stickslip.data.readers.columns import (
-    INTERVAL,
     Column,
     Reading,
     check_columns,
@@ -40,6 +39,7 @@ from stickslip.data.readers.columns import (
     spelled,
 )
 from stickslip.data.readers.layout import Layout, Repair, repaired, repairs
+from stickslip.data.tolerances import INTERVAL, NEGLIGIBLE
 from stickslip.data.units import gain_factor, read_gain, read_number
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms import Mechanism, load_stated, motor_of
@@ -50,15 +50,13 @@ from stickslip.units import factor, is_of, shown
 if TYPE_CHECKING:
     import pandas as pd
 
-    from stickslip.data.readers.table_reader import Frame
+    from stickslip.data.readers.table_reader import QuantityTable
 
 
 # Columns of a record in SI: by their units, by their gains, and coefficients by the load.
 
 RUBBING: Final = ("friction", "spring_force")
 """Forces that are often written as coefficients, over the load."""
-TWICE: Final = 0.01
-"""Relative distance at which a gain is taken for the factor of the column's own unit, rounded."""
 
 
 def gains_of(given: Mapping[str, float | str], known: Iterable[str]) -> dict[str, float | str]:
@@ -93,8 +91,8 @@ def _gain(name: str, value: object) -> float | str:
 
 
 def with_motors(
-    frame: "Frame", gains: Mapping[str, float | str], constants: Mapping[str, float | str]
-) -> tuple["Frame", dict[str, float | str]]:
+    frame: "QuantityTable", gains: Mapping[str, float | str], constants: Mapping[str, float | str]
+) -> tuple["QuantityTable", dict[str, float | str]]:
     """Return a table with currents as forces, and the gains that make forces of them."""
     gains = dict(gains)
     if not constants:
@@ -130,7 +128,7 @@ def with_motors(
 class Scaling:
     """How the columns of one file become numbers in SI."""
 
-    frame: "Frame"
+    frame: "QuantityTable"
     """The table of the file."""
     gains: Mapping[str, float | str]
     """Factors by quantity; with its unit where that makes SI of the column's."""
@@ -252,7 +250,7 @@ class Scaling:
 
     def _refuse_twice(self, name: str, unit: str, target: str, gain: float) -> None:
         scale = factor(unit, target)
-        if scale == 1.0 or not math.isclose(abs(gain), scale, rel_tol=TWICE):
+        if scale == 1.0 or not math.isclose(abs(gain), scale, rel_tol=NEGLIGIBLE):
             return
         cure = "leave the gain out" if gain > 0.0 else "give the gain as -1"
         raise InputError(
@@ -350,9 +348,10 @@ def load_measurement(
     columns may be ``uncertainty``, ``uncertainty_kind``, ``name``, ``provenance``, ``initial.x``
     and the like, and parameter paths such as ``mechanism.compression``. Every other file is one
     record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``,
-    ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone, and named
-    by `stickslip.check`. A column ``trial`` says which trial each row belongs to. Names of what was
-    measured of several joints end with the joint, as ``force.elbow``. A header
+    ``load``, ``spring_force``, ``pull``, ``reference``, or ``angle``, ``angular velocity`` and
+    ``torque``; a ``speed`` is the velocity where no position is beside it. What else it has is left
+    alone, and named by `stickslip.check`. A column ``trial`` says which trial each row belongs to.
+    Names of what was measured of several joints end with the joint, as ``force.elbow``. A header
     may carry its unit, as ``travel [mm]``, or ``travel (mm)`` if `columns` names it; without one,
     and without an entry in `units`, numbers are in SI. A ``friction`` or ``spring_force`` in ``1``
     or ``%`` is a coefficient, which becomes a force by the load: of the file, or else of the
@@ -414,7 +413,7 @@ def load_measurement(
         have a current, as ``{"elbow": "0.12 N m/A"}``.
     layout : Layout, optional
         How a text file holds its table, where lines that are no comments stand above the header,
-        units have a row of their own, or thousands are parted; see `guess_data`.
+        units have a row of their own, or thousands are separated; see `guess_data`.
 
     Returns
     -------
@@ -567,7 +566,7 @@ class _Files:
             if getattr(self.reading, what):
                 raise InputError(f"{what} applies to time records, not to tables of trials.")
 
-    def _record(self, frame: "Frame", name: str) -> Measurement:
+    def _record(self, frame: "QuantityTable", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
         from stickslip.data.readers.guess import clock_of
         from stickslip.data.readers.table import TRIAL
@@ -629,7 +628,7 @@ class _Files:
         if doubt is not None and ("friction" in values or STATED in reading.columns):
             half = is_half_width(frame.names[STATED])
             doubt = scaling.stated(doubt, values, turning) / (INTERVAL if half else 1.0)
-            done += (f"half-widths of 95 % over {INTERVAL:g} as uncertainties",) * half
+            done += (f"half-widths of 95 % over {INTERVAL} as uncertainties",) * half
             parts["uncertainty"] = {**parts.get("uncertainty", {}), "friction": doubt}
         return Measurement(
             **parts,
@@ -645,14 +644,14 @@ class _Files:
             provenance="; ".join([Path(frame.file).name, *done]),
         )
 
-    def _with_cells(self, frame: "Frame", wanted: Iterable[str]) -> list[str]:
+    def _with_cells(self, frame: "QuantityTable", wanted: Iterable[str]) -> list[str]:
         """Return the columns of quantities without those of channels that were off."""
         found = [name for name in wanted if name in frame.names]
         named = ("time", *self.reading.columns)
         filled = [name for name in found if name in named or not frame.is_empty(name)]
         return filled if {*filled} - {"time"} else found
 
-    def _joint_columns(self, frame: "Frame") -> Iterator[str]:
+    def _joint_columns(self, frame: "QuantityTable") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.
 
         A log of a robot has more joints than a mechanism of some of them, or than one axis.
@@ -673,7 +672,7 @@ class _Files:
                     f"columns has {name} and the table {first}: give it by joint, or once for all."
                 )
 
-    def _beside(self, frame: "Frame") -> dict[str, Array]:
+    def _beside(self, frame: "QuantityTable") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
         joints = {name.partition(".")[2] for name in self._joint_columns(frame)}
         found: dict[str, Array] = {}
@@ -689,7 +688,7 @@ class _Files:
         return found
 
     def _inputs(
-        self, frame: "Frame", raw: Mapping[str, Array], turning: bool
+        self, frame: "QuantityTable", raw: Mapping[str, Array], turning: bool
     ) -> dict[str, Array | dict[str, Array]]:
         """Return contact inputs in their units; those of joints, as a table by joint."""
         found: dict[str, Array] = {}
@@ -760,7 +759,7 @@ def _no_file(given: object) -> str:
     )
 
 
-def _nothing_known(frame: "Frame") -> str:
+def _nothing_known(frame: "QuantityTable") -> str:
     listed = ", ".join(map(shown, list(frame.names)[:12]))
     first = [name for name in frame.names if name.rpartition("/")[2].lower() == "x"]
     plane = f'["{first[0]}", "{first[0][:-1]}{chr(ord(first[0][-1]) + 1)}"]' if first else '"..."'

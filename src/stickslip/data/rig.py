@@ -20,6 +20,7 @@ from stickslip.data import estimates
 from stickslip.data.estimates import LawEstimates
 from stickslip.data.measurement import ELECTRIC, Levels, Measurement, levels_at
 from stickslip.data.readers.columns import Reading
+from stickslip.data.tolerances import SIX_DIGITS, SMALL
 from stickslip.data.travels import scale_of
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size, concerning
@@ -573,8 +574,6 @@ def check_record(mechanism: mechanisms.Mechanism, record: Measurement, label: st
 
 Array = NDArray[np.float64]
 
-SAME = 1e-6
-"""Share of a period that counts as none: clocks of records are rounded."""
 
 COMMANDS = ("force", *ELECTRIC, "reference")
 """What may have driven a record; the first of those that it has is what acts."""
@@ -689,8 +688,8 @@ def loop_samples(
         )
     t, goal = np.asarray(record.time), np.asarray(record.values("reference"))
     check_size("samples of a loop", float(np.ptp(t)) / loop.period, "give a longer period")
-    times = t[0] + loop.period * np.arange(math.floor(np.ptp(t) / loop.period + SAME) + 1)
-    last = np.maximum(np.searchsorted(t, times + SAME * loop.period, side="right") - 1, 0)
+    times = t[0] + loop.period * np.arange(math.floor(np.ptp(t) / loop.period + SIX_DIGITS) + 1)
+    last = np.maximum(np.searchsorted(t, times + SIX_DIGITS * loop.period, side="right") - 1, 0)
     return LoopSamples(
         time=times,
         goal=np.interp(times, t, goal) if hold == "first" else goal[last],
@@ -718,7 +717,9 @@ def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str
     motor: Any = mechanisms.motor_of(set_up)
     voltages, _ = seen.commands(motor.loop, motor.largest_voltage)
     acts = seen.time + motor.loop.delay
-    last = np.searchsorted(acts, np.asarray(record.time) + SAME * motor.loop.period, side="right")
+    last = np.searchsorted(
+        acts, np.asarray(record.time) + SIX_DIGITS * motor.loop.period, side="right"
+    )
     return replace(record, voltage=np.where(last > 0, voltages[np.maximum(last - 1, 0)], 0.0))
 
 
@@ -728,15 +729,11 @@ BRISTLES: Final = {"stiffness", "damping"}
 """Sizes in the scale of parameters of bristles."""
 SPEEDS: Final = (-0.1, 1e-3, 0.1, 1.0)
 """Speeds [m/s] at which a law over the normal force is compared with the same in forces."""
-FRICTION_TOLERANCE: Final = 1e-6
-"""How far apart both may be, over the friction: beyond rounding, which offsets of speeds leave."""
-SAMPLES: Final = 4001
+RUN_TIMES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
 BEYOND: Final = 1.05
 """Ratio to the range of the fit above which a run counts as outside of it: 5 % of speed or of
 normal force change no law by more than its parameters are known."""
-DECIDES: Final = 0.1
-"""Share of a distance that the elastic give of a contact makes up, above which it decides it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -915,7 +912,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     said = []
     _, rate = slip_names(mechanism)
     # Ends of steps too: extremes of speed lie between even times.
-    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    seen = run.at(np.union1d(np.linspace(*run.span, RUN_TIMES), run.t))
     speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
     most = None if known is None else known.largest_speed
     assert not isinstance(most, Mapping)  # that of one contact
@@ -971,7 +968,7 @@ def unfitted_bristles(
         return ()
     # Break-away over stiffness on both sides of 0: the way from held back to held forth.
     give = 2.0 * float(anywhere(law).break_away(1.0)) / min(stiffness)
-    if give < DECIDES * abs(distance):
+    if give < SMALL * abs(distance):
         return ()
     return tuple(
         f"${measured.symbol}$ = {quantity(value, estimates.unit_on(mechanism, measured))}"
@@ -1062,7 +1059,7 @@ def _check_divided(rig: Rig, forces: FrictionLaw, law: FrictionLaw, load: float)
     # At several speeds: levels, fading and viscosity all have to fit.
     for speed in SPEEDS:
         wanted, got = float(before.steady(speed, 1.0)), float(after.steady(speed, load))
-        if abs(got - wanted) > FRICTION_TOLERANCE * abs(wanted):
+        if abs(got - wanted) > SIX_DIGITS * abs(wanted):
             silent = [name for name, measured in fields_of(type(law)).items() if not measured.scale]
             raise InputError(
                 f"{rig.path}: the levels of {law.name} cannot be divided by {quantity(load, 'N')}:"

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import QUANTITIES, Measurement
+from stickslip.data.tolerances import HALF, NEARLY_ALL
 from stickslip.errors import InputError
 from stickslip.mechanisms import PREFIX, WHOLE, Mechanism, cycle_of
 from stickslip.quantities import vary
@@ -101,14 +102,6 @@ DEGREE = 6
 """Degree of the polynomial about which a film oscillates: how it gains way, and lost frames."""
 BINS = 4
 """Frequencies that are tried in the width of a line of the film, one over its length."""
-AS_GOOD = 0.9
-"""Share of the oscillation that the best frequency explains from which a higher one, of which that
-is a fraction, is taken instead."""
-OSCILLATION_SHARE = 0.5
-"""Share of the motion about a smooth curve from which it is an oscillation."""
-OTHER = 0.5
-"""Share of what the drive explains in a film below which it is another drive's, where the best
-frequency explains all of it (measured on 140 simulated films: .93 and more)."""
 
 
 def is_filmed(measurement: Measurement) -> bool:
@@ -160,7 +153,7 @@ def frequency_of(time: Array, position: Array) -> tuple[float, float]:
     if not len(tried):
         return math.nan, 0.0
     shares = np.array([oscillation(time, position, f) for f in tried])
-    at = int(np.flatnonzero(shares >= AS_GOOD * shares.max())[-1])
+    at = int(np.flatnonzero(shares >= NEARLY_ALL * shares.max())[-1])
     at = max(range(max(at - BINS, 0), min(at + BINS, len(tried))), key=lambda i: float(shares[i]))
     fine = np.linspace(tried[at] - 1.0 / (BINS * span), tried[at] + 1.0 / (BINS * span), 17)
     near = [oscillation(time, position, f) for f in fine]
@@ -181,7 +174,7 @@ def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str
         cycles = float(np.rint(drive / best))
         near = abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
         repeats = near and 1.0 < cycles <= CYCLES
-        if share > OSCILLATION_SHARE and own < OTHER * share and not repeats:
+        if share > HALF and own < HALF * share and not repeats:
             yield (
                 f"{record.name or f'film {index}'} oscillates with {number(best, 3)} Hz, and its"
                 f" drive has {number(drive, 3)} Hz: one of the two is not of this run."

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from stickslip.data.measurement import QUANTITIES, TRAVELS, Measurement
-from stickslip.data.readers.table_reader import Frame, condition_cells, condition_keys
+from stickslip.data.readers.table_reader import QuantityTable, condition_cells, condition_keys
 from stickslip.data.rig import check_record, state_units
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, quantity_at
@@ -17,7 +17,7 @@ NUMBERS = (*TRAVELS, "uncertainty")
 
 
 def read_trials(
-    frame: Frame,
+    frame: QuantityTable,
     common: Mapping[str, Any],
     name: str,
     mechanism: Mechanism | None,
@@ -39,12 +39,12 @@ def read_trials(
     return records[0] if len(records) == 1 else Measurement(trials=tuple(records), name=name)
 
 
-def travelled(frame: Frame) -> str:
+def travelled(frame: QuantityTable) -> str:
     """Return the column that says how far the body came; empty if the table is of no trials."""
     return "" if "time" in frame.names else next((n for n in TRAVELS if n in frame.names), "")
 
 
-def _values(frame: Frame, column: str, mechanism: Mechanism | None) -> list[Any]:
+def _values(frame: QuantityTable, column: str, mechanism: Mechanism | None) -> list[Any]:
     """Return the cells of a column: words, or numbers in SI."""
     if column in WORDS:
         cells = frame.data[frame.names[column]]
@@ -67,7 +67,7 @@ def _values(frame: Frame, column: str, mechanism: Mechanism | None) -> list[Any]
     raise UnknownNameError(f"column of {frame.file}:", column, known)
 
 
-def _path(frame: Frame, column: str, mechanism: Mechanism) -> str:
+def _path(frame: QuantityTable, column: str, mechanism: Mechanism) -> str:
     try:
         return canonical_path(mechanism, column)
     except UnknownNameError as error:
@@ -77,7 +77,7 @@ def _path(frame: Frame, column: str, mechanism: Mechanism) -> str:
 
 
 def _overrides(
-    frame: Frame, cells: Mapping[str, Any], mechanism: Mechanism | None
+    frame: QuantityTable, cells: Mapping[str, Any], mechanism: Mechanism | None
 ) -> Iterator[tuple[str, float]]:
     for column, value in cells.items():
         if column in NUMBERS or column in WORDS or column.startswith("initial."):
@@ -86,7 +86,7 @@ def _overrides(
 
 
 def _trial(
-    frame: Frame,
+    frame: QuantityTable,
     row: int,
     cells: Mapping[str, Any],
     common: Mapping[str, Any],

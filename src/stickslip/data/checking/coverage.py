@@ -17,28 +17,28 @@ from stickslip.data import measurement
 from stickslip.data.checking.finding import OTHER_SPEEDS, OTHER_WAY, TURN, Finding, Severity
 from stickslip.data.checking.motion import Motion
 from stickslip.data.differentiation import acceleration_of, smooth
+from stickslip.data.tolerances import (
+    DECADE,
+    FEW_SAMPLES,
+    FEWEST,
+    FEWEST_SAMPLES,
+    LISTED,
+    MOSTLY,
+    NEARLY_ALL,
+    SIX_DIGITS,
+    SLIGHT,
+    SMALL,
+)
 from stickslip.mechanisms import Mechanism, load_stated
 from stickslip.show.formatting import count, lower_first, number, percent, quantities, quantity
 
 # Friction maps and single numbers: what they cover, how often, how surely.
 
-FEWEST_DISTINCT: Final = 3
 FEW_SPEEDS: Final = 5
 CHANCE: Final = 0.005
 """Probability of a mean as low by noise alone, below which a sign is told."""
-SHOWN: Final = 8
-"""Names of columns in a sentence at most."""
-SLOWER: Final = 10.0
-"""Factor between the speed of readings at rest and that of the slowest that slide."""
-RARE: Final = 0.1
-"""Share of the readings up to which some may be at rest: more are a range of speeds."""
-INSIDE: Final = 0.8
-"""Friction of a reading at rest at most, over that of the slowest that slide."""
 SLOWEST: Final = 5
 """Readings of a direction that show what friction is at the slowest speeds ..."""
-LEVEL: Final = 0.9
-"""... if the slowest of them has this share of their median: below, friction fades with speed."""
-ALIKE: Final = 1e-6
 ACTING: Final = ("force", "reference", "friction", "load", "spring_force", "pull")
 """What acts on a body: where it is not given, a fit takes it that nothing does."""
 
@@ -64,10 +64,10 @@ def coverage(record: measurement.Measurement) -> Iterator[Finding]:
         yield _map("error", "All values of friction are 0: it was not recorded.", numbers)
         return
     low, high = quantities([float(velocity.min()), float(velocity.max())], record.unit("velocity"))
-    few = distinct < FEWEST_DISTINCT
+    few = distinct < FEWEST
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
     text += f" from {low} to {high}"
-    text += f": a friction curve needs at least {FEWEST_DISTINCT} velocities." if few else "."
+    text += f": a friction curve needs at least {FEWEST} velocities." if few else "."
     if distinct < FEW_SPEEDS:
         yield _map("warning", text, numbers, measure=OTHER_SPEEDS)
     else:
@@ -108,8 +108,8 @@ def resting_readings(velocity: measurement.Array, friction: measurement.Array) -
     ordered = np.sort(speed)
     found: NDArray[np.bool_] = velocity == 0.0
     # Few readings below a gap of a decade are at rest; more of them are a range of speeds.
-    gaps = np.flatnonzero(ordered[1:] > SLOWER * ordered[:-1])
-    few = gaps[gaps < max(RARE * speed.size, 1.0)]
+    gaps = np.flatnonzero(ordered[1:] > DECADE * ordered[:-1])
+    few = gaps[gaps < max(SMALL * speed.size, 1.0)]
     if not few.size:
         return found
     slow = speed <= ordered[few[-1]]
@@ -118,7 +118,7 @@ def resting_readings(velocity: measurement.Array, friction: measurement.Array) -
     if any(level == 0.0 for level in levels):
         return found
     below, above = levels
-    inside = (friction > -INSIDE * below) & (friction < INSIDE * above)
+    inside = (friction > -MOSTLY * below) & (friction < MOSTLY * above)
     return np.asarray(found | (slow & inside))
 
 
@@ -129,7 +129,7 @@ def _level(velocity: measurement.Array, friction: measurement.Array) -> float:
         return np.inf
     slowest = forward[np.argsort(velocity[forward], kind="stable")][:SLOWEST]
     level = float(np.median(friction[slowest]))
-    return level if float(friction[slowest[0]]) >= LEVEL * level > 0.0 else 0.0
+    return level if float(friction[slowest[0]]) >= NEARLY_ALL * level > 0.0 else 0.0
 
 
 def resting(record: measurement.Measurement) -> Iterator[Finding]:
@@ -166,8 +166,6 @@ LARGEST: Final = 2.0
 """Coefficients of friction hardly exceed this."""
 LEAST_LOAD: Final = 10.0
 """Load [N] above which forces and coefficients are of different sizes."""
-SMALL: Final = 0.1
-"""Friction over load below which a coefficient is the likelier reading."""
 
 
 def coefficient(record: measurement.Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
@@ -251,8 +249,8 @@ def unused(records: Sequence[measurement.Measurement], used: Collection[str]) ->
             f" level + viscous * exponential[{inputs[0]}].",
         )
     if rest:
-        listed = ", ".join(map(repr, rest[:SHOWN])) + (
-            f" and {len(rest) - SHOWN} more" if len(rest) > SHOWN else ""
+        listed = ", ".join(map(repr, rest[:LISTED])) + (
+            f" and {len(rest) - LISTED} more" if len(rest) > LISTED else ""
         )
         verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
         yield Finding(kind="unused column", sentence=f"{verb.format(listed)} not used.")
@@ -285,7 +283,7 @@ def _map(
 def _distinct(values: measurement.Array) -> int:
     ordered = np.sort(values)
     largest = float(np.abs(ordered).max())
-    return 1 + int(np.count_nonzero(np.diff(ordered) > ALIKE * largest))
+    return 1 + int(np.count_nonzero(np.diff(ordered) > SIX_DIGITS * largest))
 
 
 def settings(
@@ -452,12 +450,6 @@ def _negative(name: str, records: Sequence[measurement.Measurement]) -> Iterator
 
 # Whether settings were taken in their order: then a drift reads as an effect of the setting.
 
-FEWEST_IN_ORDER: Final = 3
-"""Settings from which on an order is none by chance alone."""
-NEARLY: Final = 0.1
-"""Places that a setting is from its place in order at most, over their number: a drift over these
-few is hardly seen."""
-
 
 def monotone(settings: measurement.Array) -> str:
     """Return how settings go from one to the next: "increases", "decreases" or neither, empty.
@@ -473,36 +465,14 @@ def monotone(settings: measurement.Array) -> str:
     >>> monotone(np.array([10, 9, 8, 7, 5, 6, 4, 3, 2, 1]))
     'mostly decreases'
     """
-    if np.unique(settings).size < FEWEST_IN_ORDER:
+    if np.unique(settings).size < FEWEST:
         return ""
     for how, rising in (("increases", settings), ("decreases", -settings)):
         # How far each setting is from its place in sorted order.
         off = np.max(np.abs(np.argsort(rising, kind="stable") - np.arange(rising.size)))
-        if off <= NEARLY * rising.size:
+        if off <= SMALL * rising.size:
             return f"mostly {how}" if off else how
     return ""
-
-
-def _orders(velocity: measurement.Array) -> list[str]:
-    """Return how the speeds of each direction go; one with hardly a reading has no order."""
-    sides = (velocity[velocity < 0.0], velocity[velocity > 0.0])
-    return [monotone(side) for side in sides if side.size >= FEWEST_IN_ORDER]
-
-
-def speeds_in_order(velocity: measurement.Array) -> bool:
-    """Whether the speeds of a table are in order: those of each direction by themselves.
-
-    Examples
-    --------
-    >>> speeds_in_order(np.array([-0.4, -0.2, -0.1, 0.1, 0.2, 0.4]))
-    True
-    >>> speeds_in_order(np.array([0.1, 0.4, 0.2])), speeds_in_order(np.array([0.1, 0.2, 0.4, 0.1]))
-    (False, False)
-    >>> speeds_in_order(np.array([0.1, 0.2, 0.4, -0.1]))
-    True
-    """
-    found = _orders(velocity)
-    return bool(found) and all(found)
 
 
 def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, str]:
@@ -532,28 +502,16 @@ def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, s
     return found if all(found.values()) else {}
 
 
-def speeds(record: measurement.Measurement) -> Iterator[Finding]:
-    """Say of a table that its speeds are in order."""
-    velocity = np.asarray(record.values("velocity"))
-    if speeds_in_order(velocity):
-        how = "mostly " if any(order.startswith("mostly") for order in _orders(velocity)) else ""
-        said = f"The speeds are {how}in order from row to row; if they were measured"
-        yield _finding(said, "speed")
-
-
 def order_of_settings(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
-    """Say of readings that what was set is in order."""
+    """Say of readings that what was set is in order; of a table, the judge says it."""
     for path, how in [*settings_in_order(records).items()][:1]:
         what = path.rpartition(".")[2].replace("_", " ")
-        yield _finding(f"The {what} {how} from trial to trial; if it was set", what)
-
-
-def _finding(said: str, what: str) -> Finding:
-    return Finding(
-        kind="order",
-        sentence=f"{said} in this order, a slow drift reads as an effect of the {what}.",
-        measure=f"Measure in random order, or repeat the first {what} at the end",
-    )
+        yield Finding(
+            kind="order",
+            sentence=f"The {what} {how} from trial to trial; if it was set in this order, a slow"
+            f" drift reads as an effect of the {what}.",
+            measure=f"Measure in random order, or repeat the first {what} at the end",
+        )
 
 
 def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> tuple[str, ...]:
@@ -561,10 +519,9 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
 
     Examples
     --------
-    >>> from stickslip import Measurement
-    >>> table = Measurement(velocity=[0.1, 0.2, 0.4], friction=[2.0, 2.1, 2.3])
-    >>> [one[:23] for one in with_order(["Measure at 1 m/s.", "Warm it up."], [*speeds(table)], 2)]
-    ['Measure at 1 m/s.', 'Measure in random order']
+    >>> order = Finding(kind="order", sentence="It rises.", measure="Measure in random order")
+    >>> with_order(["Measure at 1 m/s.", "Warm it up."], [order], 2)
+    ('Measure at 1 m/s.', 'Measure in random order: it rises.')
     """
     found = [
         f"{finding.measure}: {lower_first(finding.sentence)}"
@@ -577,14 +534,10 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
 # Levels of forces: whether they stay, and how many independent values there are.
 
 FORCES: Final = ("force", "friction", "spring_force", "load")
-BLOCKS: Final = 10
-"""Blocks in each half, whose scatter is the doubt of its mean."""
 SURE: Final = 2.0
 """Standard errors by which the means of two halves differ, not to be chance in most cases."""
-MATTERS: Final = 0.05
-"""Change over the level that a fit would notice."""
-FEWEST_SAMPLES: Final = 200
-FEW: Final = 30
+FEWEST_FOR_DRIFT: Final = 200
+"""Samples of two halves of which the means of blocks are known."""
 
 
 class Level(NamedTuple):
@@ -655,7 +608,7 @@ def independent(values: measurement.Array) -> float:
 def drift(found: list[Level]) -> Iterator[Finding]:
     """Say which forces change their mean from the first half to the second."""
     for level in found:
-        if level.values.size < FEWEST_SAMPLES or level.size == 0.0 or np.ptp(level.values) == 0.0:
+        if level.values.size < FEWEST_FOR_DRIFT or level.size == 0.0 or np.ptp(level.values) == 0.0:
             continue
         halves = np.array_split(level.values, 2)
         means = [float(half.mean()) for half in halves]
@@ -663,7 +616,7 @@ def drift(found: list[Level]) -> Iterator[Finding]:
         sure = abs(change) / doubt if doubt else np.inf
         if sure < SURE or abs(change) < 0.01 * level.size:
             continue
-        matters = abs(change) >= MATTERS * level.size
+        matters = abs(change) >= SLIGHT * level.size
         first, second = quantities(means, level.unit)
         word = "rises" if change > 0 else "falls"
         text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second"
@@ -689,8 +642,8 @@ def drift(found: list[Level]) -> Iterator[Finding]:
 
 def _doubt(values: measurement.Array) -> float:
     """Return the standard error of a mean from the scatter of the means of blocks."""
-    means = [float(block.mean()) for block in np.array_split(values, BLOCKS)]
-    return float(np.std(means, ddof=1)) / float(np.sqrt(BLOCKS))
+    means = [float(block.mean()) for block in np.array_split(values, FEWEST_SAMPLES)]
+    return float(np.std(means, ddof=1)) / float(np.sqrt(FEWEST_SAMPLES))
 
 
 def effective(record: measurement.Measurement, levels: list[Level]) -> Iterator[Finding]:
@@ -705,14 +658,14 @@ def effective(record: measurement.Measurement, levels: list[Level]) -> Iterator[
         what, values = f"{name} minus its smooth component", own - smooth(time, own)
     else:
         return
-    if values.size < FEW or np.ptp(values) == 0.0:
+    if values.size < FEW_SAMPLES or np.ptp(values) == 0.0:
         return
     size = independent(values)
     few = size < 0.9 * values.size  # two digits of nearly all would be more than all
     shown = number(size, 2) if few else number(math.floor(size), 9)
     yield Finding(
         kind="effective size",
-        severity="warning" if size < FEW else "info",
+        severity="warning" if size < FEW_SAMPLES else "info",
         sentence=(
             f"Effective sample size before any fit: {shown} of {number(values.size, 9)}"
             f" samples (from the autocorrelation of the {what})."

@@ -5,6 +5,7 @@ by every verb.
 """
 
 import html
+import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,10 +15,11 @@ import numpy as np
 
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
-from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.data.checking.finding import OTHER_WAY, SEVERITIES, Finding, Severity
 from stickslip.data.differentiation import REPLACED, as_readings, outlier_sentence, without_outliers
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
 from stickslip.data.rig import check_record
+from stickslip.data.tolerances import DECADE, FEWEST_SAMPLES, LISTED
 from stickslip.data.travels import is_filmed, other_drives
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import PREFIX, BoundedMechanism, Mechanism, cycle_or_none, slip_names
@@ -259,11 +261,7 @@ def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding
     for finding in findings:
         if _still(finding) and len(still) < trials:
             yield _resting(finding, RESTING_JOINT if _joint_of(finding) else RESTING_BODY)
-        elif (
-            FORWARD in finding.numbers
-            and finding.severity == "warning"
-            and _joint_of(finding) in both
-        ):
+        elif finding.measure == OTHER_WAY and _joint_of(finding) in both:
             yield motion.beside_other_way(finding)
         else:
             yield finding
@@ -337,11 +335,7 @@ def _agreement(
     # Where signals contradict each other, energies would only repeat it.
     if not _wrong(agree) and not coupled:
         yield from motion.energy(record, mechanism)
-        size = [*motion.proportion(record, mechanism)]
-        yield from size
-        # Where its size is wrong, its sign tells no more.
-        if not size:
-            yield from motion.direction(record, moving)
+        yield from motion.proportion(record, mechanism)
 
 
 def _record(
@@ -357,8 +351,7 @@ def _record(
         yield from coverage.resting(record)
         if not grave:
             yield from coverage.stated(record)
-            yield from coverage.speeds(record)
-            yield from signal_quality.plausible(record, None)
+            yield from signal_quality.plausible(record)
     if not grave:
         yield from coverage.coefficient(record, mechanism)
     if record.time is None:
@@ -375,29 +368,25 @@ def _record(
         yield Finding(kind="outliers", severity="warning", sentence=said, numbers=numbers)
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
-    rubbed = isinstance(record.friction, np.ndarray)
-    # What only asks for errors needs a motion only to compare it with friction.
-    moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
-    enough = isinstance(record.time, np.ndarray) and (
-        record.time.size >= signal_quality.FEWEST_SAMPLES
-    )
+    # What only asks for errors needs a motion for its speed, or to compare it with friction.
+    needed = isinstance(record.friction, np.ndarray) or signal_quality.has_speed(record)
+    moving = None if _wrong(still) or (grave and not needed) else motion.motion_of(record)
+    fast = [*signal_quality.too_fast(record, moving)]
+    yield from fast
+    still += fast  # comparisons of such a motion would say so once more
+    enough = isinstance(record.time, np.ndarray) and (record.time.size >= FEWEST_SAMPLES)
     if not grave:
-        yield from _signals(record, mechanism, moving, enough)
+        yield from _signals(record, mechanism, enough)
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving, coupled=coupled)
     if enough and not grave and not _wrong(still):
         yield from _course(record, mechanism, moving, coupled=coupled)
 
 
-def _signals(
-    record: Measurement,
-    mechanism: Mechanism | None,
-    moving: motion.Motion | None,
-    enough: bool,
-) -> Iterator[Finding]:
+def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> Iterator[Finding]:
     """Yield what each signal tells by itself."""
     yield from motion.missing(record, mechanism)
-    yield from signal_quality.plausible(record, moving)
+    yield from signal_quality.plausible(record)
     yield from signal_quality.usual(record)
     yield from motion.straight(record)
     if not enough:
@@ -457,6 +446,21 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.
     inside = any(wall.coordinate not in slip_names(mechanism) for wall in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
+    lower, upper = (None if inside else getattr(mechanism, name, None) for name, *_ in bounds)
+    room = math.inf if lower is None or upper is None else float(upper) - float(lower)
+    span = float(np.ptp(position))
+    if span > DECADE * room:
+        yield Finding(
+            kind="mechanism",
+            severity="error",
+            sentence=(
+                f"Position spans {quantity(span, unit)}, and the stops of the mechanism are"
+                f" {quantity(room, unit)} apart: give the unit of the position, as --unit"
+                " position=mm, or correct the stops."
+            ),
+            numbers={"span": span, "room": room},
+        )
+        return
     for name, side, reached in bounds:
         stop = None if inside else getattr(mechanism, name, None)  # of what was measured
         if stop is not None and side * (float(reached) - float(stop)) > 0:
@@ -474,8 +478,6 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
 
 # What no fit is made from, refused in the same words by every verb.
 
-MOST_LISTED = 6
-"""Names of trials in a message."""
 ACTING = ("force", "reference", "friction")
 """What acts on a body: a second record without it would be predicted as if nothing did."""
 
@@ -517,7 +519,7 @@ def findings_text(findings: Sequence[Finding]) -> str:
     for finding in findings:
         records.setdefault((finding.sentence, bool(finding.record)), []).append(finding.record)
     return " ".join(
-        f"{joined([*dict.fromkeys(names)], MOST_LISTED)}: {sentence}" if named else sentence
+        f"{joined([*dict.fromkeys(names)], LISTED)}: {sentence}" if named else sentence
         for (sentence, named), names in records.items()
     )
 

@@ -31,26 +31,28 @@ from stickslip.data.differentiation import (
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
+from stickslip.data.tolerances import (
+    DECADE,
+    FEWEST,
+    FEWEST_SAMPLES,
+    HALF,
+    MOSTLY,
+    NEARLY_ALL,
+    NEGLIGIBLE,
+    PER_MILLE,
+    SLIGHT,
+    SMALL,
+)
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 from stickslip.show.formatting import count, number, percent, quantities, quantity
 
 GRAVITY: Final = 9.81
 """Acceleration of weights that are not given otherwise [m/s^2]."""
-SLOW: Final = 0.05
-BENT: Final = 0.01
-"""Distance from the line of motion over its length up to which a motion counts as straight."""
-HYSTERESIS: Final = 0.01
-"""Speed over the largest below which a direction is not believed, where there is no noise."""
-RESTING: Final = 1e-3
 SWING: Final = 0.005
 """Way over the whole stroke that a direction must last to be believed."""
 SURE: Final = 5.0
 """Standard deviations of its noise that a speed must have to be one."""
-SHORTEST: Final = 10
-"""Samples that a rest has at least."""
-MOSTLY: Final = 0.9
-"""Share of a record at rest from which it shows little of friction in motion."""
 LITTLE: Final = "the record shows little of friction in motion"
 
 
@@ -80,7 +82,7 @@ class Motion:
     @property
     def sure(self) -> float:
         """Speed above which a direction is believed [m/s]."""
-        return max(HYSTERESIS * self.fastest, SURE * self.noise)
+        return max(NEGLIGIBLE * self.fastest, SURE * self.noise)
 
     @cached_property
     def directions(self) -> NDArray[np.int64]:
@@ -102,7 +104,7 @@ class Motion:
         A body that turns is no slower than twice a speed for twice as long as than the speed, half
         of it on either side; at rest, it is hardly any longer.
         """
-        slow = max(RESTING * self.fastest, SURE * self.noise)
+        slow = max(PER_MILLE * self.fastest, SURE * self.noise)
         (first, end), (wide, wide_end) = self._slower(slow), self._slower(2.0 * slow)
         at = np.searchsorted(wide, first, side="right") - 1
         speeds = np.pad(self.velocity, 1)  # 0 beyond the ends of the record
@@ -111,7 +113,7 @@ class Motion:
         before = (first - wide[at] >= beside) | (first == 0)
         after = (wide_end[at] - end >= beside) | (end == self.time.size)
         turns = opposite & before & after & (end - first < self.time.size)
-        rests = (end - first >= SHORTEST) & ~turns
+        rests = (end - first >= FEWEST_SAMPLES) & ~turns
         return np.asarray((self.time[end - 1] - self.time[first])[rests])
 
     def _slower(self, speed: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -124,7 +126,7 @@ class Motion:
     @property
     def hardly_moves(self) -> bool:
         """Whether the body rests for most of the record: friction is what is applied to it then."""
-        return bool(np.sum(self.rests) > MOSTLY * (self.time[-1] - self.time[0]))
+        return bool(np.sum(self.rests) > NEARLY_ALL * (self.time[-1] - self.time[0]))
 
 
 def motion_of(record: Measurement) -> Motion | None:
@@ -147,7 +149,7 @@ def motion_of(record: Measurement) -> Motion | None:
         # The same for the derivative, whose spectrum grows with the frequency squared.
         noise = blur * 2 * np.pi * np.sqrt(2 * corner**3 / 3) / dt
         moving = Motion(time=time, velocity=found, noise=float(noise), unit=unit, cutoff=cutoff)
-        corner, enough = corner / 2, SURE * noise <= SLOW * moving.fastest
+        corner, enough = corner / 2, SURE * noise <= SLIGHT * moving.fastest
         if enough or corner * time.size < PADDED:
             return moving
         # A coarse encoder has a filter so low that it takes off no more than its noise.
@@ -181,23 +183,18 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         return
     changes = int(np.count_nonzero(np.diff(seen)))
     numbers = {"reversals": changes, "forward_share": float(np.mean(seen > 0))}
-    if changes:
-        yield Finding(
-            kind="reversals",
-            sentence=(
-                f"The direction changes {number(changes, 7) + ' times' if changes > 1 else 'once'};"
-                f" {percent(numbers['forward_share'])} of the moving samples go forward."
-            ),
-            numbers=numbers,
-        )
-        return
-    way = "forward" if seen[0] > 0 else "backward"
-    one_number = ", so that friction level and offset cannot be separated" if offset else ""
+    times = number(changes, 7) + " times" if changes > 1 else "once"
+    share = percent(numbers["forward_share"])
+    sentence = f"The direction changes {times}; {share} of the moving samples go forward."
+    if not changes:
+        sentence = f"No reversals: the motion goes {'forward' if seen[0] > 0 else 'backward'} only"
+        sentence += ", so that friction level and offset cannot be separated." * offset or "."
+    lost = offset and not changes
     yield Finding(
         kind="reversals",
-        severity="warning" if offset else "info",
-        sentence=f"No reversals: the motion goes {way} only{one_number}.",
-        measure=OTHER_WAY if offset else "",
+        severity="warning" if lost else "info",
+        sentence=sentence,
+        measure=OTHER_WAY if lost else "",
         numbers=numbers,
     )
 
@@ -214,7 +211,7 @@ def straight(record: Measurement) -> Iterator[Finding]:
     line = record.line
     if line is None:
         return
-    bent = line.wander > max(BENT * line.length, line.jitter)
+    bent = line.wander > max(NEGLIGIBLE * line.length, line.jitter)
     tilt, across = f"{number(float(np.degrees(line.tilt)))}°", quantity(line.across, "m")
     way = (
         f"Position is the coordinate along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
@@ -249,7 +246,7 @@ def rests(motion: Motion) -> Iterator[Finding]:
     """Say for how long nothing moves."""
     durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
     if not durations.size:
-        text = f"No periods of rest of {SHORTEST} samples or more."
+        text = f"No periods of rest of {FEWEST_SAMPLES} samples or more."
         yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
         return
     total, still = float(np.sum(durations)), motion.hardly_moves
@@ -285,8 +282,8 @@ def slow(motion: Motion) -> Iterator[Finding]:
     fastest = motion.fastest
     if fastest == 0.0:
         return
-    share, unit = float(np.mean(speed < SLOW * fastest)), motion.unit
-    text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, unit)},"
+    share, unit = float(np.mean(speed < SLIGHT * fastest)), motion.unit
+    text = f"{percent(share)} of the samples are slower than {quantity(SLIGHT * fastest, unit)},"
     text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
     text += "." if share else ": this record does not determine friction near zero velocity."
     yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})
@@ -294,13 +291,6 @@ def slow(motion: Motion) -> Iterator[Finding]:
 
 # Signals that must fit each other: velocity and position, forces and motion, friction and load.
 
-ALIKE: Final = 0.9
-"""Correlation from which two velocities are one and the same but for a factor."""
-OFF: Final = 0.1
-OPPOSITE: Final = 0.8
-"""Share of the moving samples with friction against the sign rule from which the sign is wrong."""
-HALF: Final = 0.5
-"""Energy given out over all that changes hands, from which the sign is wrong as well."""
 KNOWN: Final = (
     (1e3, "velocity looks like mm/s"),
     (1e6, "velocity looks like µm/s"),
@@ -329,14 +319,14 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
     alike = float(derived @ measured) / float(np.sqrt(power * (measured @ measured)))
     numbers = {"factor": factor, "correlation": alike}
     severity: Severity = "info"
-    if abs(alike) < ALIKE:
+    if abs(alike) < NEARLY_ALL:
         sentence = (
             "Velocity does not follow the derivative of position (correlation"
             f" {number(alike, 2)}): the two belong to different bodies, are delayed, or have"
             " different time bases."
         )
         severity = "warning"
-    elif factor <= 1.0 + OFF and factor / alike**2 >= 1.0 - OFF:
+    elif factor <= 1.0 + SMALL and factor / alike**2 >= 1.0 - SMALL:
         sentence = "Velocity agrees with the derivative of position"
         sentence += f" (factor {number(factor)}, correlation {number(alike)})."
     else:
@@ -349,9 +339,9 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
 def _guess(factor: float) -> str:
     """Return what a factor between the two suggests."""
     for known, words in KNOWN:
-        if abs(abs(factor) / known - 1.0) < OFF:
+        if abs(abs(factor) / known - 1.0) < SMALL:
             return f" ({words}{', with the opposite sign' if factor < 0 else ''})"
-    return " (the signs are opposite)" if abs(factor + 1.0) <= OFF else ""
+    return " (the signs are opposite)" if abs(factor + 1.0) <= SMALL else ""
 
 
 def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
@@ -371,7 +361,7 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
     numbers = {"opposite_share": against, "same_share": along, "work": taken}
     severity: Severity = "info"
     sentence = f"Friction has the sign of the velocity on {percent(along)} of the moving samples."
-    if against > OPPOSITE or (against > 0.5 and taken < -HALF):
+    if against > MOSTLY or (against > 0.5 and taken < -HALF):
         severity = "error"
         sentence = (
             f"Friction is opposite in sign to the velocity on {percent(against)} of the"
@@ -386,79 +376,14 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
     yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)
 
 
-EXPLAINED_FOR_SIGN: Final = 0.5
-"""Share of a force that the motion must explain, for its sign to be told."""
-GIVEN_OUT: Final = 0.1
-"""Energy that friction would give out, over all that the force exchanges, from which it is told."""
-BOTH_WAYS: Final = 0.05
-"""Share of the samples in each direction; in one alone, a level cannot be told from an offset."""
-ONE_SINE: Final = 0.95
-"""Correlation from which acceleration and displacement are one, as those of a single sine."""
-
-
-def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
-    """Doubt the sign of a force that seems to move a negative inertia against negative friction.
-
-    Springs and a constant are left aside; no passive mechanism has both.
-    """
-    known = {*record.quantities()}
-    if motion is None or "force" not in known or known & {"friction", "spring_force", "pull"}:
-        return
-    ways = motion.directions
-    if min(float(np.mean(ways > 0)), float(np.mean(ways < 0))) < BOTH_WAYS:
-        return
-    force, v, a = np.asarray(record.values("force")), motion.velocity, acceleration_of(record)
-    steps = np.diff(motion.time, prepend=motion.time[0])
-    # Inertia, Coulomb and viscous friction, a constant and a spring: what a passive body takes.
-    columns = np.stack([a, ways, v, np.ones(v.size), np.cumsum(v * steps)], axis=1)
-    # In a single sine acceleration and displacement are one: the spring is left out.
-    if abs(float(np.corrcoef(a, columns[:, -1])[0, 1])) > ONE_SINE:
-        columns = columns[:, :-1]
-    # Scaled to one size, as units differ by orders of magnitude.
-    size = np.sqrt(np.mean(columns**2, axis=0))
-    if not (size > 0.0).all() or not np.ptp(force):
-        return
-    found = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
-    left = force - columns @ found
-    explained = 1.0 - float(np.var(left) / np.var(force))
-    rubbed = found[1] * ways + found[2] * v
-    work = float(np.sum(rubbed * v) / np.sum(np.abs(force * v)))
-    if found[0] >= 0.0 or work > -GIVEN_OUT or explained < EXPLAINED_FOR_SIGN:
-        return
-    inertia = f"{number(float(found[0]), 2)} {turned('kg', record.turning)}"
-    yield Finding(
-        kind="force sign",
-        severity="warning",
-        sentence=(
-            f"Force acts against the motion: {percent(explained)} of it corresponds to an inertia"
-            f" of {inertia} and to friction that supplies energy. Check its sign (if it is wrong,"
-            f" {TURN}), and which quantity each column holds."
-        ),
-        numbers={"inertia": float(found[0]), "work": work, "explained": explained},
-    )
-
-
 # Forces that must fit the motion: one that is missing, energy from nowhere, factors of units.
 
 OTHERS: Final = ("friction", "spring_force", "pull")
 """With one of these a record says by itself what acts; friction needs no drive."""
 LEVELS: Final = 31
 """Positions at which speeds are compared."""
-FEWEST_PASSES: Final = 3
-"""... of which so many must be passed twice."""
-GAINED: Final = 0.1
-"""Energy gained at one position, over the largest there is, that neither noise nor filters make."""
 CLEAR: Final = 20.0
 """The largest speed over its noise, from which speeds are compared at all."""
-LASTING: Final = 10
-"""Passages of one position in which a motion should lose energy."""
-KEPT: Final = 0.9
-"""Share of the energy left after these that is doubted."""
-FLAT: Final = 0.01
-"""Work of a mechanism's own forces over the kinetic energy, below which it has none."""
-EXPLAINED_FOR_FACTOR: Final = 0.5
-"""Share of a force that the motion must explain; noise then hides at most half of a factor."""
-DOUBTED: Final = 10.0
 IMPOSSIBLE: Final = 300.0
 """Factor between a force and the motion it causes that units make, and no mass known badly."""
 
@@ -499,29 +424,29 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
     if not _undriven(record) or (mechanism is not None and not _passive(mechanism, record)):
         return
     gained, kept, rose = _sizes(record, mechanism)
-    swing = swing_of(record) if mechanism is not None and rose > GAINED >= gained else None
+    swing = swing_of(record) if mechanism is not None and rose > SMALL >= gained else None
     if swing is not None and mechanism is not None:
         yield _swinging(swing, record, mechanism)
         return
     forced = "force" in record.quantities()
     which = "its force is constant" if forced else "no drive is recorded"
     severity: Severity = "warning" if mechanism is None else "error"
-    if gained > GAINED:
+    if gained > SMALL:
         sentence = (
             f"The motion gains energy although {which}: it passes the same positions at a higher"
             f" speed than before and gains {percent(gained)} of its largest energy. Check whether"
             " the force is missing, or whether the record begins before the release."
         )
-    elif rose > GAINED:
+    elif rose > SMALL:
         sentence = (
             f"The speed rises and falls, by {percent(rose)} of the largest, although {which} and"
             " the mechanism has no spring. Check whether the force is missing, or the stiffness of"
             " the mechanism."
         )
-    elif kept > KEPT:
+    elif kept > NEARLY_ALL:
         severity = "warning"
         sentence = (
-            f"The motion keeps {percent(kept)} of its energy over {LASTING} passages or more"
+            f"The motion keeps {percent(kept)} of its energy over {FEWEST_SAMPLES} passages or more"
             f" although {which}: check whether the force is missing."
         )
     else:
@@ -628,9 +553,9 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
         # Noise of a square is 2 v dv, and its range that of as many samples.
         noise = 2.0 * float(np.sqrt(np.mean(squares))) * _range_of_noise(moving, at.size)
         rises.append(max(rise - noise, 0.0) / most)
-        if at.size >= LASTING and squares[0] > GAINED * most:
+        if at.size >= FEWEST_SAMPLES and squares[0] > SMALL * most:
             left.append(float(squares[-1] / squares[0]))
-    gained, kept = (float(np.median(x)) if len(x) >= FEWEST_PASSES else 0.0 for x in (rises, left))
+    gained, kept = (float(np.median(x)) if len(x) >= FEWEST else 0.0 for x in (rises, left))
     return gained, kept
 
 
@@ -659,7 +584,7 @@ def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion
         return False
     pull = _pull(mechanism, np.linspace(x.min(), x.max(), LEVELS))
     work = float(np.ptp(pull)) * float(np.ptp(x))
-    return work < FLAT * 0.5 * _mass(mechanism) * moving.fastest**2
+    return work < NEGLIGIBLE * 0.5 * _mass(mechanism) * moving.fastest**2
 
 
 def _mass(mechanism: Mechanism) -> float:
@@ -702,7 +627,7 @@ def inertia_of(record: Measurement) -> float | None:
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return None
     factor, share = _factor(Axis(inertia=1.0), record, moving)
-    return factor if share >= EXPLAINED_FOR_FACTOR and factor > 0.0 else None
+    return factor if share >= HALF and factor > 0.0 else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -751,7 +676,7 @@ def swing_of(record: Measurement) -> Swing | None:
     moving = motion_of(record)
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return None
-    if free and _turned(moving) <= GAINED:
+    if free and _turned(moving) <= SMALL:
         return None
     x, t = _positions(record), moving.time
     # Both sides through one low pass, without the ends, beyond which it guesses the motion.
@@ -767,7 +692,7 @@ def swing_of(record: Measurement) -> Swing | None:
     found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
     first, second, *others = found
     left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
-    if float(left @ left) > (1.0 - EXPLAINED_FOR_FACTOR) * float(without @ without):
+    if float(left @ left) > (1.0 - HALF) * float(without @ without):
         return None
     if not record.turning:
         slope = -float(first)
@@ -777,7 +702,7 @@ def swing_of(record: Measurement) -> Swing | None:
         both = np.stack([a, table[:, 4]], axis=1)
         both -= aside @ np.linalg.lstsq(aside, both, rcond=None)[0]
         told = float(both[:, 0] @ both[:, 1]) ** 2
-        sure = told >= EXPLAINED_FOR_FACTOR * float(np.prod(np.sum(both**2, axis=0)))
+        sure = told >= HALF * float(np.prod(np.sum(both**2, axis=0)))
         if others[2] <= 0.0 or not sure:  # or a torque that does not vary, or drives backward
             return None
     given = None if free else 1.0 / float(others[2])
@@ -786,7 +711,10 @@ def swing_of(record: Measurement) -> Swing | None:
 
 
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Compare a force with what a mechanism takes to move as it did, friction left aside."""
+    """Compare a force with what a mechanism takes to move as it did, friction left aside.
+
+    A force of the other sign is refused by the judge.
+    """
     known = record.quantities()
     if mechanism is None or "force" not in known or record.time is None:
         return
@@ -798,16 +726,12 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return
     factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
-    if share < EXPLAINED_FOR_FACTOR or 1.0 / DOUBTED < factor < DOUBTED:
+    if share < HALF or factor < 0.0 or 1.0 / DECADE < factor < DECADE:
         return
     cure = "check that position is in m (not mm), force in N (not kN)"
-    severity: Severity = "warning"
-    if factor < 0.0:
-        cure = f"check its sign (if it is wrong, {TURN})"
-    else:
-        if factor > 1.0:
-            cure = "check that time is in s (not ms), position in m, force in N (not mN)"
-        severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
+    if factor > 1.0:
+        cure = "check that time is in s (not ms), position in m, force in N (not mN)"
+    severity: Severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
     unit = turned("kg", record.turning)
     yield Finding(
         kind="units",
@@ -821,8 +745,8 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
 
 
 def compares_mass(finding: Finding) -> bool:
-    """Whether a finding compares a force with what the mass takes to move, signs aside."""
-    return "explained" in finding.numbers and finding.numbers.get("factor", -1.0) > 0.0
+    """Whether a finding compares a force with what the mass takes to move."""
+    return "explained" in finding.numbers
 
 
 def _factor(mechanism: Mechanism, record: Measurement, moving: Motion) -> tuple[float, float]:

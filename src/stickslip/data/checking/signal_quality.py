@@ -1,15 +1,24 @@
 """Single signals: their times, constant, saturated or jumping values, doubtful units, mains hum."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from stickslip.data.checking.finding import OTHER_SPEEDS, Finding, Severity
 from stickslip.data.checking.motion import Motion
-from stickslip.data.differentiation import GAP, interval_of, noise_of, step_of
+from stickslip.data.differentiation import interval_of, noise_of, step_of
 from stickslip.data.measurement import QUANTITIES, SAMPLED, Array, Measurement
+from stickslip.data.tolerances import (
+    FEWEST,
+    FEWEST_SAMPLES,
+    GAP,
+    MOSTLY,
+    NEGLIGIBLE,
+    PER_MILLE,
+    SIX_DIGITS,
+)
 from stickslip.show.formatting import count, joined, number, percent, quantity
 
 # Narrow lines at the frequency of the mains and its harmonics.
@@ -33,8 +42,6 @@ LOBE: Final = 3
 """Bins to each side over which the window spreads a line."""
 FEWEST_BINS: Final = 100
 """Bins below a line at least."""
-TOLD: Final = 1e-3
-"""Share of the variance from which hum is a warning."""
 CURE: Final = (
     "Shield and ground the sensor's cable and record again, or remove the line with a notch filter"
 )
@@ -198,7 +205,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
         size = quantity(lines[0].amplitude, record.unit(name))
         yield Finding(
             kind="mains hum",
-            severity="warning" if share >= TOLD else "info",
+            severity="warning" if share >= PER_MILLE else "info",
             sentence=(
                 f"{name.replace('_', ' ').capitalize()} has a narrow spectral line at"
                 f" {words_of(lines)}, with an amplitude of {size} and {percent(share)} of the"
@@ -212,10 +219,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
         )
 
 
-FEWEST_SAMPLES: Final = 10
 FEW: Final = 50
-EVEN: Final = 0.01
-"""Deviation of a step of time from the usual one, over it, that still counts as even."""
 UNEVEN: Final = 0.2
 SEEN: Final = 1e-5
 """Deviation below which only the last digits of the times differ."""
@@ -251,11 +255,11 @@ def sampling(time: Array) -> Iterator[Finding]:
     odd = float(np.mean(off > 0.5))
     rate, span = 1.0 / dt, float(time[-1] - time[0])
     text = f"{count(time.size, 'sample')} at {quantity(rate, 'Hz')} over {quantity(span, 's')}"
-    if worst <= EVEN:
+    if worst <= NEGLIGIBLE:
         least = "below 0.001 %" if worst < SEEN else percent(worst)
         between = " between gaps" if regular.size < steps.size else ""
         text += f", evenly spaced{between} (largest deviation {least})."
-    elif odd and odd < EVEN:
+    elif odd and odd < NEGLIGIBLE:
         long, short = regular > 1.5 * dt, regular < 0.5 * dt
         # beside a short step, a long one is that of a sample off its time, and none is missing
         beside = int(np.sum((long[:-1] & short[1:]) | (short[:-1] & long[1:])))
@@ -354,7 +358,8 @@ LARGEST_VALUES: Final = {
 HUGE: Final = 1e60
 WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians", "V": "volts", "A": "amperes"}
 SPANNED: Final = ("m", "rad")
-SMALLEST_SPAN: Final = 1e-6
+IMPOSSIBLE_SPEED: Final = 1000.0
+"""Speed [m/s] of a bullet: no body with friction that is measured moves faster."""
 LONGEST_RUN: Final = 20
 """Samples that a signal must sit at its extreme to count as saturated."""
 LONGER: Final = 8
@@ -372,12 +377,8 @@ VISIBLE: Final = 2**16
 COARSE: Final = 100
 SLOWLY: Final = ("position", "velocity", "force", "load")
 """Signals that may be logged more slowly than others; a command or a table may be so by itself."""
-REPEATED: Final = 3
-"""Times that each value is repeated at least, where a signal was logged more slowly ..."""
 LEVELS: Final = 8
 """Values at least of a signal that was logged more slowly; fewer may have been commanded."""
-REPEATED_SHARE: Final = 0.8
-"""... and share of the values that are repeated just as often."""
 
 
 def arrays(record: Measurement) -> Iterator[tuple[str, Array]]:
@@ -534,8 +535,8 @@ def _repeats(values: Array) -> int:
     _, lengths = _runs(values)
     usual = int(np.median(lengths))
     # A constant, or a few levels of a command, are held on purpose.
-    often = len(lengths) >= LEVELS and np.mean(lengths == usual) >= REPEATED_SHARE
-    return usual if usual >= REPEATED and often else 1
+    often = len(lengths) >= LEVELS and np.mean(lengths == usual) >= MOSTLY
+    return usual if usual >= FEWEST and often else 1
 
 
 def _ends(values: Array) -> Iterator[tuple[str, int, float]]:
@@ -687,7 +688,7 @@ def quantised(record: Measurement) -> Iterator[Finding]:
         )
 
 
-def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+def plausible(record: Measurement) -> Iterator[Finding]:
     """Ask for the unit of numbers that no rig has."""
     for name, values in arrays(record):
         unit = record.unit(name)
@@ -703,23 +704,34 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
                 f"{what} {quantity(largest, unit)}: check that the values are in {words}.",
                 largest,
             )
-        elif name == "position" and not record.turning and 0.0 < span < SMALLEST_SPAN:
+        elif name == "position" and not record.turning and 0.0 < span < SIX_DIGITS:
             yield _doubted(
                 name,
                 f"spans {quantity(span, 'm')}: check that the values are in metres.",
                 span,
             )
-    if motion is None or record.position is None or record.velocity is not None:
+
+
+def has_speed(record: Measurement) -> bool:
+    """Whether positions along a line say how fast a record is; about an axis any speed may be."""
+    return record.position is not None and record.velocity is None and not record.turning
+
+
+def too_fast(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+    """Ask for the units of a speed that no rig has, and refuse those that no mechanism has."""
+    if motion is None or not has_speed(record) or motion.fastest <= LARGEST_VALUES["m/s"]:
         return
-    if record.turning:  # as fast as it likes
-        return
-    spans = float(np.ptp(record.values("position")))
-    if spans <= LARGEST_VALUES["m"] and motion.fastest > LARGEST_VALUES["m/s"]:
-        speed = motion.fastest
+    speed = quantity(motion.fastest, "m/s")
+    text = f"changes at {speed}: check that the values are in metres and seconds."
+    if certain := motion.fastest > IMPOSSIBLE_SPEED:
         text = (
-            f"changes at {quantity(speed, 'm/s')}: check that the values are in metres and seconds."
+            f"changes at {speed}, faster than any mechanism: give its unit, as --unit position=mm,"
+            " or that of the times, as --unit time=ms."
         )
-        yield _doubted("position", text, speed)
+    elif float(np.ptp(record.values("position"))) > LARGEST_VALUES["m"]:
+        return  # which was said
+    found = _doubted("position", text, motion.fastest)
+    yield replace(found, severity="error") if certain else found
 
 
 def lifted(record: Measurement) -> Iterator[Finding]:

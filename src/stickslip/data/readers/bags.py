@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.data.measurement import Array
-from stickslip.data.readers.table import Table, json_of, one_line, parsed_as
+from stickslip.data.readers.table import FileTable, json_of, one_line, parsed_as
+from stickslip.data.tolerances import GAP, LARGEST_TEXT, MOST_LISTED
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.display import require_library
@@ -47,10 +48,6 @@ COMMANDED: Final = re.compile(
 """Names of topics whose joint states are wanted and not measured."""
 LONGEST: Final = 64
 """Elements up to which an array in a message has a column each."""
-HOLE: Final = 3.0
-"""Usual steps of a clock beyond which nothing is interpolated between two of its samples."""
-MOST_TOPICS: Final = 12
-"""Topics that a message lists."""
 _STAMP: Final = (("sec", "secs"), ("nanosec", "nanosecs", "nsec", "nsecs"))
 
 
@@ -135,7 +132,7 @@ class _Signal:
     """Whether it keeps its value until the next sample, as a command does."""
 
 
-def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
+def table_of(log: Log, file: str, names: Collection[str] = ()) -> FileTable:
     """Return the states of joints of a log as columns, and other numbers that are named.
 
     Columns are called position.elbow, velocity.elbow, force.elbow, and reference.elbow for a
@@ -210,7 +207,7 @@ class _Joined:
     names: Collection[str]
     """Columns that were asked for by name."""
 
-    def table(self, remarks: Sequence[str], lost: Sequence[str]) -> Table:
+    def table(self, remarks: Sequence[str], lost: Sequence[str]) -> FileTable:
         """Return the table, its times those of most samples."""
         wanted = {signal.column: signal for signal in self._measured()}
         if not wanted:
@@ -218,7 +215,7 @@ class _Joined:
                 _full(signal): signal for signal in self.signals if _full(signal) in self.names
             }
         if not wanted:
-            listed = joined([shown(_full(signal)) for signal in self.signals[:MOST_TOPICS]])
+            listed = joined([shown(_full(signal)) for signal in self.signals[:MOST_LISTED]])
             raise InputError(
                 f"{self.file}: no joint has a position or a velocity; there is {listed}."
             )
@@ -252,7 +249,7 @@ class _Joined:
             _apart(f"{topic}{rates[topic]}", how, found, clock)
             for (topic, how), found in apart.items()
         ]
-        return Table(
+        return FileTable(
             data=pd.DataFrame(data),
             remarks=(*remarks, *said, *self._told(data), *self._left(wanted)),
             lost=tuple(lost),
@@ -354,7 +351,7 @@ def _at(clock: _Signal, signal: _Signal) -> tuple[Array, str]:
     found = np.interp(clock.times - begin, times - begin, values)
     steps = np.diff(times)
     if steps.size:
-        wide = np.append(steps, 0) > HOLE * np.median(steps)
+        wide = np.append(steps, 0) > GAP * np.median(steps)
         inside &= ~wide[before] | exact
     return np.where(inside, found, np.nan), "" if exact.all() else "interpolated"
 
@@ -542,8 +539,8 @@ def _nothing(topics: Sequence[Topic]) -> str:
     full = [topic for topic in topics if topic.messages]
     if not full:
         return "contains no messages."
-    listed = ", ".join(f"{part.name} ({part.kind}, {part.messages})" for part in full[:MOST_TOPICS])
-    more = f" and {len(full) - MOST_TOPICS} more" if len(full) > MOST_TOPICS else ""
+    listed = ", ".join(f"{part.name} ({part.kind}, {part.messages})" for part in full[:MOST_LISTED])
+    more = f" and {len(full) - MOST_LISTED} more" if len(full) > MOST_LISTED else ""
     return (
         f"has no topic with states of joints ({', '.join(STATES)}); its topics, with types and"
         f" numbers of messages, are {listed}{more}. Name columns by topic and field, as"
@@ -732,11 +729,9 @@ def _ros1_fields(header: bytes) -> dict[bytes, bytes]:
 # Logs in MCAP: messages of ROS 2, or in JSON.
 
 MCAP: Final = (".mcap",)
-LARGEST_JSON: Final = 2**24
-"""Bytes of a message in JSON at most: as objects they take some twenty times as many."""
 
 
-def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
+def read_mcap(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the states of joints in a log."""
     for name in ("mcap.reader", "mcap_ros2.decoder"):
         require_library(name, "logs", f"convert {path} to CSV")
@@ -775,8 +770,8 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
 
 
 def _from_json(data: bytes) -> Any:
-    if len(data) > LARGEST_JSON:
-        raise ValueError(f"it has {len(data)} bytes of JSON, more than {LARGEST_JSON}")
+    if len(data) > LARGEST_TEXT:
+        raise ValueError(f"it has {len(data)} bytes of JSON, more than {LARGEST_TEXT}")
     return json_of(data)
 
 
@@ -836,11 +831,9 @@ PARTS: Final = ("*.db3*", "*.mcap*")
 """Files in the folder of a bag of ROS 2 that hold its messages, compressed or not."""
 METADATA: Final = "metadata.yaml"
 """File in the folder of a bag of ROS 2 that lists the others."""
-LARGEST_METADATA: Final = 2_000_000
-"""Bytes of it that are read at most: a file of messages takes some hundred."""
 
 
-def read_bag(path: Path, names: Collection[str] = ()) -> Table:
+def read_bag(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the states of joints in a bag."""
     require_library("rosbags.highlevel", "logs", f"convert {path} to CSV")
     from rosbags.highlevel import AnyReader
@@ -870,6 +863,10 @@ class _Described:
     """What is compressed: "file", "message", or nothing."""
     counts: Mapping[str, int] = field(default_factory=dict)
     """Messages by topic."""
+
+
+LARGEST_METADATA: Final = 2_000_000
+"""Bytes of it that are read at most: a file of messages takes some hundred."""
 
 
 def _described(path: Path) -> _Described:

@@ -30,7 +30,7 @@ from stickslip.data.readers.table import (
     FEWER_CHANNELS,
     TIME,
     TRIAL,
-    Table,
+    FileTable,
     left_out,
     merged,
     no_channel,
@@ -38,6 +38,7 @@ from stickslip.data.readers.table import (
     parsed_as,
     read_of,
 )
+from stickslip.data.tolerances import FEWEST_SAMPLES, MOST_CELLS, MOST_LISTED
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.show.display import require_library
 from stickslip.units import is_unit
@@ -193,17 +194,12 @@ def _count_fields(parts: Sequence[Element], order: str) -> int:
 # Vectors of MATLAB files as columns of a table.
 
 Found: TypeAlias = tuple[str, Any]
-MOST_LISTED: Final = 12
-FEWEST_VALUES: Final = 10
-"""Values from which a vector is no setting, so that it is said if it is not read."""
 LEAST_SPLIT, MOST_SPLIT = 100, 64
 """Rows from which, and columns up to which, a matrix is one of signals."""
 DEEPEST_STRUCT: Final = 5
 MOST_ELEMENTS: Final = 1_000
 """Elements of an array of structs that are looked at."""
 LONGEST_TEXT: Final = 1_000
-MOST_IN_MATRIX: Final = 20_000_000
-"""Numbers up to which a matrix is read."""
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
 
@@ -224,7 +220,7 @@ CHANNELS: Final = (
 )
 
 
-def read_mat(path: Path, names: Collection[str] = ()) -> Table:
+def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
     found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
@@ -244,8 +240,8 @@ def read_mat(path: Path, names: Collection[str] = ()) -> Table:
         for name, value in vectors.items()
         if value.size == size
     }
-    others = [n for n, value in vectors.items() if value.size not in (size, *range(FEWEST_VALUES))]
-    return Table(data=pd.DataFrame(columns), remarks=(*left_out(others),))
+    others = [n for n, value in vectors.items() if value.size not in (size, *range(FEWEST_SAMPLES))]
+    return FileTable(data=pd.DataFrame(columns), remarks=(*left_out(others),))
 
 
 def _size(vectors: Mapping[str, Any], names: Collection[str]) -> int:
@@ -478,7 +474,7 @@ class _Hdf5:
             return np.array(["".join(map(chr, np.ravel(item[()])))])
         if not filled or not (kind in {"double", "single"} or kind.startswith(("int", "uint"))):
             return f"{' × '.join(map(str, shape))} {kind}"
-        if _is_vector(item) or (_is_signals(item) and item.size <= MOST_IN_MATRIX):
+        if _is_vector(item) or (_is_signals(item) and item.size <= MOST_CELLS):
             return self.read(item, name)
         return f"{' × '.join(map(str, shape)) or '1'} {kind}"
 
@@ -525,7 +521,7 @@ _DEFLATED: Final = {0, 1}
 """Kinds of compression that are zlib's."""
 
 
-def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
+def read_mdf(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the channels of one group as columns, with their units in brackets."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the package's own imports
@@ -549,7 +545,7 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
         unit = f" [{unit_in(channel.unit)}]" if channel.unit and channel.unit.strip() else ""
         columns.setdefault(f"{channel.name}{unit}", np.asarray(channel.samples, dtype=float))
     others = [signal.name for signal in signals if signal.group_index != group]
-    return Table(data=pd.DataFrame(columns), remarks=(*left_out(others, "other times"),))
+    return FileTable(data=pd.DataFrame(columns), remarks=(*left_out(others, "other times"),))
 
 
 def _check_blocks(path: Path) -> None:
@@ -587,7 +583,7 @@ UNIT_PROPERTIES: Final = ("unit_string", "NI_UnitDescription", "Unit")
 """Properties of a channel that hold its unit; the first is LabVIEW's."""
 
 
-def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
+def read_tdms(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the channels of one group as columns; groups with the same channels are trials.
 
     Times of channels that state none are those that their waveform states.
@@ -618,7 +614,7 @@ def _quiet() -> Iterator[None]:
         logging.disable(level)
 
 
-def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]) -> Table:
+def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]) -> FileTable:
     """Return the group that has the columns that are wanted, or the most channels."""
     full = {name: [item for item in own if _is_signal(item)] for name, own in groups.items()}
     full = {name: own for name, own in full.items() if own}
@@ -636,10 +632,10 @@ def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]
         others = [name for name in full if name not in alike]
         remarks += read_of("group", wanted, others, ", with other channels")
     if len(tables) == 1:
-        return Table(data=tables[0], remarks=(*remarks,))
+        return FileTable(data=tables[0], remarks=(*remarks,))
     trials = [table.assign(**{TRIAL: name}) for table, name in zip(tables, alike, strict=True)]
     remarks.append(f"{len(alike)} groups have the same channels: each is a trial.")
-    return Table(data=pd.concat(trials, ignore_index=True), remarks=(*remarks,))
+    return FileTable(data=pd.concat(trials, ignore_index=True), remarks=(*remarks,))
 
 
 def _table(channels: Sequence[Any]) -> tuple[pd.DataFrame, list[str]]:
@@ -694,9 +690,9 @@ def _is_signal(channel: Any) -> bool:
 PARQUET: Final = (".parquet", ".pq")
 
 
-def read_parquet(path: Path, _names: Collection[str] = ()) -> Table:
+def read_parquet(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return the columns of a file."""
-    return Table(data=parquet_data(path))
+    return FileTable(data=parquet_data(path))
 
 
 def parquet_data(path: Path) -> pd.DataFrame:

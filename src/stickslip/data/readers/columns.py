@@ -17,58 +17,182 @@ from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, motor_of
 from stickslip.quantities import Quantity
 from stickslip.units import CELSIUS, is_of, shown
 
-# Words in the names of columns that say what a column is not: a motion, or a force.
+# The vocabulary of columns: what they are called, in which units they are, and what words mean.
 
-WANTED: Final = (
-    *("soll", "set", "setpoint", "cmd", "command", "desired", "demand", "target", "goal"),
-    *("ref", "reference", "vorgabe"),
-)
-"""What names of wanted values contain: only a wanted position is read."""
-DOUBTING: Final = ("error", "fehler", "abweichung", "deviation", "uncertainty", "unsicherheit")
-"""How words end of columns that may state the standard uncertainty of each reading."""
-DOUBTS: Final = (
+
+@dataclass(frozen=True, kw_only=True)
+class Meaning:
+    """What columns of a quantity are called, and in which units they are."""
+
+    names: tuple[str, ...]
+    """Names in English and German, umlauts written out."""
+    plain: tuple[str, ...] = ()
+    """Names by which the quantity is known wherever nothing else is called like it."""
+    units: tuple[str, ...] = ()
+    """Kinds of units in SI, of a motion along a line first; what is beside a motion has its own."""
+    sensitivity: tuple[str, ...] = ()
+    """Assumed of a channel in volts, of a motion along a line and about an axis."""
+
+
+_OF_FORCE: Final = ("1 N/V", "1 N m/V")
+_OF_PLACE: Final = ("1 mm/V", "1 rad/V")
+COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
+"""Names of coefficients of friction."""
+VOCABULARY: Final[Mapping[str, Meaning]] = {
+    "time": Meaning(
+        names=(
+            *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed"),
+            *("stamp", "t", "millis", "micros"),
+        ),
+        units=("s",),
+    ),
+    "position": Meaning(
+        names=(
+            *("position", "pos", "weg", "lage", "winkel", "angle", "ang", "displacement"),
+            *("verschiebung", "lvdt", "wegaufnehmer", "auslenkung", "stroke", "hub", "drehwinkel"),
+            *("lageistwert", "travel", "encoder", "x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
+        ),
+        plain=("angle",),
+        units=("m", "rad"),
+        sensitivity=_OF_PLACE,
+    ),
+    "velocity": Meaning(
+        names=(
+            *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
+            *("omega", "vel", "velo", "angvel", "gyro", "dq", "qd", "v", "n", "ω"),
+        ),
+        plain=("angular velocity", "angular_velocity", "speed"),
+        units=("m/s", "rad/s"),
+        sensitivity=("1 m/s/V", "1 rad/s/V"),
+    ),
+    "force": Meaning(
+        names=(
+            *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "thrust"),
+            *("antriebsmoment", "effort", "loadcell", "kraftmessdose", "fx", "f", "m", "tau", "τ"),
+        ),
+        plain=("torque",),
+        units=("N", "N m"),
+        sensitivity=_OF_FORCE,
+    ),
+    "current": Meaning(
+        names=("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"), units=("A",)
+    ),
+    "friction": Meaning(
+        names=(
+            *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
+            *("frictionforce", "fr", "ff", "traction", "tractionforce", *COEFFICIENTS),
+        ),
+        units=("N", "N m", "1"),
+        sensitivity=_OF_FORCE,
+    ),
+    "load": Meaning(
+        names=(
+            *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft"),
+            *("last", "clampforce", "preload", "vorspannkraft", "fn", "fz"),
+        ),
+        units=("N",),
+        sensitivity=("1 N/V", "1 N/V"),
+    ),
+    "reference": Meaning(
+        names=(
+            *("reference", "setpoint", "sollposition", "sollweg", "solllage", "sollwert"),
+            *("sollwinkel", "lagesollwert", "target"),
+        ),
+        units=("m", "rad"),
+        sensitivity=_OF_PLACE,
+    ),
+    measurement.STATED: Meaning(names=(), units=("N", "N m", "1")),
+    "temperature": Meaning(
+        names=("temperature", "temperatures", "temperatur", "temp"), units=(CELSIUS,)
+    ),
+    "pressure": Meaning(names=("pressure", "druck")),
+    "transmitted": Meaning(names=("transmitted", "uebertragen")),
+    "motor": Meaning(names=("motor",)),
+    "external": Meaning(names=("external", "extern")),
+    "gravity": Meaning(names=("gravity", "schwerkraft")),
+    "trial": Meaning(
+        names=("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
+    ),
+}
+"""Columns by the quantity that they hold."""
+_UNKNOWN: Final = Meaning(names=())
+
+
+def meaning_of(quantity: str) -> Meaning:
+    """Return the names and units of a quantity; none of what is no quantity."""
+    return VOCABULARY.get(quantity, _UNKNOWN)
+
+
+GUESSED: Final = tuple(VOCABULARY)[:8]
+"""Quantities whose column is sought by its name, unit and numbers."""
+INPUTS: Final = ("pressure", "transmitted", "motor", "external", "gravity")
+"""What friction may depend on, beside a temperature."""
+MOTION: Final = ("position", "velocity", "reference")
+"""Quantities of a motion."""
+
+_DOUBTING: Final = ("error", "fehler", "abweichung", "deviation", "uncertainty", "unsicherheit")
+_DOUBTS: Final = (
     *("sd", "std", "stdev", "stddev", "stderr", "err", "se", "sem", "unc", "stabw", "dev", "sigma"),
     *("σ", "plusminus"),
 )
-"""Such words as they stand; the last is that of the sign."""
-CONFIDENCE: Final = ("ci", "ki", "conf", "confidence", "konfidenz", "konfidenzintervall")
-"""Words of half-widths, which a level tells how to read."""
-OF_DOUBTS: Final = ("standard", "mean", "of", "the", "mess", "measurement", "half", "interval", "u")
-"""Words beside them that say no more."""
-OTHER: Final = (
-    *(*DOUBTING, "difference", "differenz", "schlepp"),
-    *("temperatur", "status", "enable", "freigabe"),
-)
-"""What words of columns begin or end with that none of the quantities has."""
-OTHER_WORDS: Final = (
-    *("diff", "following", "lag", "er", "temp", "temperature", "pwm", *DOUBTS, *CONFIDENCE),
-)
-"""Such words as they stand."""
-LAST: Final = ("index", "power", "leistung", "diff", "err")
-"""Such words where a name ends with them: a power, but not the position of a power drive."""
-NO_MOTION: Final = (
-    *("acc", "accel", "delta", "wear", "verschleiss", "height", "hoehe", "depth", "tiefe"),
-    *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
-    *("thickness", "dicke", "ddot", "frequency", "frequenz", "acceleration", "beschleunigung"),
-)
-"""Words of columns that are no motion, but may be forces: the amplitude of a friction force."""
-MOTION: Final = ("position", "velocity", "reference")
-"""Quantities of a motion."""
-ROLLING: Final = ("rolling", "entrainment", "rollgeschwindigkeit")
-"""Words of speeds at which surfaces pass together, without sliding."""
+_CONFIDENCE: Final = ("ci", "ki", "conf", "confidence", "konfidenz", "konfidenzintervall")
+_MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
+WORDS: Final[Mapping[str, tuple[str, ...]]] = {
+    # wanted values, of which a position alone is read, and measured ones
+    "wanted": (
+        *("soll", "set", "setpoint", "cmd", "command", "desired", "demand", "target", "goal"),
+        *("ref", "reference", "vorgabe"),
+    ),
+    "measured": _MEASURED,
+    # beside which others are commands or derived; and what drives
+    "preferred": (*_MEASURED, "motor", "drive", "antrieb", "sliding"),
+    # what a drive was given, in whatever unit, and voltages that drive no axis by themselves
+    "commands": ("u", "cmd", "command", "control", "ctrl", "input", "pwm", "duty", "stellgroesse"),
+    "supplies": ("supply", "bus", "battery", "versorgung"),
+    # channels in volts, and units that end a name as no other word does: motor_V is no velocity
+    "voltage": ("voltage", "volts", "volt", "spannung"),
+    "volts": ("V", "mV", "kV"),
+    # how words of the standard uncertainty of a reading end, such words as they stand (the last is
+    # that of the sign), half-widths, which a level tells how to read, and words that say no more
+    "doubting": _DOUBTING,
+    "doubts": _DOUBTS,
+    "confidence": _CONFIDENCE,
+    "of doubts": ("standard", "mean", "of", "the", "mess", "measurement", "half", "interval", "u"),
+    # what words begin or end with that no quantity has, such words as they stand, and last words:
+    # a power, but not the position of a power drive
+    "other": (
+        *(*_DOUBTING, "difference", "differenz", "schlepp"),
+        *("temperatur", "status", "enable", "freigabe"),
+    ),
+    "other words": (
+        *("diff", "following", "lag", "er", "temp", "temperature", "pwm", *_DOUBTS, *_CONFIDENCE),
+    ),
+    "last": ("index", "power", "leistung", "diff", "err"),
+    # no motion, but maybe a force: the amplitude of a friction force
+    "no motion": (
+        *("acc", "accel", "delta", "wear", "verschleiss", "height", "hoehe", "depth", "tiefe"),
+        *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
+        *("thickness", "dicke", "ddot", "frequency", "frequenz", "acceleration", "beschleunigung"),
+    ),
+    # speeds at which surfaces pass together, without sliding
+    "rolling": ("rolling", "entrainment", "rollgeschwindigkeit"),
+    # what names contain where an axis turns, beside the word ang
+    "turning": (
+        *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
+        *("joint", "effort", "gyro", "φ", "ϕ", "θ", "ω", "tau", "τ"),
+    ),
+    "conditions": (*VOCABULARY["temperature"].names, "humidity", "feuchte", "luftfeuchte"),
+    # words beside those of inputs of the contact that say no more
+    "of forces": ("force", "torque", "moment", "kraft", "drehmoment"),
+    # units of time that are no such word: time.a is the time of a joint, not in years
+    "calendar": ("a", "d"),
+}
+"""Words in the names of columns by what they say."""
 _PLUS_MINUS: Final = re.compile(r"(?:±|\+/?[-−])(?!\s*\d)")  # before digits it is a range
 _HALF_WIDTH: Final = re.compile(
     r"(?i)(?<![\d.,])95\s*%|(?:^|[\W_])(?:ci|ki|conf|u)[ _]?95(?!\d)|(?<!\d)95[ _]?ci(?![^\W_])"
 )
-INTERVAL: Final = 1.96
-"""Half-width of an interval of 95 % over the standard uncertainty, of a normal distribution."""
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
-
-
-VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
-"""What names of channels contain that are recorded in volts."""
-VOLTS: Final = ("V", "mV", "kV")
-"""Units that end a name as no other word does: motor_V is no velocity."""
 
 
 def is_voltage(name: str) -> bool:
@@ -80,7 +204,7 @@ def is_voltage(name: str) -> bool:
     [True, True, True, False, False]
     """
     last = re.split(r"[\W_]", name)[-1]
-    return any(word in name.casefold() for word in VOLTAGE) or last in VOLTS
+    return any(word in name.casefold() for word in WORDS["voltage"]) or last in WORDS["volts"]
 
 
 def parts_of(name: str) -> list[str]:
@@ -93,8 +217,8 @@ def parts_of(name: str) -> list[str]:
 def is_wanted(parts: Sequence[str]) -> bool:
     """Whether words are those of a wanted value."""
     joined = "".join(parts)
-    return any(part in WANTED for part in parts) or any(
-        joined.startswith(word) or joined.endswith(f"{word}wert") for word in WANTED
+    return any(part in WORDS["wanted"] for part in parts) or any(
+        joined.startswith(word) or joined.endswith(f"{word}wert") for word in WORDS["wanted"]
     )
 
 
@@ -108,13 +232,20 @@ def is_barred(parts: Sequence[str], quantity: str) -> bool:
     >>> [is_barred(parts_of("force amplitude"), q) for q in ("position", "force")]
     [True, False]
     """
-    if quantity in MOTION and any(part.startswith(("dd", *NO_MOTION[-2:])) for part in parts):
+    if quantity in MOTION and any(
+        part.startswith(("dd", *WORDS["no motion"][-2:])) for part in parts
+    ):
         return True
-    if any(part in OTHER_WORDS or (quantity in MOTION and part in NO_MOTION) for part in parts):
+    if any(
+        part in WORDS["other words"] or (quantity in MOTION and part in WORDS["no motion"])
+        for part in parts
+    ):
         return True
-    if any(part.startswith(OTHER) or part.endswith((*OTHER, "err")) for part in parts):
+    if any(
+        part.startswith(WORDS["other"]) or part.endswith((*WORDS["other"], "err")) for part in parts
+    ):
         return True  # poserr
-    return bool(parts) and parts[-1].endswith(LAST)
+    return bool(parts) and parts[-1].endswith(WORDS["last"])
 
 
 def is_half_width(header: str) -> bool:
@@ -137,29 +268,19 @@ def doubted(name: str) -> list[str] | None:
     [[], ['f'], ['kraft'], ['tracking'], None]
     """
     parts = parts_of(name)
-    cut = [re.sub(f"(?:{'|'.join(DOUBTING)})$", "", part) for part in parts]
-    said = cut != parts or {*parts} & {*DOUBTS}
-    if not is_half_width(name) and ({*parts} & {*CONFIDENCE} or not said):
+    cut = [re.sub(f"(?:{'|'.join(WORDS['doubting'])})$", "", part) for part in parts]
+    said = cut != parts or {*parts} & {*WORDS["doubts"]}
+    if not is_half_width(name) and ({*parts} & {*WORDS["confidence"]} or not said):
         return None
-    return [part for part in cut if part and part not in (*DOUBTS, *CONFIDENCE, *OF_DOUBTS)]
+    return [
+        part
+        for part in cut
+        if part and part not in (*WORDS["doubts"], *WORDS["confidence"], *WORDS["of doubts"])
+    ]
 
 
 # Units that stand in the names of columns, and the kinds of units that a quantity has.
 
-UNITS: Final[Mapping[str, tuple[str, ...]]] = {
-    "time": ("s",),
-    "current": ("A",),
-    "friction": ("N", "N m", "1"),
-    measurement.STATED: ("N", "N m", "1"),
-    **{
-        name: tuple(
-            filter(None, (measurement.QUANTITIES[name].unit, measurement.QUANTITIES[name].or_unit))
-        )
-        for name in ("position", "velocity", "force", "load", "reference")
-    },
-    "temperature": (CELSIUS,),
-}
-"""Kinds of units of each quantity."""
 STYLES: Final = (
     re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
     re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
@@ -188,8 +309,8 @@ def is_unit_of(unit: str, quantity: str) -> bool:
 
 def _kinds(quantity: str) -> tuple[str, ...]:
     first = quantity.partition(".")[0]
-    if first in UNITS:
-        return UNITS[first]
+    if units := meaning_of(first).units:
+        return units
     if measurement.is_beside(quantity):
         return (measurement.unit_of_input(first), measurement.unit_of_input(first, turning=True))
     known = measurement.QUANTITIES.get(first)

@@ -25,7 +25,6 @@ from stickslip.data.readers import instruments, tracks
 from stickslip.data.readers import table as tables
 from stickslip.data.readers.columns import without_unit
 from stickslip.data.readers.layout import (
-    ALIKE,
     BRACKETS,
     DOUBTED,
     Layout,
@@ -42,6 +41,7 @@ from stickslip.data.readers.layout import (
     without_names,
 )
 from stickslip.data.readers.toml import decode
+from stickslip.data.tolerances import FEWEST_SAMPLES, LONGEST_LINE, MOST_CELLS
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.display import require_library
 from stickslip.show.formatting import joined
@@ -68,7 +68,7 @@ def is_franka(text: str) -> bool:
     )
 
 
-def read_franka(text: str) -> tables.Table:
+def read_franka(text: str) -> tables.FileTable:
     r"""Return the columns of a log with their units.
 
     Examples
@@ -86,7 +86,7 @@ def read_franka(text: str) -> tables.Table:
         raise tables.unequal_rows(error) from None
     width = len(table.columns)
     more = sum(any(map(str.strip, line.split(",")[width:])) for line in text.splitlines())
-    return tables.Table(
+    return tables.FileTable(
         data=table.rename(columns={"time": "time [ms]"}),
         first_row=2,
         lost=(*tables.further_cells(more, width),),
@@ -100,7 +100,7 @@ class Dialect:
     title: str
     is_text: Callable[[str], bool]
     """Whether a text, or the top of one, is of this kind."""
-    read: Callable[[str], tables.Table]
+    read: Callable[[str], tables.FileTable]
     """Returns the table of a text."""
 
 
@@ -138,7 +138,6 @@ HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
 LOOKED_AT: Final = 50
 """Rows that are enough to see that a text is no table."""
-LONGEST_LINE: Final = 100_000
 TAIL: Final = 4096
 """Bytes at the end of a file among whose numbers a last one that is cut stands out."""
 LEAST_CODE: Final = 32
@@ -150,7 +149,7 @@ _GROUPED: Final = re.compile(
         |(?P<comma>,)\d{3}(?:(?:,\d{3})+(?:\.\d+)?|\.\d+))\s*""",
     re.VERBOSE,
 )
-"""A number whose thousands are parted by a mark; 1,592 alone may be one with decimals."""
+"""A number whose thousands are separated by a mark; 1,592 alone may be one with decimals."""
 _THOUSANDS: Final = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
 """A number with a comma that may stand between thousands or before decimals."""
 _WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
@@ -161,7 +160,7 @@ def ambiguous(file: str | Path, name: str) -> InputError:
     return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
-def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
+def read_text(path: Path, layout: Layout | None = None) -> tables.FileTable:
     """Return a CSV table; lines before the header may be comments."""
     data = bytes_of(path)
     if layout is not None:
@@ -187,7 +186,7 @@ def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
     return _parsed(path, data, names, sample, found)
 
 
-def read_as(path: Path, data: bytes, layout: Layout) -> tables.Table:
+def read_as(path: Path, data: bytes, layout: Layout) -> tables.FileTable:
     """Return the table of a file that holds it in a known way."""
     try:
         text = data.decode(layout.encoding)
@@ -221,7 +220,7 @@ def read_as(path: Path, data: bytes, layout: Layout) -> tables.Table:
 
 def _parsed(
     path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
-) -> tables.Table:
+) -> tables.FileTable:
     """Return the table below a header."""
     check_columns(str(path), len(names))
     twice = [name for name, number in Counter(names).items() if number > 1 and name.strip()]
@@ -276,13 +275,13 @@ def _parsed(
             f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
             " it: the last row is left out."
         )
-    return tables.Table(data=table, first_row=above + 1, lost=tuple(lost))
+    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost))
 
 
 def _without_doubts(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
     """Return a table with columns of their own for uncertainties in cells such as 3.51 ± 0.1."""
     for name in [*table.columns]:
-        top = table[name].dropna().iloc[:ALIKE]
+        top = table[name].dropna().iloc[:FEWEST_SAMPLES]
         stated = f"{without_unit(name)}_uncertainty"
         if stated in table or not any(doubted_parts(cell) for cell in top if isinstance(cell, str)):
             continue
@@ -307,7 +306,7 @@ def _cut_number(data: bytes, layout: Layout) -> str:
         return ""
     lines = data[-TAIL:].decode(layout.encoding, errors="replace").splitlines()[1:]
     cells = [row[-1] for line in lines if (row := cells_of(line, layout.separator))]
-    if len(cells) <= ALIKE or not all(map(is_number, cells)):
+    if len(cells) <= FEWEST_SAMPLES or not all(map(is_number, cells)):
         return ""
     *above, last = (_digits(cell, layout.decimal) for cell in cells)
     least = [min(pair[part] for pair in above) for part in range(len(last))]
@@ -449,7 +448,7 @@ def refuse_numbers(path: Path, text: str) -> None:
 
 
 def _check_single(path: Path, name: str, rows: list[str], text: str) -> None:
-    """Refuse a single column whose rows are parted by something else."""
+    """Refuse a single column whose rows are separated by something else."""
     for mark, words in (("|", "'|'"), (None, "blanks"), (":", "':'")):
         parts = [row.split(mark) for row in rows]
         several = [cells for cells in parts if len(cells) > 1]
@@ -502,11 +501,9 @@ def grouped(cell: object) -> str:
 SPREADSHEET: Final = (".xlsx", ".xlsm")
 """Endings of workbooks."""
 CURE: Final = "save the sheet of the record as CSV"
-MOST_CELLS: Final = 2e7
-"""Cells up to which a sheet is read, empty ones that are stepped over included."""
 
 
-def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.Table:
+def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.FileTable:
     """Return the table of the first sheet that has one: names above rows of numbers."""
     openpyxl = require_library("openpyxl", "xlsx", f"save the sheet of {path} as CSV")
     with (
@@ -520,7 +517,7 @@ def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.Table:
             return _first(path, {sheet.title: _text(path, sheet) for sheet in book.worksheets})
 
 
-def _first(path: Path, sheets: dict[str, str]) -> tables.Table:
+def _first(path: Path, sheets: dict[str, str]) -> tables.FileTable:
     """Return the table of the first of the sheets, given as texts, that has one."""
     for title, text in sheets.items():
         dialect, found = dialect_of(text), layout_of(text, "utf-8")
@@ -540,7 +537,7 @@ def _first(path: Path, sheets: dict[str, str]) -> tables.Table:
 
 
 def _text(path: Path, sheet: Any) -> str:
-    """Return the cells of a sheet as text, parted by tabs."""
+    """Return the cells of a sheet as text, separated by tabs."""
     sheet.reset_dimensions()  # which programs write wrongly
     out = io.StringIO()
     writer = csv.writer(out, delimiter="\t", lineterminator="\n")

@@ -17,15 +17,14 @@ from stickslip.data.differentiation import are_steady_readings
 from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
-    INTERVAL,
+    COEFFICIENTS,
+    GUESSED,
+    INPUTS,
     LONGEST_HEADER,
-    ROLLING,
     STYLES,
     SURE,
-    UNITS,
-    VOLTAGE,
-    VOLTS,
-    WANTED,
+    VOCABULARY,
+    WORDS,
     Column,
     Reading,
     doubted,
@@ -34,14 +33,15 @@ from stickslip.data.readers.columns import (
     is_unit_of,
     is_voltage,
     is_wanted,
+    meaning_of,
     motor_constants,
     parts_of,
 )
 from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
-from stickslip.data.readers.table import MOST_LISTED, TRIAL
+from stickslip.data.readers.table import TRIAL
 from stickslip.data.readers.table_reader import (
     KELVINS,
-    Frame,
+    QuantityTable,
     by_trial,
     conditions_in,
     data_file,
@@ -49,91 +49,26 @@ from stickslip.data.readers.table_reader import (
     read_frame,
 )
 from stickslip.data.readers.toml import check_file, check_path
+from stickslip.data.tolerances import (
+    FEWEST_SAMPLES,
+    GAP,
+    HALF,
+    INTERVAL,
+    MOST_LISTED,
+    NEARLY_ALL,
+    ROUNDED,
+    ROUNDING,
+    SLIGHT,
+)
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.described import Described
 from stickslip.show.formatting import count, joined, number, percent
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
-COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
-"""Names of coefficients of friction."""
-NAMES: Final[Mapping[str, tuple[str, ...]]] = {
-    "time": (
-        *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),
-        *("t", "millis", "micros"),
-    ),
-    "position": (
-        *("position", "pos", "weg", "lage", "winkel", "angle", "ang", "displacement"),
-        *("verschiebung", "lvdt", "wegaufnehmer", "auslenkung", "stroke", "hub", "drehwinkel"),
-        *("lageistwert", "travel", "encoder"),
-        *("x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
-    ),
-    "velocity": (
-        *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "velo", "angvel", "gyro", "dq", "qd", "v", "n", "ω"),
-    ),
-    "force": (
-        *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
-        *("thrust", "effort", "loadcell", "kraftmessdose", "fx", "f", "m", "tau", "τ"),
-    ),
-    "current": ("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"),
-    "friction": (
-        *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
-        *("frictionforce", "fr", "ff", "traction", "tractionforce", *COEFFICIENTS),
-    ),
-    "load": (
-        *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft", "last"),
-        *("clampforce", "preload", "vorspannkraft", "fn", "fz"),
-    ),
-    "reference": (
-        *("reference", "setpoint", "sollposition", "sollweg", "solllage", "sollwert"),
-        *("sollwinkel", "lagesollwert", "target"),
-    ),
-}
-"""Names of columns by quantity, in English and German, umlauts written out."""
 DERIVATIVE: Final = re.compile(r"d(?:q|phi|theta|[φϕθ])|(?:x|q|s|pos|ang|angle|phi|theta|[φϕθ])dot")
 """How names of derivatives are made of those of coordinates."""
 RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
 """How names of columns that have no sign for it say a unit over a time."""
-SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
-"""Words in names of voltages that drive no axis by themselves."""
-MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
-"""Words of measured signals."""
-COMMANDS: Final = ("u", "cmd", "command", "control", "ctrl", "input", "pwm", "duty", "stellgroesse")
-"""Words in names of what a drive was given, in whatever unit."""
-PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb", "sliding")
-"""Words of measured signals, beside which others are commands or derived, and of what drives."""
-TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
-"""Words in names of columns of temperatures."""
-CONDITIONS: Final = (*TEMPERATURES, "humidity", "feuchte", "luftfeuchte")
-"""Words in names of columns that hold a condition."""
-INPUTS: Final[Mapping[str, tuple[str, ...]]] = {
-    "pressure": ("pressure", "druck"),
-    "transmitted": ("transmitted", "uebertragen"),
-    "motor": ("motor",),
-    "external": ("external", "extern"),
-    "gravity": ("gravity", "schwerkraft"),
-}
-"""Words in names of columns of what friction may depend on, beside a temperature."""
-OF_FORCES: Final = ("force", "torque", "moment", "kraft", "drehmoment")
-"""Words beside them that say no more."""
-TRIALS: Final = ("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
-"""Names of columns that number trials."""
-MOST_TRIALS: Final = 0.05
-"""Trials over samples up to which such a column may number them."""
-SENSITIVITY: Final = {
-    "position": ("1 mm/V", "1 rad/V"),
-    "reference": ("1 mm/V", "1 rad/V"),
-    "velocity": ("1 m/s/V", "1 rad/s/V"),
-    "force": ("1 N/V", "1 N m/V"),
-    "friction": ("1 N/V", "1 N m/V"),
-    "load": ("1 N/V", "1 N/V"),
-}
-"""Assumed sensitivities of channels in volts, of a motion along a line and about an axis."""
-TURNING: Final = (
-    *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
-    *("joint", "effort", "gyro", "φ", "ϕ", "θ", "ω", "tau", "τ"),
-)
-"""What names of columns contain where an axis turns, beside the word ang."""
 COUNTED: Final = {"millis": "ms", "micros": "us"}
 """Times of a microcontroller by the names of its functions."""
 PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
@@ -141,24 +76,8 @@ PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
-ORDERED: Final = 0.9
-"""Share of the steps of a column of times that go one way at least."""
-RESTART: Final = 0.5
-"""Share of the time that has passed by which it goes back where a further record begins."""
 SAME_MOTION: Final = 0.99
 """Correlation from which two positions are those of one axis."""
-EQUAL: Final = 1e-9
-"""Share of their range by which two positions may differ that are said to be equal."""
-ONE_TO_ONE: Final = 0.02
-"""Distance of the ratio of two positions from 1 up to which no gear is between them."""
-DIGITS: Final = 0.5
-"""Share of the cells of a column that are numbers from which the others are faults."""
-SIZE: Final = 0.02
-"""Share of a force by which the friction that is its size may differ, as its digits may."""
-GAP: Final = 3.0
-"""Usual steps of time from which a step is called a gap."""
-FULL: Final = 0.5
-"""Share of the rows that have all columns, below which it is said that others are lost."""
 LONG: Final = 4_000_000
 """Bytes of a text from which its top is looked at first."""
 TOP: Final = 250_000
@@ -175,10 +94,6 @@ OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
 """Units that columns without one may have, by those of SI."""
 SLOW, FAR = 1.0, 100.0
 """Step of times [s] and span of positions [m] or [rad] that columns without a unit hardly have."""
-VARIED: Final = 0.5
-"""Span of a velocity over its largest value from which its integral is like no other column."""
-CALENDAR: Final = ("a", "d")
-"""Units of time that are no such word: time.a is the time of a joint, not in years."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -188,6 +103,8 @@ READINGS: Final = (
     " one motion. If they are such samples, give --columns time={!r} and --route balance."
 )
 BESIDE_LOAD: Final = "as the other force beside Fz"
+UNDRIVEN: Final = ("The file has no force", "No column is known as a force")
+"""How doubts begin that say that no force is known: of films none is needed."""
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
 
 
@@ -446,7 +363,9 @@ def guess_data(
     )
 
 
-def _has_other_times(frame: Frame, found: Mapping[str, Found], given: Mapping[str, Column]) -> bool:
+def _has_other_times(
+    frame: QuantityTable, found: Mapping[str, Found], given: Mapping[str, Column]
+) -> bool:
     """Whether a column that readers take for times of samples says when readings were taken."""
     table = {"velocity", "friction"} <= {*found} and "position" not in found
     return table and "time" in frame.names and not {"time"} & {*found, *given}
@@ -476,7 +395,7 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
-def _timed(frame: Frame, columns: Mapping[str, Column]) -> Frame:
+def _timed(frame: QuantityTable, columns: Mapping[str, Column]) -> QuantityTable:
     """Return a table by its headers, with the times of rows at a rate that is given or stated."""
     frame = frame.as_headed()
     given = columns.get("time", "")
@@ -485,7 +404,7 @@ def _timed(frame: Frame, columns: Mapping[str, Column]) -> Frame:
     return frame.at_rate(*frame.rates) if len(frame.rates) == 1 else frame
 
 
-def _without_rate(frame: Frame, found: Mapping[str, Found]) -> Frame:
+def _without_rate(frame: QuantityTable, found: Mapping[str, Found]) -> QuantityTable:
     """Return a table without the times of rows at a stated rate if it has others."""
     if "time" in found and found["time"].name in frame.rates:
         return frame
@@ -507,12 +426,13 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
         refuse_numbers(path, text)
         return None, {}
     layout = found.layout
+    mark = text_layout.MARKS[layout.separator]
     decimal = "comma" if layout.decimal == "," else "point"
-    thousands = f", thousands parted by {layout.thousands!r}" if layout.thousands else ""
+    thousands = f", thousands separated by {layout.thousands!r}" if layout.thousands else ""
     header = ", ".join(map(repr, (name for name in found.names if name)))
     reasons = {
         "code page": layout.encoding.removesuffix("-sig"),
-        "cells": f"parted by {text_layout.MARKS[layout.separator]}, decimal {decimal}{thousands}",
+        "cells": f"separated by {mark}, decimal {decimal}{thousands}",
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
     if found.units:
@@ -528,7 +448,7 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
 
 
 def assigned(
-    frame: Frame,
+    frame: QuantityTable,
     given: Mapping[str, Column],
     units: Mapping[str, str],
     *,
@@ -552,7 +472,7 @@ def assigned(
             score=9.0, name=names[0], unit=unit, stated=unit == stated, why="as given"
         )
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
-    quantities = [q for q in NAMES if not (by_current and q == "force")]
+    quantities = [q for q in GUESSED if not (by_current and q == "force")]
     kinds = [_by_kind(frame, left, taken, quantities, turning, units) for turning in (False, True)]
     taken = max(kinds, key=lambda found: sum(item.score for item in found.values()))
     if "current" in taken and "force" in taken:
@@ -567,11 +487,11 @@ def assigned(
     if {"force", "friction"} <= taken.keys() and _is_its_size(frame, taken):
         size = taken["friction"]
         taken["friction"] = replace(taken.pop("force"), why=f"as {size.name!r} is its size")
-    return {q: taken[q] for q in (*NAMES, *taken) if q in taken}
+    return {q: taken[q] for q in (*GUESSED, *taken) if q in taken}
 
 
 def _of_servo(
-    frame: Frame, found: Mapping[str, Found], units: Collection[str]
+    frame: QuantityTable, found: Mapping[str, Found], units: Collection[str]
 ) -> tuple[robots.Servo | None, dict[str, Found]]:
     """Return the family of servos whose registers were read, and these with their units."""
     servo = robots.servo_of(frame.names)
@@ -590,7 +510,7 @@ def _of_servo(
     return servo, {**found, **raw, **_angles(frame, {**found, **raw})}
 
 
-def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+def _angles(frame: QuantityTable, found: Mapping[str, Found]) -> dict[str, Found]:
     """Return positions of a servo that are no counts with their unit: degrees by their steps."""
     moving = {q: found[q] for q in ("position", "reference") if q in found}
     first = next(iter(moving.values()))
@@ -613,7 +533,7 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
     }
 
 
-def _by_derivative(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+def _by_derivative(frame: QuantityTable, found: Mapping[str, Found]) -> dict[str, Found]:
     """Return columns with the units in which the velocity is the derivative of the position.
 
     Of units that are not stated, as few as possible are not those of SI. A position that no name
@@ -642,7 +562,7 @@ def _by_derivative(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]
             changed[q] = replace(own[q], unit=unit, stated=False, why=f"{why} of {offer.name!r}")
         found = {**found, **changed}
         break
-    return {q: found[q] for q in sorted(found, key=[*NAMES, *found].index)}
+    return {q: found[q] for q in sorted(found, key=[*GUESSED, *found].index)}
 
 
 def _over_way(times: measurement.Array, speed: measurement.Array, x: measurement.Array) -> float:
@@ -650,7 +570,7 @@ def _over_way(times: measurement.Array, speed: measurement.Array, x: measurement
     known = np.isfinite(times) & np.isfinite(speed) & np.isfinite(x)
     t, v, x = times[known], speed[known], x[known]
     steps = np.diff(t)
-    varied = t.size >= text_layout.ALIKE and float(np.ptp(v)) > VARIED * float(np.abs(v).max())
+    varied = t.size >= FEWEST_SAMPLES and float(np.ptp(v)) > HALF * float(np.abs(v).max())
     if not varied or not np.ptp(x) or np.any(steps <= 0.0):
         return 0.0
     way = np.concatenate([[0.0], np.cumsum(steps * (v[1:] + v[:-1]) / 2.0)])
@@ -668,7 +588,7 @@ def _units_between(
     """
     fits: list[dict[str, str]] = []
     for turns in (True,) if turning else (False, True):
-        kinds = {q: UNITS[q][turns * (q != "time")] for q in own}
+        kinds = {q: meaning_of(q).units[turns * (q != "time")] for q in own}
         offered = [(own[q].unit or "",) if own[q].unit else OFFERED[kinds[q]] for q in own]
         for units in itertools.product(*offered) if ratio and not fits else ():
             pairs = dict(zip(own, units, strict=True))
@@ -676,7 +596,7 @@ def _units_between(
                 continue
             x, v, t = (factor(unit, kinds[q]) for q, unit in pairs.items())
             # times in a stated unit were converted to seconds before
-            if abs(ratio * x / (v * (1.0 if own["time"].unit else t)) - 1.0) < ONE_TO_ONE:
+            if abs(ratio * x / (v * (1.0 if own["time"].unit else t)) - 1.0) < ROUNDED:
                 fits.append({q: u for q, u in pairs.items() if u not in (own[q].unit, kinds[q])})
     fewest = [units for units in fits if len(units) == min(map(len, fits))]
     if len(fewest) > 1 and step >= 1.0:
@@ -684,13 +604,13 @@ def _units_between(
     return fewest[0] if len(fewest) == 1 else None
 
 
-def _numbers(frame: Frame, candidate: Found) -> measurement.Array:
+def _numbers(frame: QuantityTable, candidate: Found) -> measurement.Array:
     """Return the numbers of a column, NaN where there are none."""
     column = frame.data[frame.names[candidate.name]]
     return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
 
 
-def _stays(frame: Frame, column: Found) -> bool:
+def _stays(frame: QuantityTable, column: Found) -> bool:
     """Whether a column that nobody named has one value throughout."""
     numbers = _numbers(frame, column)
     known = numbers[np.isfinite(numbers)]
@@ -704,7 +624,7 @@ def _are_of_sensor(taken: Mapping[str, Found]) -> bool:
     return ends == [["fx"], ["fz"]] and not named and "friction" not in taken
 
 
-def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
+def _is_its_size(frame: QuantityTable, taken: Mapping[str, Found]) -> bool:
     """Whether the friction of a tribometer is the size of the force, or that over the load.
 
     The force is then what the sensor shows, with its sign, and drives nothing.
@@ -722,11 +642,11 @@ def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
     known = np.isfinite(force) & np.isfinite(friction)
     apart = np.abs(force - friction)[known]
     usual = float(np.median(force[known])) if known.any() else 0.0
-    return usual > 0.0 and bool(np.median(apart) <= SIZE * usual)
+    return usual > 0.0 and bool(np.median(apart) <= ROUNDED * usual)
 
 
 def _by_kind(
-    frame: Frame,
+    frame: QuantityTable,
     left: Sequence[str],
     given: Mapping[str, Found],
     quantities: Sequence[str],
@@ -762,13 +682,13 @@ def _by_kind(
 
 
 def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
-    kinds = UNITS[quantity]
+    kinds = meaning_of(quantity).units
     if found.unit is None or len(kinds) < 2 or is_of(found.unit, "count"):
         return True
     return not is_of(found.unit, kinds[not turning])
 
 
-def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
+def _offers(frame: QuantityTable, name: str, quantity: str) -> Iterable[Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
     if frame.is_empty(name):
         return
@@ -790,7 +710,7 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
         unit = since
         why = f"{why}, as its numbers count from 1970".removeprefix(", ")
         score = score or BY_UNIT
-    rises = quantity == "time" and not _is_named(name, CONDITIONS) and _increases(column)
+    rises = quantity == "time" and not _is_named(name, WORDS["conditions"]) and _increases(column)
     if unit is None and not score and rises:
         score, why = BY_VALUES, "because it increases"
     if score:
@@ -808,7 +728,7 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
     if unit is None and quantity == "time":
         return bare, COUNTED.get(bare)
     if unit is None:
-        plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
+        plain = re.sub("|".join(WORDS["voltage"]), "", bare, flags=re.IGNORECASE)
         return (plain, "V") if plain != bare else (bare, None)
     return bare, unit
 
@@ -822,16 +742,16 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     """Return how well name and unit of a column fit a quantity, and that in words."""
     fits = unit is not None and is_unit_of(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
-    volts = unit is not None and quantity in SENSITIVITY and is_of(unit, "V")
+    volts = unit is not None and bool(meaning_of(quantity).sensitivity) and is_of(unit, "V")
     if unit is not None and not _may_have(unit, quantity):
         return 0.0, ""
     if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
         return 0.0, ""
     score, why = _named_score(bare, quantity)
-    rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
+    rivals = [other for other in GUESSED if not fits or is_unit_of(unit or "", other)]
     most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
-        preferred = any(part in PREFERRED for part in parts_of(bare))
+        preferred = any(part in WORDS["preferred"] for part in parts_of(bare))
         return score + fits + 0.1 * preferred, why
     if counts and not bare:
         return BY_UNIT, "by its name"
@@ -845,7 +765,7 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
 def _may_have(unit: str, quantity: str) -> bool:
     """Whether the column of a quantity may have a unit: one of its kind, counts or volts."""
     counts = quantity in ("position", "reference") and is_of(unit, "count")
-    volts = quantity in SENSITIVITY and is_of(unit, "V")
+    volts = bool(meaning_of(quantity).sensitivity) and is_of(unit, "V")
     return is_unit_of(unit, quantity) or counts or volts
 
 
@@ -862,7 +782,9 @@ def _is_other(name: str, quantity: str) -> bool:
     """Whether a name is that of an error, a condition or a command, which a quantity is not."""
     parts = parts_of(name)
     return (
-        is_barred(parts, quantity) or is_wanted(parts) or any(part in CONDITIONS for part in parts)
+        is_barred(parts, quantity)
+        or is_wanted(parts)
+        or any(part in WORDS["conditions"] for part in parts)
     )
 
 
@@ -871,7 +793,7 @@ def _last_says(name: str, quantity: str) -> bool:
     last = re.split(r"[./:]", name)[-1]
     if last == name or len(last) < 2 or _named_score(last, quantity)[0]:
         return False
-    return any(_named_score(last, other)[0] >= WHOLE for other in NAMES)
+    return any(_named_score(last, other)[0] >= WHOLE for other in GUESSED)
 
 
 def _named_score(name: str, quantity: str) -> tuple[float, str]:
@@ -886,16 +808,16 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     if quantity == "velocity" and DERIVATIVE.fullmatch(joined):
         return WHOLE + 0.2, "by its name"  # of q_d beside qdot, the d says less
     wanted = is_wanted(parts)
-    words = NAMES[quantity]
+    words = meaning_of(quantity).names
     if quantity == "reference" and wanted:
-        bare = "".join(part for part in parts if part not in WANTED)
-        moves = any(word in joined for word in NAMES["position"] if len(word) > 2)
-        if moves or joined in words or bare in NAMES["position"]:
+        bare = "".join(part for part in parts if part not in WORDS["wanted"])
+        moves = any(word in joined for word in VOCABULARY["position"].names if len(word) > 2)
+        if moves or joined in words or bare in VOCABULARY["position"].names:
             return WHOLE + 0.5, "by its name"
         return 0.0, ""
     if wanted and quantity not in ("force", "time"):
         return 0.0, ""
-    rolls = quantity == "velocity" and any(part in ROLLING for part in parts)
+    rolls = quantity == "velocity" and any(part in WORDS["rolling"] for part in parts)
     less = 1.5 if wanted or rolls else 0.0  # a sliding speed beside it comes first
     if joined in words:
         return WHOLE - less, "by its name"
@@ -916,9 +838,9 @@ def _is_rival(parts: Sequence[str], quantity: str) -> bool:
     if quantity == "load":
         return any(word in joined for word in ("torque", "moment", "present"))
     if quantity == "force":  # a friction torque is no torque of a drive
-        return any(part in NAMES["friction"] for part in parts)
+        return any(part in VOCABULARY["friction"].names for part in parts)
     if quantity == "position":  # the speed of an angle
-        speed = any(len(part) > 1 and part in NAMES["velocity"] for part in parts)
+        speed = any(len(part) > 1 and part in VOCABULARY["velocity"].names for part in parts)
         return speed or any(map(DERIVATIVE.fullmatch, (joined, *parts)))
     return False
 
@@ -930,7 +852,7 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     found = [style.fullmatch(name) for style in STYLES]
     words = {hit["unit"].strip() for hit in found[SURE:] if hit}
     parts = [(hit["name"], hit["unit"].strip()) for hit in found if hit and is_unit(hit["unit"])]
-    parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
+    parts = [part for part in parts if not (part[1] in words and part[1] in WORDS["calendar"])]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
     if not own and (rate := RATE.fullmatch(name)):  # speed_mm_s
         unit = f"{rate['unit']}/{rate['per']}"
@@ -939,12 +861,12 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
         not parts
         and len(name) > 1
         and not name[-1].isdigit()  # A1, V1 and m1 are names of channels
-        and name.casefold() not in NAMES.get(quantity, ())
+        and name.casefold() not in meaning_of(quantity).names
         and not DERIVATIVE.fullmatch(name)
         and is_unit(name)
     ):
         return "", name  # counts, rpm
-    others = [part for part in parts if part[1] not in words or part[1] in VOLTS]
+    others = [part for part in parts if part[1] not in words or part[1] in WORDS["volts"]]
     return next(iter((*own, *others)), (name, None))
 
 
@@ -958,7 +880,7 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
             return False
         seconds = text_layout.seconds_of(part)
         return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
-    return share_later(part) > ORDERED
+    return share_later(part) > NEARLY_ALL
 
 
 def _are_coarse(seconds: measurement.Array) -> bool:
@@ -966,7 +888,7 @@ def _are_coarse(seconds: measurement.Array) -> bool:
 
     Sorting by time would average these rows.
     """
-    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - ORDERED)
+    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - NEARLY_ALL)
 
 
 def share_later(column: "pd.Series[Any]") -> float:
@@ -981,10 +903,10 @@ def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> 
     if len(part) < 2 or not pd.api.types.is_numeric_dtype(part.dtype):
         return False
     bare, _ = _bare_and_unit(name, stated, "time")
-    return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
+    return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > NEARLY_ALL
 
 
-def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, measurement.Array] | None:
+def clock_of(frame: QuantityTable, used: Collection[str]) -> tuple[str, measurement.Array] | None:
     """Return the column that says when steady readings were taken, and its times (n,) [s].
 
     It is called time, nothing else was read from it, though it may have been said to be no times of
@@ -1015,7 +937,7 @@ def _increases(column: "pd.Series[Any]") -> bool:
     return bool(np.all(steps > 0.0) and np.ptp(steps) < 0.1 * np.median(steps))
 
 
-def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
+def _check_enough(frame: QuantityTable, found: Mapping[str, Found]) -> None:
     """Refuse what is neither a motion in time nor friction at velocities."""
     listed = ", ".join(map(shown, [name for name in frame.names if name][:12]))
     for name in frame.names if "time" not in found else ():
@@ -1051,20 +973,20 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
         )
 
 
-def _refuse_faults(frame: Frame, name: str) -> None:
+def _refuse_faults(frame: QuantityTable, name: str) -> None:
     """Say which cell of a quantity's column is no number, such as #DIV/0!, if most of them are."""
     column = frame.data[frame.names[name]]
     if pd.api.types.is_numeric_dtype(column.dtype) or not len(column):
         return
-    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in NAMES if q != "time"}
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in GUESSED if q != "time"}
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
-    if cells.map(lambda cell: text_layout.is_number(str(cell).strip())).mean() > DIGITS:
+    if cells.map(lambda cell: text_layout.is_number(str(cell).strip())).mean() > HALF:
         frame.raw(name)
 
 
-def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> None:
+def _refuse_rotation(frame: QuantityTable, name: str, found: Mapping[str, Found]) -> None:
     """Ask for the radius of the contact where a speed is one of rotation, and forces are none."""
     unit = _bare_and_unit(name, frame.units.get(name), "velocity")[1]
     forces = [found[q].unit for q in ("force", "friction", "load") if q in found]
@@ -1077,7 +999,7 @@ def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> Non
         )
 
 
-def _refuse_text(frame: Frame, name: str) -> None:
+def _refuse_text(frame: QuantityTable, name: str) -> None:
     """Say which cell of a column is no number where its name is that of a motion."""
     column = frame.data[frame.names[name]]
     bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in ("position", "velocity")}
@@ -1086,7 +1008,7 @@ def _refuse_text(frame: Frame, name: str) -> None:
         frame.raw(name)
 
 
-def _refuse_disorder(frame: Frame, name: str) -> None:
+def _refuse_disorder(frame: QuantityTable, name: str) -> None:
     """Say of a column that is called time why it holds none."""
     bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
     column = frame.data[frame.names[name]]
@@ -1101,7 +1023,7 @@ def _refuse_disorder(frame: Frame, name: str) -> None:
             )
         return
     later = share_later(column.iloc[:CHECKED].dropna())
-    if later > ORDERED and unit:
+    if later > NEARLY_ALL and unit:
         raise InputError(
             f"{frame.file}: the column {shown(name)} is in {unit}, which is no unit of time. Name"
             ' the right one, as units={"time": "s"}.'
@@ -1129,7 +1051,7 @@ def _turns(
 ) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, column in found.items():
-        kinds = UNITS.get(quantity, ())
+        kinds = meaning_of(quantity).units
         if column.unit and len(kinds) > 1:
             straight, turns = (is_of(column.unit, kind) for kind in kinds[:2])
             if straight or turns:
@@ -1150,7 +1072,7 @@ def _turns(
     if place is not None and place.unit and is_of(place.unit, "count") and "force" not in found:
         own = place.name.casefold()
         return "lin" not in own and ("enc" in own or "current" in found)
-    return any(word in name for name in moving for word in TURNING)
+    return any(word in name for name in moving for word in WORDS["turning"])
 
 
 def _with_unit(motor_constant: float | str, unit: str) -> str:
@@ -1193,7 +1115,7 @@ def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
 
 
-def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Array) -> bool:
+def _is_steady(frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array) -> bool:
     """Whether rows are steady readings of friction, whose times say when they were taken."""
     resisting = [q for q in ("friction", "force", "current") if q in found]
     if len(resisting) != 1 or "velocity" not in found or "position" in found:
@@ -1204,7 +1126,7 @@ def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Arra
     return bool(full.sum() > 1) and are_steady_readings(*(row[full] for row in rows))
 
 
-def times_of(frame: Frame, offer: Found) -> measurement.Array | None:
+def times_of(frame: QuantityTable, offer: Found) -> measurement.Array | None:
     """Return the times of a record [s], NaN where there are none."""
     key = next((k for k in frame.names if offer.name in (k, frame.names[k])), None)
     if key is None:
@@ -1222,7 +1144,7 @@ def times_of(frame: Frame, offer: Found) -> measurement.Array | None:
 
 
 def repairs_of(
-    frame: Frame, found: Mapping[str, Found], times: measurement.Array | None, trial: str
+    frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array | None, trial: str
 ) -> tuple[text_layout.Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     gaps = not _full_rows(frame, found).all()
@@ -1239,7 +1161,7 @@ def repairs_of(
     return tuple(name for name, needed in steps.items() if needed)
 
 
-def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
+def _full_rows(frame: QuantityTable, found: Mapping[str, Found]) -> NDArray[np.bool_]:
     """Return which rows have a finite number, or a text, in all columns that are read."""
     headers = [
         frame.names[key]
@@ -1251,20 +1173,20 @@ def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
     return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
 
 
-def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
+def rates_doubt(frame: QuantityTable, found: Mapping[str, Found]) -> Iterator[str]:
     """Yield that most rows lack a cell, as where channels were sampled at other times."""
     full = _full_rows(frame, found)
     cure = "Interpolate channels of different rates to the times of one of them first"
     if not full.any():
         raise InputError(f"{frame.file}: no row has all of its columns. {cure}.")
-    if full.mean() < FULL:
+    if full.mean() < HALF:
         yield (
             f"Only {count(int(full.sum()), 'row')} of {full.size:,} have all of these columns, and"
             f" the others are left out. {cure}, if that is too few."
         )
 
 
-def _refuse_restarts(frame: Frame, times: measurement.Array) -> None:
+def _refuse_restarts(frame: QuantityTable, times: measurement.Array) -> None:
     """Refuse several records below each other, which sorting by time would mix."""
     begins = restarts(times)
     if begins:
@@ -1287,11 +1209,11 @@ def restarts(times: measurement.Array) -> list[int]:
     known = times[rows]
     back = np.flatnonzero(np.diff(known) < 0.0)
     # the first rows span nothing, and many steps back are no records
-    least = RESTART * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
+    least = HALF * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
     found, first = [], 0
-    for last in back.tolist() if back.size < MOST_TRIALS * known.size else ():
+    for last in back.tolist() if back.size < SLIGHT * known.size else ():
         span = float(np.ptp(known[first : last + 1]))
-        if span > least and known[last] - known[last + 1] > RESTART * span:
+        if span > least and known[last] - known[last + 1] > HALF * span:
             found.append(int(rows[last + 1]))
             first = last + 1
     return found
@@ -1312,10 +1234,10 @@ def _gain(quantity: str, turning: bool, unit: str | None) -> str:
     """Return an assumed gain of a column in counts or volts."""
     if unit is not None and is_of(unit, "count"):
         return "0.001 rad/count" if turning else "0.001 mm/count"
-    return SENSITIVITY[quantity][turning]
+    return meaning_of(quantity).sensitivity[turning]
 
 
-def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
+def _of_one_joint(frame: QuantityTable, given: Mapping[str, Column]) -> list[str]:
     """Return the columns without those of further joints: q2 does not go with tau1."""
     known = [name for name in given.values() if isinstance(name, str)]
     inputs = inputs_in([*frame.names])
@@ -1347,7 +1269,7 @@ def joint_in(name: str) -> tuple[str, str]:
     """
     first, _, joint = name.partition(".")
     known = first in ("time", *measurement.BY_JOINT, "reference", "current") and "." not in joint
-    none = ("", *NAMES["time"], *MEASURED, *WANTED)
+    none = ("", *VOCABULARY["time"].names, *WORDS["measured"], *WORDS["wanted"])
     return (first, joint) if known and joint.casefold() not in none else ("", "")
 
 
@@ -1406,7 +1328,7 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
 
 
 def trial_column(
-    frame: Frame,
+    frame: QuantityTable,
     given: Mapping[str, Column],
     found: Mapping[str, Found],
     times: measurement.Array | None,
@@ -1426,9 +1348,9 @@ def trial_column(
             continue
         cells = frame.data[frame.names[name]]
         values = cells.nunique()
-        named = "".join(parts_of(name)) in TRIALS
+        named = "".join(parts_of(name)) in VOCABULARY["trial"].names
         # where it is named, all that it must do is come again
-        if cells.isna().any() or not 1 < values <= (0.5 if named else MOST_TRIALS) * len(cells):
+        if cells.isna().any() or not 1 < values <= (0.5 if named else SLIGHT) * len(cells):
             continue
         if named:
             return name, "by its name"
@@ -1438,20 +1360,20 @@ def trial_column(
     return apart, "which changes where times begin again"
 
 
-def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
+def _conditions(frame: QuantityTable, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
     """Return the columns that seem to hold a condition."""
     taken = {*(column.name for column in found.values()), trial}
     return tuple(
         name
         for name in frame.names
         if name not in taken
-        and _is_named(name, CONDITIONS)
+        and _is_named(name, WORDS["conditions"])
         and bool(frame.data[frame.names[name]].notna().any())
     )
 
 
 def _with_doubt(
-    frame: Frame, found: dict[str, Found], doubt: Found | None, *, table: bool
+    frame: QuantityTable, found: dict[str, Found], doubt: Found | None, *, table: bool
 ) -> dict[str, Found]:
     """Return columns with that of stated uncertainties, given or known by its name in a table."""
     table = table and {"velocity", "friction"} <= found.keys()
@@ -1465,14 +1387,16 @@ def _with_doubt(
     return {**kept, measurement.STATED: replace(first, unit=unit, others=others)}
 
 
-def _doubt_offers(frame: Frame, friction: Found) -> Iterator[Found]:
+def _doubt_offers(frame: QuantityTable, friction: Found) -> Iterator[Found]:
     """Yield columns with a word of errors in their name, and beside it the friction or nothing.
 
     Signed errors and codes of errors are none.
     """
     names = [*filter(None, frame.names)]
     own = parts_of(_bare_and_unit(friction.name, frame.units.get(friction.name), "friction")[0])
-    forces = [[word] for q in ("friction", "force") for word in NAMES[q] if len(word) > 1]
+    forces = [
+        [word] for q in ("friction", "force") for word in meaning_of(q).names if len(word) > 1
+    ]
     for name in names:
         half, stated = is_half_width(frame.names[name]), frame.units.get(name)
         bare, unit = _bare_and_unit(name, stated, measurement.STATED)
@@ -1487,7 +1411,7 @@ def _doubt_offers(frame: Frame, friction: Found) -> Iterator[Found]:
         behind = unit is not None or names.index(name) > names.index(friction.name)
         fits = unit in (None, friction.unit) or is_unit_of(unit or "", measurement.STATED)
         if fits and left is not None and (left in (own, *forces) or (behind and not left)):
-            what = f"half-widths of 95 %, divided by {INTERVAL:g}"
+            what = f"half-widths of 95 %, divided by {INTERVAL}"
             why = f"by its name: {what if half else 'the standard uncertainty of each reading'}"
             score = WHOLE if left else PART
             one = Found(score=score, name=name, unit=unit, stated=unit == stated, why=why)
@@ -1501,20 +1425,20 @@ def _is_named(name: str, words: Collection[str]) -> bool:
     return any(part in words or part.endswith("temperatur") for part in parts_of(name))
 
 
-def _of_trials(frame: Frame, trial: str) -> list[Frame]:
+def _of_trials(frame: QuantityTable, trial: str) -> list[QuantityTable]:
     """Return the rows of each trial; the table itself if no column numbers trials."""
     names = {**frame.names, TRIAL: frame.names.get(trial, trial)} if trial else frame.names
     return [part for _, part in by_trial(replace(frame, names=names))]
 
 
 def changing_temperature(
-    parts: Sequence[Frame], names: Iterable[str]
+    parts: Sequence[QuantityTable], names: Iterable[str]
 ) -> Iterator[tuple[str, Found]]:
     """Yield the temperature that laws may contain: known at all times, and one that changes."""
     found = [
         Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
         for name in names
-        if _is_named(name, TEMPERATURES)
+        if _is_named(name, VOCABULARY["temperature"].names)
         for cells in [[part.data[part.names[name]] for part in parts]]
         if any(column.nunique() > 1 for column in cells)
         and all(np.isfinite(pd.to_numeric(column, errors="coerce")).all() for column in cells)
@@ -1526,7 +1450,7 @@ def changing_temperature(
         yield "temperature", replace(found[0], others=tuple(column.name for column in found[1:]))
 
 
-def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
+def contact_inputs(frame: QuantityTable, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
     """Yield what else friction may depend on, from columns that are named so and have no holes."""
     names = {column.name for column in taken.values()}
     for quantity in (name for name in INPUTS if name not in taken):
@@ -1536,7 +1460,7 @@ def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[s
             yield quantity, replace(full[0], others=tuple(column.name for column in full[1:]))
 
 
-def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
+def _input_offers(frame: QuantityTable, quantity: str) -> Iterator[Found]:
     """Yield the columns whose name and unit are those of an input of the contact."""
     for name in filter(None, frame.names):
         stated = frame.units.get(name)
@@ -1548,15 +1472,15 @@ def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
 
 def _is_input(bare: str, quantity: str) -> bool:
     """Whether a name is that of an input of the contact: its word alone, or any pressure."""
-    parts = [part for part in parts_of(bare) if part not in OF_FORCES]
+    parts = [part for part in parts_of(bare) if part not in WORDS["of forces"]]
     if quantity == "pressure":
-        return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(
+        return any(part.endswith(meaning_of(quantity).names) for part in parts) and not _is_other(
             bare, quantity
         )
-    return len(parts) == 1 and parts[0] in INPUTS[quantity]
+    return len(parts) == 1 and parts[0] in meaning_of(quantity).names
 
 
-def _is_full(frame: Frame, name: str) -> bool:
+def _is_full(frame: QuantityTable, name: str) -> bool:
     """Whether all cells of a column are finite numbers."""
     column = frame.data[frame.names[name]]
     return bool(np.isfinite(pd.to_numeric(column, errors="coerce")).all())
@@ -1568,7 +1492,7 @@ def _temperature_unit(name: str, stated: str | None) -> str | None:
     return next((CELSIUS if key == "C" else key for key in spelt if key in ("C", *KELVINS)), stated)
 
 
-def _has_one_value(part: Frame, name: str) -> bool:
+def _has_one_value(part: QuantityTable, name: str) -> bool:
     """Whether the reader takes one value of a condition for a trial."""
     try:
         conditions_in(part, [name])
@@ -1577,15 +1501,15 @@ def _has_one_value(part: Frame, name: str) -> bool:
     return True
 
 
-def _may_drive(frame: Frame, name: str) -> bool:
+def _may_drive(frame: QuantityTable, name: str) -> bool:
     """Whether a column may hold what drives an axis, in volts or in the unit of another motion."""
     bare, unit = _bare_and_unit(name, frame.units.get(name), "force")
     volts = is_voltage(name)
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not (_named_score(bare, "load")[0] or _is_other(bare, "force"))
     moves = any(_named_score(bare, q)[0] for q in ("position", "velocity", "reference"))
-    forced = forced or (unit is None and not moves and _is_named(bare, COMMANDS))
-    if any(part in SUPPLIES for part in parts_of(name)):
+    forced = forced or (unit is None and not moves and _is_named(bare, WORDS["commands"]))
+    if any(part in WORDS["supplies"] for part in parts_of(name)):
         return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
 
@@ -1608,7 +1532,7 @@ def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[
 
 
 def _doubts(
-    frame: Frame,
+    frame: QuantityTable,
     found: Mapping[str, Found],
     turning: bool,
     units: Collection[str],
@@ -1630,7 +1554,7 @@ def _doubts(
     for quantity, one in found.items():
         stamps = quantity == "time" and one.unit is None and "stamp" in one.why
         if one.unit is None and quantity not in units and not stamps:
-            kinds = UNITS.get(quantity, ("SI",))
+            kinds = meaning_of(quantity).units or ("SI",)
             yield (
                 f"The column {one.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed for"
                 f" the {quantity}{_implausible(frame, quantity, one, turning)}."
@@ -1638,7 +1562,7 @@ def _doubts(
         elif one.unit is not None and is_of(one.unit, "V") and quantity not in units:
             yield (
                 f"The column {one.name!r} is in {one.unit}, and"
-                f" {SENSITIVITY[quantity][turning]} is assumed: give the sensitivity of the"
+                f" {_gain(quantity, turning, one.unit)} is assumed: give the sensitivity of the"
                 f" sensor as its gain, as --gain {quantity}='...'."
             )
         elif one.unit is not None and is_of(one.unit, "count") and quantity not in units:
@@ -1646,7 +1570,7 @@ def _doubts(
                 f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
                 " angle as its gain."
             )
-    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*ROLLING}:
+    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*WORDS["rolling"]}:
         yield (
             f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
             " speed: surfaces that roll slide at a part of it."
@@ -1665,7 +1589,7 @@ def _doubts(
     yield from _driving_doubts(frame, found)
 
 
-def _implausible(frame: Frame, quantity: str, one: Found, turning: bool) -> str:
+def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool) -> str:
     """Return what an assumed unit makes of a column, and the cure, where that is hardly true."""
     numbers = _numbers(frame, one)
     numbers = numbers[np.isfinite(numbers)]
@@ -1690,7 +1614,7 @@ def _scale_doubt(turning: bool) -> str:
     )
 
 
-def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str]:
+def _second_positions(frame: QuantityTable, found: Mapping[str, Found]) -> dict[str, str]:
     """Return what is said of other columns that show the same motion as the position, by name."""
     first, said = found.get("position"), {}
     if first is None or first.name not in frame.names or first.unit is None or _is_raw(first.unit):
@@ -1710,10 +1634,10 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
             if abs(np.corrcoef(x[both], y[both])[0, 1]) < SAME_MOTION:
                 continue
             ratio = float(np.polyfit(x[both], y[both], 1)[0])
-            ratio = 1.0 if abs(ratio - 1.0) < ONE_TO_ONE else ratio
+            ratio = 1.0 if abs(ratio - 1.0) < ROUNDED else ratio
             apart = float(np.ptp((y - ratio * x)[both]) / abs(ratio))
             size = number(apart / factor(first.unit, first.unit_in_si), 3)
-            if first.unit_in_si == other.unit_in_si and apart <= EQUAL * float(np.ptp(x[both])):
+            if first.unit_in_si == other.unit_in_si and apart <= ROUNDING * float(np.ptp(x[both])):
                 said[name] = (
                     f"Two columns are positions of this axis: {first.name!r} is read, and {name!r}"
                     f" is not; they are {'equal' if ratio == 1.0 else 'in one ratio throughout'}."
@@ -1730,13 +1654,13 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
     return said
 
 
-def _values(frame: Frame, candidate: Found) -> measurement.Array:
+def _values(frame: QuantityTable, candidate: Found) -> measurement.Array:
     """Return a column (n,) of positions [m] or [rad], from any zero."""
     column = frame.data[frame.names[candidate.name]].to_numpy(dtype=float)
     return column * factor(candidate.unit, candidate.unit_in_si) if candidate.unit else column
 
 
-def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+def _left_out(frame: QuantityTable, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield which columns of inputs of the contact are left out for their holes."""
     for quantity in INPUTS:
         for column in _input_offers(frame, quantity):
@@ -1748,29 +1672,29 @@ def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
                 )
 
 
-def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+def _driving_doubts(frame: QuantityTable, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield what is not known of the force that drives the axis."""
     if not {"force", "current", "friction"} & set(found):
         taken = {column.name for column in found.values()}
         left = [name for name in frame.names if name and name not in taken]
         drives = [name for name in left if _may_drive(frame, name)]
-        unread = [shown(name) for name in left if not _is_named(name, CONDITIONS)]
+        unread = [shown(name) for name in left if not _is_named(name, WORDS["conditions"])]
         more = f" and {len(unread) - MOST_LISTED} more" if len(unread) > MOST_LISTED else ""
         listed = f"{', '.join(unread[:MOST_LISTED])}{more}"
         if drives:
             yield (
-                f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
+                f"{UNDRIVEN[0]} that can be read as it is, but {drives[0]!r} may drive the"
                 f" axis: give it as --columns force={drives[0]!r}, with its factor to newtons (N m"
                 " of an axis that turns) as --gain force=..."
             )
         elif unread:
             yield (
-                f"No column is known as a force by its name or unit; not read: {listed}. If one of"
+                f"{UNDRIVEN[1]} by its name or unit; not read: {listed}. If one of"
                 " them drives the body, give it as --columns force=...; else the body is assumed"
                 " to move without a drive."
             )
         else:
-            yield "The file has no force: the body is assumed to move without a drive."
+            yield f"{UNDRIVEN[0]}: the body is assumed to move without a drive."
     elif "friction" in found and found["friction"].why == BESIDE_LOAD:
         yield (
             f"{found['friction'].name!r} is taken for the friction that a sensor shows. If it"

@@ -21,13 +21,14 @@ from stickslip.data.readers.layout import are_units, cells_of, is_number, second
 from stickslip.data.readers.table import (
     TIME,
     TRIAL,
-    Table,
+    FileTable,
     further_cells,
     merged,
     numbered_twice,
     rows_of,
     times_in,
 )
+from stickslip.data.tolerances import LONGEST_HEAD, MOST_LISTED
 from stickslip.errors import InputError
 from stickslip.show.formatting import count, joined
 from stickslip.units import factor, is_of, is_unit, shown
@@ -45,8 +46,6 @@ _END_OF_HEADER: Final = "***End_of_Header***"
 _SPECIAL: Final = re.compile(r"^\*\*\*Start_Special.*?^\*\*\*End_Special[^\n]*\n?", re.M | re.S)
 _DIMENSIONS: Final = {"Time": "s", "Frequency": "Hz", "": "s"}
 """Units of what these files call the dimension of their times."""
-LONGEST_LABVIEW_HEAD: Final = 10_000
-"""Characters at the top in which the first header ends."""
 TIMES: Final = "X_Value"
 _SEPARATORS: Final = {"Tab": "\t", "Comma": ","}
 
@@ -71,11 +70,11 @@ def is_labview(text: str) -> bool:
     >>> is_labview("LabVIEW Measurement\t\n***End_of_Header***\n"), is_labview("t;x\n0;1\n")
     (True, False)
     """
-    head = text[:LONGEST_LABVIEW_HEAD].lstrip("\ufeff")
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
     return head.startswith(_BEGIN) and _END_OF_HEADER in head
 
 
-def read_labview(text: str) -> Table:
+def read_labview(text: str) -> FileTable:
     r"""Return the channels of all segments as one table.
 
     Segments that go on in time follow each other; where times begin again, each is a trial.
@@ -116,12 +115,12 @@ def read_labview(text: str) -> Table:
         )
     if len(tables) == 1:
         line = kept[0].line if parts[0][1] else 1  # merged rows are not those of the file
-        return Table(data=tables[0], first_row=line, remarks=(*remarks,), lost=lost)
+        return FileTable(data=tables[0], first_row=line, remarks=(*remarks,), lost=lost)
     trials = [*_trials(tables)]
     if trials[-1] > 1:
         remarks.append(f"Times begin again in later segments: {trials[-1]} trials.")
         tables = [table.assign(**{TRIAL: n}) for table, n in zip(tables, trials, strict=True)]
-    return Table(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,), lost=lost)
+    return FileTable(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,), lost=lost)
 
 
 def _segments(lines: Sequence[str], separator: str) -> Iterator[_Segment]:
@@ -242,8 +241,6 @@ def _cut(segments: Sequence[_Segment]) -> Iterator[str]:
 
 SCOPE: Final = "channels of TwinCAT Scope"
 """What such a file is, for messages."""
-LONGEST_SCOPE_HEAD: Final = 10_000
-"""Characters at the top among which its mark is sought."""
 _MARK: Final = re.compile(r'"?starttime of export"?(?P<separator>.)', re.IGNORECASE)
 _END_OF_ROWS: Final = ("", "eof")
 SCOPE_TIME: Final = "time [ms]"
@@ -257,12 +254,12 @@ def is_scope(text: str) -> bool:
     >>> is_scope("Name;Scope\nFile;a.csv\nStarttime of export;1337\n"), is_scope("t;x\n0;1\n")
     (True, False)
     """
-    head = text[:LONGEST_SCOPE_HEAD].lstrip("\ufeff")
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
     named = head.lstrip('"').lower().startswith("name")
     return named and any(_MARK.match(line) for line in head.splitlines())
 
 
-def read_scope(text: str) -> Table:
+def read_scope(text: str) -> FileTable:
     r"""Return the channels of an export as one table.
 
     Times are in milliseconds, or the numbers of samples. Groups with other times than the first
@@ -301,7 +298,7 @@ def read_scope(text: str) -> Table:
             what = shown(names[places[0]])
             lost.append(f"{count(int(timeless.sum()), 'row')} of {what} without a time: not read.")
     data, same = merged([_group(rows, head, names, places) for places in groups])
-    return Table(data=data, first_row=first + 1 if same else 1, remarks=remarks, lost=(*lost,))
+    return FileTable(data=data, first_row=first + 1 if same else 1, remarks=remarks, lost=(*lost,))
 
 
 def _head(
@@ -414,7 +411,7 @@ def is_serial(text: str) -> bool:
     return _LINE.fullmatch(first.rstrip()) is not None
 
 
-def read_serial(text: str) -> Table:
+def read_serial(text: str) -> FileTable:
     r"""Return the numbers behind the arrows, named as the lines name them, or by their places.
 
     Examples
@@ -453,7 +450,7 @@ def read_serial(text: str) -> Table:
     lost = len(found) - len(rows) - bool(heads)
     are = "is" if lost == 1 else "are"
     said = [f"{count(lost, 'line')} without {width} numbers {are} not read."] if lost else []
-    return Table(data=data, lost=(*said,))
+    return FileTable(data=data, lost=(*said,))
 
 
 # Exports of tribometers: steps below each other, with a header each or a recipe above the table.
@@ -464,8 +461,6 @@ def read_serial(text: str) -> Table:
 # a column Step, and further lines below it. A step is a trial.
 
 TRIBOMETER: Final = "steps of a tribometer"
-LONGEST_STEP_HEAD: Final = 20_000
-"""Characters at the top among which a step is sought."""
 _STEP: Final = re.compile(
     r"""^[ \t"]*+step[ \t]*+(?:
         (?:no\.?|nr\.?|number|\#)[ \t]*+[:=]?[ \t]*+(?P<number>\d++)\b
@@ -481,8 +476,6 @@ RADIUS: Final = "radius"
 FORCES: Final = {"g": "gf", "kg": "kgf", "mg": "mgf"}
 """Units of masses in which forces are given there, and what is meant."""
 _FORCE: Final = re.compile(r"F[xyzntf]?|F_?[xyznt]|load|force", re.I)
-LISTED: Final = 12
-"""Steps in a sentence at most."""
 FEWEST_IN_STEP: Final = 2
 """Numbers in a row of a table, and rows in a step."""
 
@@ -510,12 +503,12 @@ def is_tribometer(text: str) -> bool:
     ... )
     (True, False)
     """
-    head = text[:LONGEST_STEP_HEAD].lstrip("\ufeff")
+    head = text[:LONGEST_HEAD].lstrip("\ufeff")
     recipe = _RECIPE.match(head) is not None and STEP in head.casefold()
     return recipe or _STEP.search(head) is not None
 
 
-def read_tribometer(text: str) -> Table:
+def read_tribometer(text: str) -> FileTable:
     r"""Return the rows of all steps, with the number of their step as the trial.
 
     Examples
@@ -552,7 +545,7 @@ def read_tribometer(text: str) -> Table:
     if others:
         labels = [other.label or str(sections.index(other) + 1) for other in others]
         lost.append(
-            f"Steps with other columns, or units of another kind: {joined(labels, LISTED)}."
+            f"Steps with other columns, or units of another kind: {joined(labels, MOST_LISTED)}."
         )
     remarks = []
     labels = [section.label or str(number) for number, section in enumerate(kept, 1)]
@@ -565,13 +558,13 @@ def read_tribometer(text: str) -> Table:
     steps = own or (labels if len(tables) > 1 else [])
     if steps:
         remarks.append(
-            f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps, LISTED)}."
+            f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps, MOST_LISTED)}."
         )
     data, told = _with_sliding_speed(data, lines, separator)
     data, said = _from_slip(data)
     if nameless := sum(len(section.rows) for section in found if not section.names):
         lost.append(f"{count(nameless, 'row')} below no names of columns: not read.")
-    return Table(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
+    return FileTable(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
 
 
 def _is_row(cells: Sequence[str]) -> bool:
@@ -625,7 +618,9 @@ def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[st
     if not missed:
         return []
     step, have, are = ("Steps", "have", "are") if len(missed) > 1 else ("Step", "has", "is")
-    which = f"{step} {joined([*missed], LISTED)} {have} no table of {FEWEST_IN_STEP} rows or more"
+    which = (
+        f"{step} {joined([*missed], MOST_LISTED)} {have} no table of {FEWEST_IN_STEP} rows or more"
+    )
     return [f"{which} and {are} left out."]
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import Array
+from stickslip.data.tolerances import FEWEST_SAMPLES, LONGEST_LINE, NEARLY_ALL, PER_MILLE
 from stickslip.data.units import read_number
 from stickslip.errors import InputError, UnknownNameError, concerning
 from stickslip.quantities import Quantity
@@ -236,11 +237,6 @@ def _unit_of_rate(unit: str, base: str) -> str:
     return f"{found[1].replace('K', 'k')}Hz" if found and unit[:1] != "m" else ""
 
 
-NEAR = 1e-3
-"""Share of the usual step of time below which two samples are of one time."""
-LONG = 0.9
-"""Quantile of the steps that is taken for a usual one: not a double, and not a gap."""
-
 Repair: TypeAlias = Literal["sort", "gaps"]
 """What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``."""
 
@@ -351,8 +347,12 @@ def nearly_zero(time: Array) -> float:
     1e-06
     """
     steps = np.diff(time)
-    usual = steps[steps > NEAR * np.quantile(steps, LONG, method="lower")] if steps.size else steps
-    return NEAR * float(np.median(usual)) if usual.size else 0.0
+    usual = (
+        steps[steps > PER_MILLE * np.quantile(steps, NEARLY_ALL, method="lower")]
+        if steps.size
+        else steps
+    )
+    return PER_MILLE * float(np.median(usual)) if usual.size else 0.0
 
 
 SEPARATORS: Final = (";", "\t", ",", "|", " ")
@@ -361,10 +361,6 @@ MARKS: Final = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " "
 """What they are called."""
 LOOKED_AT: Final = 400
 """Lines at the top among which header and rows are sought."""
-LONGEST_CELL: Final = 100_000
-"""Characters that are looked at of a cell that is no number."""
-ALIKE: Final = 10
-"""Rows that have to follow each other, unless the file has fewer."""
 CODE_PAGES: Final = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 MISSING: Final = ("", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false")
 """Words of cells, in any case, that stand for a number that is missing, or for none."""
@@ -496,7 +492,7 @@ def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> 
         found = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
         return next(found, [])
     except csv.Error:
-        return [cell[:LONGEST_CELL] for cell in line.split(separator)]
+        return [cell[:LONGEST_LINE] for cell in line.split(separator)]
 
 
 def is_number(cell: str) -> bool:
@@ -633,7 +629,7 @@ def _upper(text: str) -> list[str]:
 
 
 def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]]:
-    """Yield, if rows of numbers are parted by a mark, where they begin.
+    """Yield, if rows of numbers are separated by a mark, where they begin.
 
     That is the number of words among them, negative; the number of cells that are not empty at the
     end of all rows; the first line.
@@ -641,7 +637,7 @@ def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]
     counts = [_counted(line, separator) for line in lines]
     full = [index for index, line in enumerate(lines) if line.strip()]
     for place, index in enumerate(full):
-        following = [counts[i] for i in full[place : place + ALIKE]]
+        following = [counts[i] for i in full[place : place + FEWEST_SAMPLES]]
         sizes = {size for size, _, _ in following}
         if len(sizes) == 1 and min(sizes) > 0:
             words = sum(words for _, _, words in following)

@@ -12,8 +12,9 @@ from scipy.signal import correlate, correlation_lags
 from stickslip.data.measurement import BESIDE, BY_JOINT, Array
 from stickslip.data.readers import guess
 from stickslip.data.readers.robots import NO_RADIANS
-from stickslip.data.readers.table_reader import Frame, data_file, read_frame
+from stickslip.data.readers.table_reader import QuantityTable, data_file, read_frame
 from stickslip.data.readers.toml import check_file, check_path
+from stickslip.data.tolerances import DECADE, GAP, NEARLY_ALL
 from stickslip.errors import InputError, ParameterError
 from stickslip.mechanisms import coordinate_of, urdf_joints
 from stickslip.show.formatting import joined, lower_first, number, quantity
@@ -25,12 +26,6 @@ LATEST: Final = 1.0
 """Longest lag behind a command that is looked for [s]."""
 WINDOW: Final = 0.05
 """Time over which differences of positions are taken as motions [s]."""
-LONG: Final = 3.0
-"""Usual steps of a command beyond which it is taken to stay on purpose."""
-ALIKE: Final = 0.9
-"""Correlation of commanded and measured motions from which a lag is told."""
-SPARSE: Final = 10.0
-"""Span over the time that the samples take at their usual step, beyond which nothing is told."""
 EQUAL: Final = 0.005
 """Difference of correlations that noise makes."""
 _WITH_CURRENT: Final = (*BY_JOINT, "current")
@@ -163,7 +158,7 @@ def guess_robot(
 
 
 def _matched(
-    frame: Frame, clock: str, kinds: Mapping[str, str], units: Mapping[str, str], urdf: str
+    frame: QuantityTable, clock: str, kinds: Mapping[str, str], units: Mapping[str, str], urdf: str
 ) -> tuple[list[_Joint], list[str]]:
     """Return the joints of a description that a log has, and what is said of the others."""
     logged = dict(_logged(frame, clock, units))
@@ -201,7 +196,7 @@ def _matched(
     ], doubts
 
 
-def _refuse_clocks(frame: Frame, clock: str, joints: Collection[str]) -> None:
+def _refuse_clocks(frame: QuantityTable, clock: str, joints: Collection[str]) -> None:
     """Refuse joints with times of their own: those of one are not when another was read."""
     stem, own = guess.numbered(clock)
     for name in frame.names if own else ():
@@ -232,7 +227,7 @@ def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
 
 
 def _logged(
-    frame: Frame, clock: str, units: Mapping[str, str]
+    frame: QuantityTable, clock: str, units: Mapping[str, str]
 ) -> Iterator[tuple[str, dict[str, guess.Found]]]:
     """Yield the columns of each joint by quantity, by its name or number in the log."""
     names = [name for name in frame.names if name]
@@ -271,7 +266,9 @@ def _logged(
             )
 
 
-def _numbers(frame: Frame, joint: _Joint, units: Mapping[str, str]) -> Iterator[tuple[str, Array]]:
+def _numbers(
+    frame: QuantityTable, joint: _Joint, units: Mapping[str, str]
+) -> Iterator[tuple[str, Array]]:
     """Yield positions, measured and commanded, in SI."""
     for what in ("position", "reference"):
         found = joint.columns.get(what)
@@ -317,7 +314,7 @@ def _mean(joint: _Joint) -> float:
 
 
 def _delays(
-    frame: Frame, joints: Sequence[_Joint], times: Array, trial: str
+    frame: QuantityTable, joints: Sequence[_Joint], times: Array, trial: str
 ) -> Iterator[tuple[str, float]]:
     """Yield how far joints lag behind their commands [s]."""
     rows = np.ones(times.size, dtype=bool)
@@ -351,7 +348,7 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
         return None
     times, first = np.unique(times[good], return_index=True)
     step = float(np.median(np.diff(times)))
-    if times[-1] - times[0] > SPARSE * step * times.size:
+    if times[-1] - times[0] > DECADE * step * times.size:
         return None  # gaps, or times that cannot be
     even = np.arange(times[0], times[-1], step)
     over = max(1, round(WINDOW / step))
@@ -377,7 +374,7 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
     peaks = np.split(high, np.flatnonzero(np.diff(high) > 1) + 1)
     tops = [int(peak[np.argmax(found[peak])]) for peak in peaks]
     best = min(tops, key=lambda place: abs(lags[near][place]))
-    if found[best] < ALIKE or best in (0, found.size - 1):
+    if found[best] < NEARLY_ALL or best in (0, found.size - 1):
         return None
     left, top, right = found[best - 1 : best + 2]
     bend = left - 2.0 * top + right
@@ -393,7 +390,7 @@ def _between_commands(times: Array, wanted: Array) -> tuple[Array, Array]:
     changes = np.flatnonzero(np.diff(wanted, prepend=wanted[0] - 1.0) != 0.0)
     steps = np.diff(changes)
     usual = np.median(steps) if steps.size else 1
-    ends = changes[1:][steps > LONG * usual] - 1
+    ends = changes[1:][steps > GAP * usual] - 1
     kept = np.union1d(np.union1d(changes, ends), [0, wanted.size - 1])
     return times[kept], wanted[kept]
 

@@ -11,7 +11,8 @@ import pandas as pd
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.binary import check_parquet
-from stickslip.data.readers.table import Table, parsed_as, read_json
+from stickslip.data.readers.table import FileTable, parsed_as, read_json
+from stickslip.data.tolerances import PER_MILLE, SLIGHT
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.display import require_library
@@ -30,8 +31,6 @@ STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
 """Steps of servos [deg] that count 12 bits a turn, by either convention."""
 FEWEST: Final = 20
 """Steps from which they show that they are multiples of one."""
-WHOLE: Final = 0.05
-"""Distance of a step from such a multiple; 24 bits leave 1e-4."""
 MOST: Final = 0.98
 """Share of the steps that are multiples."""
 RADIANS: Final = 13.0
@@ -148,7 +147,9 @@ def are_degrees(positions: Sequence[Array]) -> bool:
     gaps = [np.diff(np.unique(position)) for position in positions]
     moved = [gap for gap in gaps if gap.size >= FEWEST]
     return bool(moved) and any(
-        all(np.mean(np.abs(array / step - np.rint(array / step)) < WHOLE) > MOST for array in moved)
+        all(
+            np.mean(np.abs(array / step - np.rint(array / step)) < SLIGHT) > MOST for array in moved
+        )
         for step in STEPS
     )
 
@@ -226,7 +227,7 @@ SETTINGS: Final = {
 """What stands above the entries, and its unit."""
 
 
-def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
+def read_servo(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return the entries of a log as rows, what is no number left out."""
     found = read_json(path)
     entries = found.get("entries") if isinstance(found, dict) else None
@@ -248,7 +249,7 @@ def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
         if name.split(" ")[0] in ("timestamp", "position") and not np.isfinite(values).any():
             raise InputError(f"{path}: no {name.split(' ')[0]!r} of its entries is a number.")
     kept = {name: values for name, values in columns.items() if np.isfinite(values).any()}
-    return Table(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(found, names))
+    return FileTable(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(found, names))
 
 
 def _number(value: Any) -> float:
@@ -307,13 +308,11 @@ ENDS: Final = {
     "current": "current",
 }
 """Ends of names, as in shoulder_pan.pos."""
-ALIKE: Final = 1e-3
-"""Share of a frame by which times that are numbers of frames may differ by rounding."""
 NO_RADIANS: Final = "which is no angle in rad"
 """What is said of positions whose unit is not known."""
 
 
-def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
+def read_lerobot(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return all episodes as trials, with a column for each joint."""
     info = _info(path)
     features = info["features"]
@@ -345,7 +344,7 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
     if _largest(columns) > RADIANS and are_degrees(_positions(columns)):
         angles = ("position.", "reference.")
         columns = {f"{x} [deg]" if x.startswith(angles) else x: y for x, y in columns.items()}
-    return Table(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
+    return FileTable(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
 
 
 def _info(path: Path) -> Mapping[str, Any]:
@@ -403,7 +402,7 @@ def _times(data: Mapping[str, Array], fps: float) -> tuple[Array, tuple[str, ...
     away = np.abs(data["timestamp"] - counted)
     # Times are stored with 24 bits.
     rounding = 2.0**-23 * np.maximum(np.abs(counted), 1.0)
-    if np.all(away <= ALIKE / fps + rounding):
+    if np.all(away <= PER_MILLE / fps + rounding):
         return counted, (
             f"Times are frame numbers over {number(fps, 4)} fps: when a sample was measured is not"
             " in the data set, and a loop that was late looks like a jump of the motion.",

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import pandas as pd
 
+from stickslip.data.tolerances import MOST_LISTED
 from stickslip.errors import InputError, check_columns, check_size
 from stickslip.show.documents import regular_bytes
 from stickslip.show.formatting import count, joined
@@ -26,12 +27,10 @@ TRIAL: Final = "trial"
 """Column that numbers or names trials."""
 TIME: Final = "time [s]"
 """Column of times that a reader makes."""
-MOST_LISTED: Final = 12
-"""Columns that a remark names."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class FileTable:
     """The columns of a file, their names as they stand there."""
 
     data: pd.DataFrame

@@ -11,14 +11,21 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip import errors
-from stickslip.data.measurement import STATED
+from stickslip.data.measurement import STATED, TRAVELS
 from stickslip.data.readers import binary, csv_reader, robots
 from stickslip.data.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
-from stickslip.data.readers.columns import Column, is_half_width, stated_unit, without_unit
+from stickslip.data.readers.columns import (
+    VOCABULARY,
+    Column,
+    is_half_width,
+    stated_unit,
+    without_unit,
+)
 from stickslip.data.readers.layout import Layout, regular_times, seconds_of, unit_in
-from stickslip.data.readers.table import TRIAL, Table
+from stickslip.data.readers.table import TRIAL, FileTable
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
+from stickslip.data.tolerances import SLIGHT
 from stickslip.show.formatting import number
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown, split_number
 
@@ -34,7 +41,7 @@ class Format:
 
     endings: tuple[str, ...]
     """Endings of its files, in lower case, or the ends of their names."""
-    read: Callable[[Path, Collection[str]], Table]
+    read: Callable[[Path, Collection[str]], FileTable]
     """Reads a file; what it is told are the columns that are wanted by name."""
     streamed: bool = False
     """Whether a file may be of any size, because only parts of it are kept."""
@@ -131,14 +138,6 @@ RUN: Final = frozenset({"t", "friction", "normal_force", "mode"})
 """Columns by which a file shows that a run of this package wrote it."""
 STATES: Final = ({"x": "position", "v": "velocity"}, {"theta": "position", "omega": "velocity"})
 """What the states of one body are called there, on a line and about an axis."""
-TURNING: Final[Mapping[str, str]] = {
-    "angle": "position",
-    "angular velocity": "velocity",
-    "angular_velocity": "velocity",
-    "torque": "force",
-}
-"""What quantities of a body that turns are called in records in time."""
-
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
 _HEADER = re.compile(r"(?P<name>[^\[\]]*+)(?:\[(?P<unit>[^\[\]]*+)\])?+")
@@ -153,7 +152,7 @@ _PART_OF_STAMP = re.compile(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Frame:
+class QuantityTable:
     """A table whose columns are known by the quantities they hold."""
 
     file: str
@@ -177,7 +176,7 @@ class Frame:
         """Return whether no cell of a column holds anything, as of a channel that was off."""
         return bool(self.data[self.names[name]].isna().all())
 
-    def as_headed(self) -> "Frame":
+    def as_headed(self) -> "QuantityTable":
         """Return the table with all columns known by their headers, as who names them does."""
         known = {header: name for name, header in _headers(self.file, self.data)[0].items()}
         own = {key: known[header] for key, header in self.names.items()}
@@ -187,7 +186,7 @@ class Frame:
             units={own[key]: unit for key, unit in self.units.items()},
         )
 
-    def at_rate(self, rate: str) -> "Frame":
+    def at_rate(self, rate: str) -> "QuantityTable":
         """Return the table with a column, called like a rate, of the times of its rows."""
         times = regular_times(rate, len(self.data))
         if times is None or rate in self.names:
@@ -308,7 +307,7 @@ def read_frame(
     units: Mapping[str, str],
     layout: Layout | None = None,
     also: Collection[str] = (),
-) -> Frame:
+) -> QuantityTable:
     """Read a file and find out what its columns hold.
 
     `also` names columns that are wanted whatever they hold, of files that have more than a table.
@@ -359,7 +358,7 @@ def frame_of(
     remarks: Sequence[str] = (),
     lost: Sequence[str] = (),
     rates: Mapping[str, str] | None = None,
-) -> Frame:
+) -> QuantityTable:
     """Find out what the columns of a table hold; times may be a rate instead of a column."""
     if data.empty:
         raise errors.InputError(f"{file}: has no rows.")
@@ -398,7 +397,7 @@ def _named(
     first_row: int,
     columns: Mapping[str, str],
     units: Mapping[str, str],
-) -> Frame:
+) -> QuantityTable:
     names, found_units = _headers(file, data)
     data = data.set_axis(list(map(str, data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)
@@ -408,7 +407,8 @@ def _named(
         names[name] = own[name] = name
         found_units[name] = own_units[name] = "s"
         data = data.assign(**{name: stamp})
-    for quantity in [name for name, column in columns.items() if not column]:  # not to be read
+    unread = [name for name, column in columns.items() if not column]
+    for quantity in unread:
         names.pop(quantity, None)
         found_units.pop(quantity, None)
     columns = {name: column for name, column in columns.items() if column}
@@ -428,12 +428,26 @@ def _named(
             known = [label for label in names if label != SECOND]
             raise errors.UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
-    for word, quantity in TURNING.items():
-        if "time" in names and word in names and quantity not in names:
-            names[quantity], found_units[quantity] = names.pop(word), found_units.pop(word)
+    _called_plainly(names, found_units, unread)
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
-    return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+    return QuantityTable(file=file, data=data, names=names, units=found_units, first_row=first_row)
+
+
+def _called_plainly(
+    names: dict[str, str], units: dict[str, str | None], unread: Collection[str]
+) -> None:
+    """Call what a record in time, or a table of friction, has under other plain names.
+
+    A speed has no sign: beside positions it is no velocity.
+    """
+    if not {"time", "friction"} & names.keys() or {*TRAVELS} & names.keys():
+        return
+    for quantity, meaning in VOCABULARY.items():
+        word = next((word for word in meaning.plain if word in names), "")
+        signed = word != "speed" or "position" not in names
+        if word and signed and quantity not in (*names, *unread):
+            names[quantity], units[quantity] = names.pop(word), units.pop(word)
 
 
 def _recognise(names: dict[str, str], units: dict[str, str | None], *, of_run: bool) -> None:
@@ -530,11 +544,9 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
 
 KELVINS = ("K", "°C", "degC", "°F", "degF")
 """Units of temperatures."""
-STEADY = 0.05
-"""Share of its mean within which a number may vary in a trial: the mean is taken."""
 
 
-def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
+def by_trial(frame: QuantityTable) -> Iterator[tuple[str, QuantityTable]]:
     """Yield the rows of each trial with its name, in the order in which they come.
 
     A table without a column of trials, or with one trial only, is yielded as it is.
@@ -556,7 +568,7 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
         yield name, replace(frame, data=frame.data[cells == value])
 
 
-def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
+def condition_keys(frame: QuantityTable, columns: Sequence[str]) -> dict[str, str]:
     """Return the column of each condition, by name, with its unit if the column has one."""
     found = {}
     for name in columns:
@@ -577,7 +589,7 @@ def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
+def condition_cells(frame: QuantityTable, name: str) -> list[float | str | None]:
     """Return the cells of a column as numbers, or as texts if one is none; None where empty."""
     column = frame.data[frame.names[name]]
     numbers = pd.to_numeric(column, errors="coerce")
@@ -586,7 +598,7 @@ def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
     return [None if pd.isna(cell) else str(cell).strip() or None for cell in column]
 
 
-def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str]:
+def conditions_in(frame: QuantityTable, columns: Sequence[str]) -> dict[str, float | str]:
     """Return the conditions of a record, whose columns have one value each.
 
     A condition without any value is left out.
@@ -601,7 +613,7 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
         if len(values) == 1:
             found[key] = cells[0]
         elif len(known) == len(cells) and (
-            np.ptp(known) <= STEADY * abs(float(np.mean(known)))
+            np.ptp(known) <= SLIGHT * abs(float(np.mean(known)))
             or _is_temperature(name, frame.units.get(name))
         ):
             found[key] = float(np.mean(known))
@@ -628,7 +640,7 @@ def _is_temperature(name: str, unit: str | None) -> bool:
     return named or unit in KELVINS
 
 
-def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:
+def unused_in(frame: QuantityTable, used: Collection[str]) -> dict[str, float | str | None]:
     """Return the columns that nothing was read from, with their value if they have one."""
     found: dict[str, float | str | None] = {}
     for name in frame.names:

@@ -10,8 +10,6 @@ from stickslip.errors import InputError
 
 T = TypeVar("T")
 
-LARGEST = 10_000_000
-"""Largest rig file that is read [byte]."""
 DEEPEST = 100
 """Most tables within tables. The library takes a time that grows with the square of it."""
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""

@@ -9,7 +9,7 @@ import pandas as pd
 
 from stickslip.data.readers.columns import STYLES
 from stickslip.data.readers.layout import cells_of, is_number, unit_in
-from stickslip.data.readers.table import Table, numbered_twice, rows_of
+from stickslip.data.readers.table import FileTable, numbered_twice, rows_of
 from stickslip.errors import InputError, check_columns
 from stickslip.show.formatting import quantity
 from stickslip.units import factor, is_unit, shown
@@ -103,7 +103,7 @@ def is_blocks(text: str) -> bool:
     return text[: len(_BLOCKS)].lower() == _BLOCKS
 
 
-def read_blocks(text: str) -> Table:
+def read_blocks(text: str) -> FileTable:
     r"""Return blocks of rows as one table over all their times.
 
     Cells stay texts. Rows are counted from 1 where there are several blocks, which are merged.
@@ -134,7 +134,7 @@ def read_blocks(text: str) -> Table:
         first = tracks[0][2][0] if tracks else 1
         whole = tables[0] if tables else pd.DataFrame()
         lines = [line - first for line in tracks[0][2]] if tracks else []
-        return Table(data=whole.set_axis(lines), first_row=first)
+        return FileTable(data=whole.set_axis(lines), first_row=first)
     by_time = [table.set_index("T") for table in tables]
     for (track, _, _), table in zip(tracks, by_time, strict=True):
         if not table.index.is_unique:
@@ -144,7 +144,7 @@ def read_blocks(text: str) -> Table:
                 " milliseconds."
             )
     merged = pd.concat(by_time, axis=1)
-    return Table(data=merged.loc[sorted(merged.index, key=_moment)].reset_index())
+    return FileTable(data=merged.loc[sorted(merged.index, key=_moment)].reset_index())
 
 
 def _moment(cell: str) -> float:
@@ -197,7 +197,7 @@ def is_capture(text: str) -> bool:
     return first.startswith(_BEGIN) and _TAKE in first
 
 
-def read_capture(text: str) -> Table:
+def read_capture(text: str) -> FileTable:
     """Return the columns called ``body/Position/X``, those first along which a body moves most."""
     lines = text.lstrip("\ufeff").splitlines()
     settings = cells_of(lines[0], ",")
@@ -233,7 +233,7 @@ def read_capture(text: str) -> Table:
             f"{shown(n.partition(' [')[0])} {quantity(spans[n] * scale, 'm')}" for n in order[:3]
         ]
         remarks.append(f"Largest spans of positions: {', '.join(told)}.")
-    return Table(
+    return FileTable(
         data=data[[*others[:2], *order, *others[2:]]], first_row=first + 1, remarks=(*remarks,)
     )
 

@@ -17,10 +17,11 @@ import numpy as np
 from stickslip.data import travels
 from stickslip.data.checking.motion import GRAVITY, Swing
 from stickslip.data.readers.columns import Reading
-from stickslip.data.readers.guess import Guess, guess_data
+from stickslip.data.readers.guess import UNDRIVEN, Guess, guess_data
 from stickslip.data.readers.layout import Layout
 from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
+from stickslip.data.tolerances import HALF
 from stickslip.errors import InputError
 from stickslip.show.formatting import joined, number, percent, printable, quantity
 
@@ -325,7 +326,7 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
             )
         runs.append(_run(path, film.time, film.values("position")))
         doubts += [runs[-1].doubt] if runs[-1].doubt else []
-    doubts = [doubt for doubt in doubts if "no force" not in doubt]  # films need none
+    doubts = [doubt for doubt in doubts if not doubt.startswith(UNDRIVEN)]
     runs.sort(key=lambda run: run.frequency)
     return FilmedRig(guess=guess, runs=tuple(runs), doubts=tuple(dict.fromkeys(doubts)))
 
@@ -337,7 +338,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     named = IN_NAME.search(path.stem)
     stated = float(re.sub("[,_p]", ".", named[1].lower())) if named else math.nan
     doubt = ""
-    if share < travels.OSCILLATION_SHARE and not named:
+    if share < HALF and not named:
         raise InputError(
             f"{path.name} shows no oscillation: the best frequency explains {percent(share)} of its"
             " motion about a smooth curve. Write the frequency of its drive into its name, as in"
@@ -347,7 +348,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     if not named:
         frequency, reason = float(f"{best:.3g}"), "as it oscillates"
         doubt = f"{path.name}: the frequency is read off the film; write the one that was set."
-    elif travels.oscillation(t, x, 0.5 * stated, 2 * travels.HARMONICS) < travels.OTHER * share:
+    elif travels.oscillation(t, x, 0.5 * stated, 2 * travels.HARMONICS) < HALF * share:
         frequency, reason = float(f"{best:.3g}"), "as it oscillates"
         doubt = (
             f"{path.name} oscillates with {number(best, 3)} Hz, and its name says"

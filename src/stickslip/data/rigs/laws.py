@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, create_model
 
 from stickslip.data.estimates import LOAD
 from stickslip.data.rig import KnownLaws
-from stickslip.data.rigs.rig_models import ITS_TABLE, Given, Number, RigFile, Table
+from stickslip.data.rigs.rig_models import ITS_TABLE, Given, Number, RigFile, TomlTable
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import LAWS, FrictionLaw, force_parameters, law_type, laws, listed
 from stickslip.quantities import Quantity, fields_of, turned
@@ -22,10 +22,10 @@ NONE = "none"
 """What stands in place of a contact's table where nothing rubs."""
 
 
-class FrictionTable(Table):
+class FrictionTable(TomlTable):
     """Values that all laws share, and tables of single laws."""
 
-    of_one: ClassVar[type[Table]] = Table
+    of_one: ClassVar[type[TomlTable]] = TomlTable
     """Where contacts have tables of their own, the type of these."""
 
 
@@ -70,23 +70,23 @@ def _number(
     return Annotated[Any, number]
 
 
-def _forces_table(law: type[FrictionLaw]) -> type[Table]:
+def _forces_table(law: type[FrictionLaw]) -> type[TomlTable]:
     fields: dict[str, Any] = {"load": (Annotated[Any, Number(LOAD)], ...)}
     for key, (_, quantity) in force_parameters(law).items():
         fields[key] = (Annotated[Any, Number(quantity, mark="assumed")], None)
-    model = create_model(f"{law.__name__}Forces", __base__=Table, **fields)
+    model = create_model(f"{law.__name__}Forces", __base__=TomlTable, **fields)
     model.__doc__ = f"Values of {law.title} as forces, stiffness and damping at a load."
     return model
 
 
-def _law_table(law: type[FrictionLaw], at: ContactUnits) -> type[Table]:
+def _law_table(law: type[FrictionLaw], at: ContactUnits) -> type[TomlTable]:
     fields: dict[str, Any] = {}
     for field in dataclasses.fields(law):
         default = None if field.default is dataclasses.MISSING else field.default
         fields[field.name] = (_hint(law, field.name, at), default)
     if force_parameters(law):
         fields["forces"] = (_forces_table(law) | None, None)
-    model = create_model(law.__name__, __base__=Table, **fields)
+    model = create_model(law.__name__, __base__=TomlTable, **fields)
     model.__doc__ = (vars(law).get("__doc__") or "").strip().partition("\n")[0]
     return model
 
@@ -218,7 +218,7 @@ def _fields(kind: type[FrictionLaw]) -> set[str]:
 
 
 def known_laws(
-    friction: Table,
+    friction: TomlTable,
     file: RigFile,
     kinds: Mapping[str, type[FrictionLaw]],
     at: str = "friction",
@@ -234,7 +234,7 @@ def known_laws(
     shared = friction.given()
     meant = _meant(kinds, shared)
     for name, law in kinds.items():
-        own: Table | None = getattr(friction, python_name(name))
+        own: TomlTable | None = getattr(friction, python_name(name))
         table = file.called.get(f"{at}.{name}", f"{at}.{name}")
         names = [field.name for field in dataclasses.fields(law)]
         values = {key: shared[key] for key in names if key in shared}
@@ -266,7 +266,11 @@ def known_laws(
         named=tuple(named),
         given=_GivenValues(
             {name: values for name, values in given.items() if values},
-            {key: _plain(value) for key, value in shared.items() if not isinstance(value, Table)},
+            {
+                key: _plain(value)
+                for key, value in shared.items()
+                if not isinstance(value, TomlTable)
+            },
         ),
         assumed=assumed,
         uncertainties=uncertainties,
@@ -303,7 +307,7 @@ def by_contact(
     shared = {key: value for key, value in given.items() if key not in keys}
     found: dict[str, KnownLaws | None] = {}
     for key, name in keys.items():
-        own: Table | None = getattr(friction, key)
+        own: TomlTable | None = getattr(friction, key)
         if own is None and key in given:
             found[name] = None
             continue
@@ -401,10 +405,10 @@ def _required(law: type[FrictionLaw]) -> list[str]:
     return [field.name for field in dataclasses.fields(law) if field.default is dataclasses.MISSING]
 
 
-def _own(own: Table, law: type[FrictionLaw], file: RigFile, table: str) -> dict[str, Any]:
+def _own(own: TomlTable, law: type[FrictionLaw], file: RigFile, table: str) -> dict[str, Any]:
     """Return the values of a law's own table, those given as forces over their load."""
     values = own.given()
-    forces: Table | None = values.pop("forces", None)
+    forces: TomlTable | None = values.pop("forces", None)
     if forces is None:
         return values
     given = forces.given()

@@ -237,7 +237,7 @@ def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
     return {**texts}
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """Base of all tables: no key that is not known, none missing that is needed."""
 
     model_config = ConfigDict(
@@ -317,7 +317,7 @@ def table_of(
     measured: bool = False,
     alone: bool = False,
     only: tuple[str, ...] = (),
-) -> type[Table]:
+) -> type[TomlTable]:
     """Return the table of a mechanism or drive; `kind` is what its ``type`` must say.
 
     With a `mark`, that may be said of its own numbers, and where they are `measured` they may have
@@ -331,13 +331,13 @@ def table_of(
         default = None if only else field.default
         default = ... if default is dataclasses.MISSING else default
         fields[field.name] = (_hint(cls, field.name, mark, moved, measured), default)
-    model = create_model(f"{cls.__name__}_{moved}".rstrip("_"), __base__=Table, **fields)
+    model = create_model(f"{cls.__name__}_{moved}".rstrip("_"), __base__=TomlTable, **fields)
     model.__doc__ = (vars(cls).get("__doc__") or "").strip().partition("\n")[0]
     model.target = cls
     return model
 
 
-def choice(tables: Mapping[str, type[Table]]) -> Any:
+def choice(tables: Mapping[str, type[TomlTable]]) -> Any:
     """Return the type of a table that is one of several, told apart by its key ``type``."""
     options = tuple(tables.values())
     if len(options) == 1:
@@ -387,7 +387,7 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
     return hint
 
 
-def _or_in_file(table: type[Table], moved: str) -> type[Table]:
+def _or_in_file(table: type[TomlTable], moved: str) -> type[TomlTable]:
     """Return a table in which a file may stand in place of the samples of a motion."""
     if table.target is not SampledSwing:
         return table
@@ -422,7 +422,7 @@ def _inner_unit(cls: type) -> str:
     return str(units[-1]) if len(units) > 1 and units[-1] in {"m", "rad"} else ""
 
 
-def drive_tables(motor: type[Table] | None = None) -> Any:
+def drive_tables(motor: type[TomlTable] | None = None) -> Any:
     """Return the type of a table of a drive, or of several that are summed, or of a motor."""
     tables = {kind: table_of(drive, kind) for kind, drive in DRIVES.items()}
     drives: Any = choice(tables if motor is None else {**tables, mechanisms.DCMotor.name: motor})
@@ -433,7 +433,7 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, dict) else value
 
 
-def _alone(part: type) -> type[Table]:
+def _alone(part: type) -> type[TomlTable]:
     """Return the table of a part where no other kind could stand."""
     return table_of(part, _kebab(part), alone=True)
 
@@ -454,7 +454,7 @@ ANGLE, DISTANCE = Quantity("q", "rad"), Quantity("q", "m")
 Added = table_of(mechanisms.RobotJoint, "joint", only=ADDED)
 
 
-class UrdfTable(Table):
+class UrdfTable(TomlTable):
     """A robot from a description in URDF."""
 
     type: Literal["urdf"]

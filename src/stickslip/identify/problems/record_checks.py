@@ -2,8 +2,8 @@
 
 A plain balance, of inertia, level, viscous friction and offset, is fitted to all rows. Where the
 sign of the force is turned in the first :math:`k` of the stretches, and that leaves much less than
-any other number does, it changes there. Where the friction that explains most of what the inertia
-leaves gives energy to the motion, the force is that of the other sign.
+as it is, it changes there; in all of them, it is the other one. Where the friction that explains
+most of what the inertia leaves gives energy to the motion, the force is that of the other sign.
 """
 
 from collections.abc import Sequence
@@ -24,6 +24,10 @@ from stickslip.show.formatting import percent
 
 EXPLAINED = 0.5
 """Part of what a plain balance leaves that another sign takes off, at least."""
+OTHER_SIGN = (
+    "with the sign that the force has, friction would drive the motion: turn the sign of the force"
+    " (its gain, -1), or that of the position."
+)
 SETTLING, STEADY = 20, 1e-4
 """Steps to where a balance that is not linear leaves least, and the share of the mean square that
 the last one gains."""
@@ -72,15 +76,16 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
     count = int(stretches.max()) + 1
     moments = np.array([x[stretches == k].T @ driven[stretches == k] for k in range(count)])
     left = []
-    for k in range(count):
-        sign = np.where(stretches < k, -1.0, 1.0)
-        y = sign * driven + other
+    for k in range(count + 1):  # the last one turns all of them
         side = np.where(np.arange(count) < k, -1.0, 1.0)
+        y = side[stretches] * driven + other
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
-    best = int(np.argmin(left))
+    best = int(np.argmin(left[:count]))
     most = 1.0 - EXPLAINED
     if left[best] < most * left[0]:
+        if left[count] <= left[best]:
+            raise InputError(OTHER_SIGN)
         begin = int(np.argmax(stretches == best))
         raise InputError(
             f"the sign of the force changes at about t = {rows.time[begin]:.3g} s: turned before"
@@ -88,16 +93,11 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
             " balance. Give the force the sign of the position all along."
         )
     c = np.linalg.solve(gram, x.T @ response)
-    friction = x[:, :n] @ c[:n]
-    plain = np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
-    without = response - x[:, n:] @ plain
-    wrong = float(np.mean(friction * speed)) < 0.0
+    without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
+    wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     inertial = float(c[n + 1]) < 0.0 if inertia else True
     if wrong and inertial and left[0] < most * float(without @ without):
-        raise InputError(
-            "with the sign that the force has, friction would drive the motion: turn the sign of"
-            " the force, or that of the position."
-        )
+        raise InputError(OTHER_SIGN)
 
 
 def settled(

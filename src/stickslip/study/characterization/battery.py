@@ -29,6 +29,7 @@ from stickslip.study.characterization.bench import (
     presliding_length,
     there_and_back,
 )
+from stickslip.study.tolerances import ALIKE, FINE, MOST_STEPS, PERCENT, ROUNDING, TRANSIENT
 
 # Tests before sliding: break-away by rate and dwell, drift, small loops.
 
@@ -38,12 +39,6 @@ RATES = (2.0 / 3.0, 4.0 / 3.0, 20.0 / 3.0, 20.0)
 """Rates of force over break-away [1/s]."""
 DWELLS = (0.1, 1.0, 10.0, 100.0)
 """Times at rest [s]."""
-FINE = 4001
-"""Times at which a peak is looked at."""
-PEAK_TOLERANCE = 0.01
-"""Share by which peaks have to differ to depend on anything."""
-MOST_STEPS = 100_000
-"""Steps after which a run with a rest is given up: some laws switch without end at rest."""
 LATE_FALL = 0.005
 """Share of the largest force by which it has to fall after a peak."""
 GONE = 20.0
@@ -77,7 +72,7 @@ class BreakAway(Characteristic):
             )
         peaked = ~np.isnan(self.force)
         seen = self.force[peaked]
-        if np.ptp(seen) > PEAK_TOLERANCE * seen.max():
+        if np.ptp(seen) > PERCENT * seen.max():
             slow, fast = (quantity(self.rate[peaked][i], "N/s") for i in (0, -1))
             verb = "falls" if seen[-1] < seen[0] else "rises"
             by_rate = (
@@ -90,7 +85,7 @@ class BreakAway(Characteristic):
                 f"Break-away takes {quantity(seen.max(), 'N', 4)} however fast the force grows."
             )
         after = self.force_after[~np.isnan(self.force_after)]
-        if len(after) > 1 and np.ptp(after) > PEAK_TOLERANCE * after.max():
+        if len(after) > 1 and np.ptp(after) > PERCENT * after.max():
             return (
                 f"{by_rate} It goes from {quantity(after[0], 'N')} after"
                 f" {quantity(self.dwell[0], 's')} at rest to {quantity(after[-1], 'N')} after"
@@ -196,8 +191,6 @@ DRIFT_SETTLED, DRIFT_TIME, DRIFT_WINDOW = 2.0, 8.0, 0.5
 """When drift begins to count, how long it counts, and over how long positions are means [s]."""
 DRIFT_SAMPLES = 2000
 FOREVER = 1e9
-DRIFT_TOLERANCE = 1e-3
-"""Drift over the presliding length that counts as none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -225,7 +218,7 @@ class Drift(Characteristic):
     @property
     def stays(self) -> bool:
         """Whether the body stays in its place."""
-        return abs(self.distance) <= DRIFT_TOLERANCE * self.length
+        return abs(self.distance) <= ALIKE * self.length
 
     @property
     def rate(self) -> float:
@@ -307,8 +300,6 @@ INNER = (0.8, 0.4, 0.8)
 """The same on first loading, where the memory is tested, over the presliding length."""
 WAY_POINTS = 120
 """Points on each way."""
-MEMORY_KEPT = 1e-3
-"""Change of the force after a closed inner loop, over break-away, from which it is one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -385,7 +376,7 @@ def presliding(
     if bench.length > 0.0:
         begins, to = inner or (INNER[0] * bench.length, INNER[1] * bench.length)
         change = _changed(bench, begins, to, speed)
-        local = abs(change) > MEMORY_KEPT * bench.levels[1]
+        local = abs(change) > ALIKE * bench.levels[1]
         memory = "local" if local else "non-local"
     return Presliding(
         displacement=x,
@@ -436,12 +427,8 @@ DECADES = 2
 """Speeds are looked at so many decades below and above the one at which friction changes."""
 SEEN = 2.0
 """Friction over the highest level, up to which they are looked at one decade farther."""
-SAMPLES = 201
+SPEEDS_A_SIDE = 201
 """Speeds on each side."""
-FALL = 0.01
-"""Share of the force by which it has to fall for a drive to stick and slip."""
-ROUNDING = 1e-9
-"""Share of the force by which it has to fall, or to rise, to depend on speed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -483,11 +470,11 @@ class SteadyCurve(Characteristic):
             )
         low = int(np.argmin(force))
         start = max(rest, float(force[0]))
-        if force[low] < (1.0 - FALL) * start:
-            falls = force[0] >= (1.0 + FALL) * force[low]
+        if force[low] < (1.0 - PERCENT) * start:
+            falls = force[0] >= (1.0 + PERCENT) * force[low]
             where = f" at {quantity(speed[low], 'm/s')}" if falls else ""
             what = "A drive that is soft can stick and slip"
-            rises = " and rises beyond" if force[-1] > (1.0 + FALL) * force[low] else ""
+            rises = " and rises beyond" if force[-1] > (1.0 + PERCENT) * force[low] else ""
             return (
                 f"Break-away takes {quantity(start, 'N')}, sliding {quantity(force[low], 'N')}"
                 f"{where}{rises}. {what}{' below this speed' if falls and rises else ''}."
@@ -515,7 +502,7 @@ def steady_curve(bench: Bench) -> SteadyCurve:
     reach = 10.0**DECADES
     farther = np.abs(law.steady(bench.speed * 10.0 * reach * np.array([-1.0, 1.0]), load))
     slow = np.max(farther) <= SEEN * bench.levels[1]  # viscous friction is hardly seen before
-    speeds = bench.speed * np.geomspace(1.0 / reach, 10.0 * reach if slow else reach, SAMPLES)
+    speeds = bench.speed * np.geomspace(1.0 / reach, 10.0 * reach if slow else reach, SPEEDS_A_SIDE)
     velocity = np.concatenate([-speeds[::-1], speeds])
     force = np.asarray(law.steady(velocity, load), dtype=np.float64) + np.zeros_like(velocity)
     back, ahead = (float(law.towards(side).break_away(load)) for side in (-1, 1))
@@ -556,8 +543,6 @@ FEWEST_STEPS = 64
 CHECKED, FINER, AGREED = 10, 4, 1e-3
 """Motions that are looked at with shorter steps, how much shorter these are, and how far their
 energies may differ, over break-away times presliding length."""
-SMALL = 1e-6
-"""Energy of a cycle over break-away times presliding length that counts as none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -582,7 +567,7 @@ class Passivity(Characteristic):
     @property
     def passive(self) -> bool:
         """Whether no motion was found that gains energy from friction."""
-        return self.worst >= -SMALL * self.scale
+        return self.worst >= -TRANSIENT * self.scale
 
     @property
     def sentence(self) -> str:

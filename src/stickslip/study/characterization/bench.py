@@ -23,6 +23,7 @@ from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.documents import json_value
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -206,8 +207,6 @@ STIFF, QUICK = 1e5, 1e-6
 """Stiffness of the load cell over that of the contact, and its time constant [s]."""
 SOFT, SLUGGISH = 1e2, 1e-4
 """The same where the contact has no state that only the path may move."""
-START_SHARE = 1e-9
-"""Share of the presliding length at which states begin: some laws switch at exactly 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -332,7 +331,7 @@ class Bench(Parametrised):
 
     def deflected(self) -> dict[str, float]:
         """Return states of the law at a small share of the presliding length."""
-        return dict.fromkeys(self.law.states, START_SHARE * self.reach)
+        return dict.fromkeys(self.law.states, ROUNDING * self.reach)
 
 
 @dataclass(frozen=True, kw_only=True)

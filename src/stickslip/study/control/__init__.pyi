@@ -6,11 +6,10 @@ from collections.abc import Mapping as _Mapping
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
 from stickslip.quantities import Given as _Given
-from stickslip.study.control.equations_of_motion import Dynamics as Dynamics
-from stickslip.study.control.equations_of_motion import dynamics_at as dynamics_at
 from stickslip.study.control.feedback_loop import ClosedLoop as ClosedLoop
 from stickslip.study.control.feedback_loop import Controller as Controller
 from stickslip.study.control.feedback_loop import Controller as _Controller
+from stickslip.study.control.feedback_loop import Dynamics as Dynamics
 from stickslip.study.control.feedback_loop import FrictionCompensation as _FrictionCompensation
 from stickslip.study.control.feedback_loop import LimitCycle as LimitCycle
 from stickslip.study.control.feedback_loop import Load as _Load
@@ -19,6 +18,7 @@ from stickslip.study.control.feedback_loop import PartialLinearisation as _Parti
 from stickslip.study.control.feedback_loop import Signal as _Signal
 from stickslip.study.control.feedback_loop import closed_loop as closed_loop
 from stickslip.study.control.feedback_loop import compensation as compensation
+from stickslip.study.control.feedback_loop import dynamics_at as dynamics_at
 from stickslip.study.control.feedback_loop import limit_cycle as limit_cycle
 
 @dataclass(frozen=True, kw_only=True, init=False)

@@ -1,4 +1,6 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
+from stickslip.study.optimisation.search import Cycle as Cycle
+from stickslip.study.optimisation.search import GIVEN_LAW as GIVEN_LAW
 from stickslip.study.optimisation.search import GOALS as GOALS
 from stickslip.study.optimisation.search import Goal as Goal
 from stickslip.study.optimisation.search import GoalName as GoalName
@@ -7,11 +9,10 @@ from stickslip.study.optimisation.search import Motion as Motion
 from stickslip.study.optimisation.search import Optimum as Optimum
 from stickslip.study.optimisation.search import Scenario as Scenario
 from stickslip.study.optimisation.search import known_paths as known_paths
+from stickslip.study.optimisation.search import measure as measure
 from stickslip.study.optimisation.search import optimise as optimise
+from stickslip.study.optimisation.search import travelling as travelling
 from stickslip.study.optimisation.search import units_of as units_of
-from stickslip.study.optimisation.steady_cycle import Cycle as Cycle
-from stickslip.study.optimisation.steady_cycle import measure as measure
-from stickslip.study.optimisation.steady_cycle import travelling as travelling
 
 __all__ = [
     "Cycle",

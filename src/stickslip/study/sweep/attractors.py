@@ -35,6 +35,7 @@ from stickslip.study.sweep.parameter_grid import (
     reasons_of,
     whole_run,
 )
+from stickslip.study.tolerances import ALIKE, MOST_STEPS, TRANSIENT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,16 +44,8 @@ if TYPE_CHECKING:
 
 # Cycles of the drives: what each of them brings, and after how many a motion closes.
 
-CLOSED = 1e-3
-"""Share of the size of a state within which samples count as the same point."""
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
-STEADY = 1e-3
-"""Share of the travel within which cycles count as the same."""
-STILL = 1e-6
-"""Share of the ways to and fro below which a travel is rounding, or what is left of a transient."""
-MOST_TIMES = 100_000
-"""Times of all cycles together: of very many cycles each has fewer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,11 +83,11 @@ class DrivenCycle:
     @property
     def moves_on(self) -> bool:
         """Whether the travel is more than rounding of the ways to and fro."""
-        return abs(self.travel) > STILL * (abs(self.travel) + self.back_slip)
+        return abs(self.travel) > TRANSIENT * (abs(self.travel) + self.back_slip)
 
     def repeats(self, before: Self) -> bool:
         """Whether the travel is that of the cycle before, as once a motion has settled."""
-        return abs(self.travel - before.travel) <= STEADY * abs(self.travel)
+        return abs(self.travel - before.travel) <= ALIKE * abs(self.travel)
 
 
 def cycles_in(
@@ -121,7 +114,7 @@ def cycles_in(
     first, last = run.span
     count = math.floor((last - first) / period * (1.0 + WHOLE))
     found = []
-    samples = max(min(GRID, MOST_TIMES // max(count, 1)), 2)
+    samples = max(min(GRID, MOST_STEPS // max(count, 1)), 2)
     for k in range(count):
         begin, end = first + k * period, min(first + (k + 1) * period, last)
         # the velocity changes its sign at the solver's own times, so that back-slip is exact
@@ -142,7 +135,7 @@ def cycles_in(
     return tuple(found)
 
 
-def period_of(samples: Array, scale: Array | float, tolerance: float = CLOSED) -> int:
+def period_of(samples: Array, scale: Array | float, tolerance: float = ALIKE) -> int:
     """Return after how many samples an orbit closes, 0 if it does not within half of them.
 
     Examples
@@ -251,7 +244,7 @@ def basins(
     states: Sequence[str] | None = None,
     keep: int = 24,
     settle: int = 200,
-    tolerance: float = CLOSED,
+    tolerance: float = ALIKE,
     y0: Mapping[str, float] | None = None,
     period: float | None = None,
     solver: EventDriven | None = None,

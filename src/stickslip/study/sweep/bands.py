@@ -32,6 +32,7 @@ from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import Scale, number, scale_of, within
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
+from stickslip.study.tolerances import PERCENT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,8 +41,6 @@ Array: TypeAlias = NDArray[np.float64]
 T = TypeVar("T")
 
 QUANTILES = (0.025, 0.5, 0.975)
-VALID_SHARE = 0.01
-"""Share of draws that must lie in the valid ranges of a mechanism, or too few are left of them."""
 POINTS = 601
 """Evenly spaced times of a band, beside those asked for."""
 
@@ -361,7 +360,7 @@ def draws_of(
         with contextlib.suppress(errors.ParameterError):
             vary(mechanism, "mechanism", draw)
             kept.append(draw)
-        if tried > count and len(kept) < VALID_SHARE * tried:
+        if tried > count and len(kept) < PERCENT * tried:
             raise errors.InputError(
                 f"nearly all samples of {', '.join(spreads)} are invalid for"
                 f" {type(mechanism).__name__}: state smaller uncertainties."

@@ -74,6 +74,7 @@ from stickslip.study.sweep.parameter_grid import (
     counted,
     unit_of,
 )
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -103,8 +104,6 @@ ON_CURVE = 0.5
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
 MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to the least step, some of them by false position."""
-ZERO = 1e-9
-"""Share of its value at the ends of a step by which a smooth test function is 0."""
 SHORT, COARSE = 1e-3, 0.05
 """Length of a step from which its predictor may be off the branch, and share of it to which is
 located then where something changes along it."""
@@ -136,8 +135,6 @@ BEND = 0.8
 BESIDE, ALIKE, SAME = 0.05, 1e-3, 1e-6
 """Distance, over the chord of two neighbours, within which a point may be between them, within
 which it is, and the same over the sizes of the states."""
-WALKED = 1e-9
-"""What a point of a walk may be off."""
 TRUSTED = 1e-5
 """Residual from which a step with a derivative of its own may be the last."""
 SLOW = 0.1
@@ -695,7 +692,7 @@ class Curve:
                 bend = _length((point.slopes - near.slopes).ravel())
                 bend /= _length(point.unknowns - near.unknowns)
                 left = 0.5 * bend * _length(u - tried[-1]) ** 2
-                if left <= WALKED:
+                if left <= ROUNDING:
                     return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
             # the next step leaves no larger a share than the last, what its run would show is known
             follows = shot.error * shot.error / last if count else np.inf
@@ -1145,7 +1142,7 @@ class Curve:
         for kind, sentence, test in TESTS:
             ends = test(here), test(there)
             if ends[0] * ends[1] < 0.0:
-                least = ZERO * max(map(abs, ends))
+                least = ROUNDING * max(map(abs, ends))
                 s, point = self.located(step, u0, here.tangent, test, least)
                 found.append((s, self.event(kind, point, index, sentence)))
         crossed = {event.kind for _, event in found}

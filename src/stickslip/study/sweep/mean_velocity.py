@@ -33,6 +33,7 @@ from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
 from stickslip.study.sweep import parameter_grid as grid
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
+from stickslip.study.tolerances import ALIKE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,8 +43,6 @@ FREEDOM, ERRORS = 4.0, 400
 """Degrees of freedom of errors of predictions, and quantiles that stand for them."""
 TOGETHER = 1.25
 """Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
-STILL_SHARE = 1e-3
-"""Share of the largest velocity of a map below which a body counts as staying where it is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -94,7 +93,7 @@ class VelocityMap(OnAxes):
 
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
-        least = STILL_SHARE * float(np.nanmax(np.abs(self.velocity), initial=0.0))
+        least = ALIKE * float(np.nanmax(np.abs(self.velocity), initial=0.0))
         with np.errstate(invalid="ignore"):
             found: NDArray[np.bool_] = np.abs(self.velocity) > np.maximum(
                 least, 2.0 * self.unsettled

@@ -33,7 +33,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
 from stickslip.show.formatting import joined, number, percent, span
-from stickslip.study.sweep.attractors import CLOSED, period_of
+from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import ReturnMap, Shot, return_map, solved
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
@@ -48,6 +48,7 @@ from stickslip.study.sweep.parameter_grid import (
     unit_of,
     whole_run,
 )
+from stickslip.study.tolerances import ALIKE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,7 +88,7 @@ EARLY, SOONER = 4, 100.0
 better."""
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
-of a transient, of which `cycles.CLOSED` is allowed."""
+of a transient, of which `ALIKE` is allowed."""
 SETTLED = 1e-7
 """The same of points of an orbit that was solved for."""
 
@@ -456,7 +457,7 @@ class _Search:
         closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
         # Runs that close clearly after a quarter or half of the cycles need not go on.
         for share in (1, 2, EARLY):
-            tolerance = CLOSED if share == EARLY else CLOSED / SOONER
+            tolerance = ALIKE if share == EARLY else ALIKE / SOONER
             settle = max((self.settle if share == EARLY else share * early) - count, 0)
             count += settle + keep
             points, ways[rows], status[rows] = self.sampled(value, columns, settle)

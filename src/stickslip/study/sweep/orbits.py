@@ -50,6 +50,7 @@ from stickslip.study.sweep.parameter_grid import (
     states_of,
     whole_run,
 )
+from stickslip.study.tolerances import ROUNDING
 
 __all__ = ["Orbit", "periodic_orbit"]
 
@@ -57,8 +58,6 @@ T = TypeVar("T", Mechanism, FrictionLaw | Laws)
 Signature: TypeAlias = tuple[tuple[str, str, int], ...]
 """How often each contact does what in an orbit: contact, what, count."""
 
-ALONG = 1e-9
-"""Share by which the derivative along a coordinate may differ from that of a translation."""
 CLOSED = 1e-10
 """Largest residual of an orbit, over the size of each state; a hundred tolerances with bristles."""
 CUT = 1e-6
@@ -75,7 +74,7 @@ PERIOD_STEP = 1e-4
 """Share of a parameter by which it is changed for the derivative of the cycle."""
 POWERS = 5
 """Values of a parameter at which it is seen how the cycle goes with it."""
-SAMPLES = 33
+ORBIT_TIMES = 33
 """Times of an orbit at which the size of its states is looked at."""
 TRIAL_SHARE, TRIAL_RATE = 0.01, 1.0
 """Share of a cycle, and rate [m/s] or [rad/s] from which contacts slip, of the run that shows on
@@ -515,7 +514,7 @@ class ReturnMap:
         period = run.differentiate.t_end
         y = np.array([start[i] for i in self.free])
         states, n = run.at(period * _SHARES)[:, self.kept], len(self.free)
-        ends = states[SAMPLES - 1 :]  # right before the end, too
+        ends = states[ORBIT_TIMES - 1 :]  # right before the end, too
         residual = ends[0, :n] - y
         if most is not None and (np.abs(residual) > most).any():
             raise SimulationError("a step has led farther from an orbit.")
@@ -535,7 +534,7 @@ class ReturnMap:
             error=float((np.abs(residual) / size).max(initial=0.0)),
             came=ends[0, n:] - [start[i] for i in self.moving],
             off=np.zeros(n + 1),
-            half=states[SAMPLES // 2, :n] - y,
+            half=states[ORBIT_TIMES // 2, :n] - y,
             derivatives=Derivatives(self, mechanism, value, run, rate),
             run=run,
         )
@@ -588,7 +587,7 @@ class ReturnMap:
 
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _BACKWARD = np.array([1.5, -2.0, 0.5]) / END_STEP
-_SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
+_SHARES = np.append(np.linspace(0.0, 1.0, ORBIT_TIMES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
 def refuse_cut(mechanism: Mechanism, period: float) -> None:
@@ -677,7 +676,7 @@ def _translations(
     )[0]
     exact = np.array([[float(name == q) for q in free] for name in states])
     return tuple(
-        q for q, gap in zip(free, np.abs(found - exact).max(axis=0), strict=True) if gap <= ALONG
+        q for q, gap in zip(free, np.abs(found - exact).max(axis=0), strict=True) if gap <= ROUNDING
     )
 
 

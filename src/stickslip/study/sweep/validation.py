@@ -45,6 +45,7 @@ from stickslip.show.formatting import scale_of as shown_in
 from stickslip.show.formatting import within as value_within
 from stickslip.study.sweep.bands import QUANTILES, draws_of, left_out
 from stickslip.study.sweep.parameter_grid import early_ends
+from stickslip.study.tolerances import FINE, NORMAL_95
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -59,11 +60,8 @@ CLEARER = 0.5
 """Residual with shifted times over that as recorded, below which the times are questioned."""
 FARTHEST = 0.1
 """Largest shift that is tried, over the length of a record; at most half a cycle of the drives."""
-FINE = 4001
-"""Even times at which a run is looked up for shifts, beside the solver's own."""
 RECORDED = "recorded_swing"
 """What a recorded motion, whose error is in no band, is called among what is held."""
-Z95 = 1.959963984540054
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,7 +163,7 @@ class ValidatedRecord(metaclass=Described):
             f"Noise of the sensor: {quantity(self.noise, self.unit)},"
             f" {'as stated' if self.noise_stated else 'estimated from differences of samples'}.",
         ]
-        if abs(self.origin) > Z95 * self.noise:
+        if abs(self.origin) > NORMAL_95 * self.noise:
             said.append(
                 f"Origin of the {self.quantity}: {quantity(self.origin, self.unit)} were taken off,"
                 " the mean distance from the prediction at the beginning of the record."
@@ -227,7 +225,7 @@ class ValidatedTravel(metaclass=Described):
         """Whether the reading, give or take 1.96 standard errors, meets the band."""
         if self.low is None or self.high is None:
             return None
-        room = Z95 * self.uncertainty
+        room = NORMAL_95 * self.uncertainty
         return self.low - room <= self.measured <= self.high + room
 
     def to_dict(self) -> dict[str, Any]:
@@ -568,7 +566,7 @@ def _record(
     zero = float(origin(read)[0])
     stated = record.usual_uncertainty(compared)
     # Half widths of rounding, or of a 95 % interval, are no standard deviations yet.
-    kinds = {"rounding": math.sqrt(3.0), "interval": Z95}
+    kinds = {"rounding": math.sqrt(3.0), "interval": NORMAL_95}
     noise = (
         noise_of(read, step_of(values))
         if not stated
@@ -826,7 +824,7 @@ class ParameterAgreement(metaclass=Described):
         """Whether the difference is within 1.96 of its standard errors; None if that is unknown."""
         if self.standard_error is None:
             return None
-        return abs(self.difference) <= Z95 * self.standard_error
+        return abs(self.difference) <= NORMAL_95 * self.standard_error
 
     def __str__(self) -> str:
         """Return both values and whether they agree, in one line."""

@@ -174,7 +174,7 @@ def reach(law: FrictionLaw) -> float:
 
 # The suite for mechanisms.
 
-ROUNDING = 1e-11
+INTEGRATED = 1e-11
 """Some thousand roundings of the largest term: what sums of a mechanism's size may leave."""
 ENDS = (Status.LIFT_OFF, Status.PAINLEVE, Status.LIMIT)
 """How a run may end early for reasons of mechanics."""
@@ -319,7 +319,7 @@ def _quadratic(case: _Case) -> Iterator[str]:
         )
         if not once > 0.0:
             yield f"it is {number(once)} J at rates {q_dot}"
-        elif abs(thrice - 9.0 * once) > ROUNDING * thrice:
+        elif abs(thrice - 9.0 * once) > INTEGRATED * thrice:
             yield (
                 f"three times the rates give {number(thrice / once, 6)} times the energy, not 9"
                 " times"
@@ -330,9 +330,9 @@ def _symmetric(case: _Case) -> Iterator[str]:
     for q, _ in case.states():
         mass = case.mass_matrix(q)
         size = float(np.abs(mass).max())
-        if np.abs(mass - mass.T).max() > ROUNDING * size:
+        if np.abs(mass - mass.T).max() > INTEGRATED * size:
             yield f"it is not symmetric at {q}: {mass.tolist()}"
-        elif np.linalg.eigvalsh(mass).min() <= ROUNDING * size:
+        elif np.linalg.eigvalsh(mass).min() <= INTEGRATED * size:
             yield f"it is not positive definite at {q}: {mass.tolist()}"
 
 
@@ -354,7 +354,7 @@ def _gyroscopic(case: _Case) -> Iterator[str]:
     for q, q_dot in case.states():
         odd, odd_twice = (power(q, q_dot, k) - power(q, q_dot, -k) for k in (1.0, 2.0))
         size = float(case.mechanism.kinetic_energy(q, q_dot)) + abs(odd) + abs(odd_twice)
-        if abs(odd_twice - 2.0 * odd) > 1e3 * ROUNDING * size:
+        if abs(odd_twice - 2.0 * odd) > 1e3 * INTEGRATED * size:
             yield f"they give {number((odd_twice - 2.0 * odd) / 12.0)} W at {q}, {q_dot}"
 
 
@@ -491,7 +491,7 @@ def _breaks_away(case: _OfLaw) -> Iterator[str]:
         )
         if not level >= 0.0:
             yield f"the break-away level is {number(level)} N, below 0"
-        if slow - level > max(ROUNDING * (slow + level), 0.5 * (quick - level)):
+        if slow - level > max(INTEGRATED * (slow + level), 0.5 * (quick - level)):
             yield (
                 f"sliding begins with {number(slow)} N, above the break-away level of"
                 f" {number(level)} N: friction may grow beyond it with speed, but must begin at or"
@@ -529,7 +529,7 @@ def _affine(case: _OfLaw) -> Iterator[str]:
     for speed in case.speeds:
         for v in (speed, -speed):
             parts = [case.steady(v, share * case.load) for share in (2.0, 1.0, 0.0)]
-            if abs(parts[0] - 2.0 * parts[1] + parts[2]) > ROUNDING * max(map(abs, parts)):
+            if abs(parts[0] - 2.0 * parts[1] + parts[2]) > INTEGRATED * max(map(abs, parts)):
                 yield f"at {number(v)} m/s friction is not affine in the load, a + b N"
 
 
@@ -548,7 +548,7 @@ def _traced(case: _OfLaw) -> Iterator[str]:
             else:
                 y, expected = [0.0, v], case.steady(v, case.load)
             force = equations("contact", sense, equations.flags(0.0, y), 0.0, y)[0]
-            if abs(force - expected) > ROUNDING * (abs(expected) + case.load):
+            if abs(force - expected) > INTEGRATED * (abs(expected) + case.load):
                 yield (
                     f"{number(force, 6)} N at {number(v)} m/s in the generated equations, but"
                     f" {number(expected, 6)} N from the law"
