@@ -34,7 +34,7 @@ from stickslip.identify.bands import (
 )
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
 from stickslip.identify.own_laws import Slipping
-from stickslip.identify.posterior import Draws, Family, Structure
+from stickslip.identify.posterior import Draws, Family, Structure, family_of
 from stickslip.identify.projection import (
     EXACT,
     MARGIN,
@@ -75,21 +75,27 @@ NO_LAW = 0.1
 """Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
 
 
-def with_fading(structure: Structure, other: Structure) -> Structure:
-    """Return a structure that fades as another does, if that has a surplus.
+def with_shapes(structure: Structure, other: Structure) -> tuple[Structure, bool]:
+    """Return a structure with the shapes of another, and whether that has those of all its terms.
+
+    Else it fades as the other does, if that has a surplus.
 
     Examples
     --------
-    >>> with_fading((("stribeck", (0.1, 2.0)),), (("stribeck", (0.3, 1.0)),))
-    (('stribeck', (0.1, 1.0)),)
+    >>> with_shapes((("level", ()), ("stribeck", (0.1, 2.0))), (("stribeck", (0.3, 1.0)),))
+    ((('level', ()), ('stribeck', (0.3, 1.0))), True)
+    >>> with_shapes((("hersey", (0.1, 2.0)),), (("stribeck", (0.3, 1.0)),))
+    ((('hersey', (0.1, 1.0)),), False)
     """
+    shapes = dict(other)
+    if all(len(shapes.get(name, ())) == len(shape) for name, shape in structure if shape):
+        return tuple((name, shapes.get(name, ())) for name, _ in structure), True
     fading = [shape[1] for name, shape in other if name in SURPLUSES]
-    if not fading:
-        return structure
+    surpluses = SURPLUSES if fading else ()
     return tuple(
-        (name, (shape[0], fading[0], *shape[2:])) if name in SURPLUSES else (name, shape)
+        (name, (shape[0], fading[0], *shape[2:]) if name in surpluses else shape)
         for name, shape in structure
-    )
+    ), False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -394,18 +400,34 @@ class Judgement:
         # what is known of sums over the rows is kept by the mean
         return np.asarray(np.mean(self.problem.steady(self._metric[0], self.draws), axis=0))[None]
 
-    def _projected(self, rung: Rung, draws: Sequence[Draws] | None = None) -> tuple[Array, Shaped]:
-        """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family."""
+    def _projected(
+        self, rung: Rung, draws: Sequence[Draws] | None = None, *, same: bool = False
+    ) -> tuple[Array, Shaped]:
+        """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family.
+
+        Draws that have the `same` shapes keep them, and stay near their coefficients.
+        """
         rows, weights = self._metric
         curves = self._middle if draws is None else self.problem.steady(rows, draws)
-        free, coarse = self.problem.free(rung)
+        free, coarse = ((), ()) if same else self.problem.free(rung)
+        names = names_of(rung.structure)
         projector = Projector(
             lambda structure: self.problem.design(structure, rows),
             free,
             weights,
-            np.array([not is_signed(name) for name in names_of(rung.structure)]),
+            np.array([not is_signed(name) for name in names]),
         )
-        return projector(curves, [rung.structure, *coarse])
+        about = None
+        if draws is not None and same:
+            parts = [dict(zip(family_of(x.structure), x.law, strict=True)) for x in draws]
+            none = [np.zeros(x.law.shape[1]) for x in draws]
+            about = np.vstack(
+                [
+                    np.column_stack([part.get(name, zero) for name in names])
+                    for part, zero in zip(parts, none, strict=True)
+                ]
+            )
+        return projector(curves, [rung.structure, *coarse], about)
 
     @cached_property
     def ladder(self) -> tuple[Rung, ...]:
@@ -622,27 +644,30 @@ class Judgement:
     def values_of(self, draws: Sequence[Draws], rung: Rung | None = None) -> dict[str, Array]:
         """Return parameters of a law, else the named one, (k,) by path: each draw's own.
 
-        Each draw is projected with its own best shape; entries that are no parameters, such as the
-        exponent by which a surplus fades, are those of its own structure.
+        A draw that has the shapes of the law keeps them and its coefficients, which change as
+        little as what else its curve has allows: where no place shows a term, nothing else tells
+        it. Others are projected with their own best shapes; entries that are no parameters, such
+        as the exponent by which a surplus fades, are those of their own structures.
         """
         rung = rung or self.named
         if not rung.structure:
             return dict(self.problem.rig(draws))
-        groups: dict[Structure, list[Draws]] = {}
+        groups: dict[tuple[Structure, bool], list[Draws]] = {}
         for one in draws:
-            groups.setdefault(with_fading(rung.structure, one.structure), []).append(one)
-        parts = [
-            self._values_of(replace(rung, structure=structure), own)
-            for structure, own in groups.items()
-        ]
-        shared = [path for path in parts[0] if all(path in one for one in parts)]
-        return {path: np.concatenate([one[path] for one in parts]) for path in shared}
-
-    def _values_of(self, rung: Rung, draws: Sequence[Draws]) -> dict[str, Array]:
-        coefficients, shaped = self._projected(rung, draws)
-        own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
-        composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
-        return composed.paths() | dict(self.problem.rig(draws))
+            groups.setdefault(with_shapes(rung.structure, one.structure), []).append(one)
+        coefficients, shapes, ordered = list[Array](), list[list[Array]](), list[Draws]()
+        for (structure, same), own in groups.items():
+            c, shaped = self._projected(replace(rung, structure=structure), own, same=same)
+            entries = [np.broadcast_to(np.ravel(x), len(c)) for _, shape in shaped for x in shape]
+            coefficients.append(c)
+            shapes.append(entries)
+            ordered += own
+        every = iter([np.concatenate(x) for x in zip(*shapes, strict=True)])
+        found = [(name, tuple(next(every) for _ in shape)) for name, shape in rung.structure]
+        composed = self.problem.composition(
+            found, np.concatenate(coefficients), ordered, offset=self.offset
+        )
+        return composed.paths() | dict(self.problem.rig(ordered))
 
     def _values_if(self, rung: Rung, count: int) -> dict[str, Array]:
         """Return parameters (k,) by path of draws in which a law holds; {} if none is."""

@@ -14,8 +14,10 @@ no law says). Let :math:`m` be their median, :math:`\sigma` half their range fro
    there it is the law of the least :math:`\log d + \kappa (p + r)`, with the distance
    :math:`d` or a little more than the tolerance, the number of parameters :math:`p`, and the place
    from usual to unusual :math:`r`.
-3. **Parameters** are those of all draws, each projected on the named family with its own best
-   shape; if the law holds, those of draws of the named family alone.
+3. **Parameters** are those of all draws: of a draw whose law has the terms of the named family,
+   its own shapes and coefficients, with what else is in its curve; others are projected on the
+   family, each with its own best shape. If the law holds, they are those of draws of the named
+   family alone.
 
 (J. Piironen, M. Paasiniemi, A. Vehtari, Projective inference, 2020.)
 """
@@ -333,8 +335,13 @@ class Projector:
         c = solved(gram, moment, self.positive)
         return c / norm, y - np.einsum("kni,ki->kn", scaled, c)
 
-    def __call__(self, draws: Array, structures: Sequence[Structure]) -> tuple[Array, Shaped]:
-        """Return coefficients (k, p) and shapes of draws (k, n), from the best of structures."""
+    def __call__(
+        self, draws: Array, structures: Sequence[Structure], about: Array | None = None
+    ) -> tuple[Array, Shaped]:
+        """Return coefficients (k, p) and shapes of draws (k, n), from the best of structures.
+
+        They are `about` some (k, p), if any are known.
+        """
         y = draws @ self.weights.T
         least = np.full(len(draws), np.inf)
         shapes = np.zeros((len(draws), len(self.free)))
@@ -342,7 +349,7 @@ class Projector:
         for one in structures:
             own = np.array([[one[f.column][1][f.entry] for f in self.free]], dtype=float)
             own = np.broadcast_to(own, shapes.shape)
-            coefficients, left = self._along(one, y)
+            coefficients, left = self._along(one, y, about)
             misfit = np.sum(left * left, axis=1)
             better = misfit < least
             least = np.where(better, misfit, least)
@@ -351,13 +358,22 @@ class Projector:
             c, shapes = self._polished(structures[0], shapes, c, least, y)
         return c, self._shaped(structures[0], shapes)
 
-    def _along(self, structure: Structure, y: Array) -> tuple[Array, Array]:
-        """Return coefficients (k, p) of draws for the same shapes, and what they leave (k, n)."""
+    def _along(self, structure: Structure, y: Array, about: Array | None) -> tuple[Array, Array]:
+        """Return coefficients (k, p) of draws for the same shapes, and what they leave (k, n).
+
+        They differ from those that are known by about their size where curves do not tell them.
+        """
         x = self.weights @ self.design(structure)
         norm = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+        norm = np.maximum(norm, 1e-12 * norm.max(initial=0.0))
         gram = (x / norm).T @ (x / norm)
         gram[np.diag_indices(len(gram))] *= 1.0 + 1e-10
         moment = y @ (x / norm)
+        if about is not None:
+            square = np.mean(about**2, axis=0)
+            held = np.where(square > 0.0, 1.0 / (square + 1e-300), 0.0)
+            gram[np.diag_indices(len(gram))] += held / norm**2
+            moment += about * held / norm
         for k, one in known_coefficients(names_of(structure)).items():
             hold(gram, moment, k, one * norm[k])
         many = np.broadcast_to(gram, (len(y), *gram.shape))

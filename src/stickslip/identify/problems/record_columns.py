@@ -21,7 +21,7 @@ from scipy.signal import lfilter
 
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
-from stickslip.identify.posterior import Array, Column
+from stickslip.identify.posterior import Array, Column, Places
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
     SHORT,
@@ -85,7 +85,7 @@ class Memory:
     exponent: float = 1.0
     """That of Dahl's law, 0 if it yields at once after its length; `LUGRE` if that follows."""
     ratio: Array | None = None
-    """Length over `length` at the knots of speed (k,)."""
+    """Length over `length` at all knots of speed (k,)."""
     speed: float = 0.0
     """Speed at which it has `length` [m/s]."""
     spread: float = 0.0
@@ -127,6 +127,13 @@ class RecordFrame:
     """Tenth, median and ninetieth percentile of what the gear transmits [N], where it changes."""
     sides: tuple[float, ...] = (-1.0, 1.0)
     """Directions that were seen."""
+
+    @property
+    def all_knots(self) -> Array:
+        """Logarithms of speeds (k,), with those at which only bristles show friction."""
+        step = self.knots[1] - self.knots[0]
+        below = np.arange(self.knots[0] - step, math.log(self.least) - step, -step)
+        return np.concatenate([below[::-1], self.knots])
 
     def hats(self, velocity: Array) -> Array:
         """Return the basis of curves of speed (n, k)."""
@@ -394,8 +401,8 @@ class Balance:
         """Return the length of a bristle at the samples of a piece (n,)."""
         if memory.ratio is None:
             return memory.length
-        x = np.log(np.maximum(np.abs(piece.velocity), self.frame.low))
-        return np.asarray(memory.length * np.interp(x, self.frame.knots, memory.ratio))
+        x = np.log(np.maximum(np.abs(piece.velocity), self.frame.least))
+        return np.asarray(memory.length * np.interp(x, self.frame.all_knots, memory.ratio))
 
     def states(self, memory: Memory) -> list[Array]:
         """Return the states of a bristle at the samples of the pieces."""
@@ -483,7 +490,31 @@ class Balance:
             groups["load"] = z[:, None] * powers_of_load(self.load(piece))
         if memory.length > SHORT * frame.noise and memory.lags:
             self._lag(memory, laws, piece, hats, x, groups)
+            groups["turn"] = self.turned_at(memory, piece)
         return groups, x
+
+    def turned_at(self, memory: Memory, piece: Piece) -> Array:
+        """Return what a bristle has left of an error of the place at each turn (n, p).
+
+        Also those of a rest, in which an encoder says nothing of less than its step.
+        """
+        way = piece.along(memory.length)
+        stretched = np.abs(np.diff(way, prepend=way[:1])) / self.lengths(memory, piece)
+        along, found = np.cumsum(stretched), list[Array]()
+        for one in self.pieces:
+            turns = self._largest(one, one.reversals)
+            left = np.zeros((len(along), len(turns)))
+            if one is piece:
+                left = np.exp(np.minimum(along[turns] - along[:, None], 0.0))
+                left *= np.arange(len(along))[:, None] >= turns
+            found.append(left)
+        return np.hstack(found)
+
+    def _largest(self, piece: Piece, turns: Places) -> Places:
+        """Return the turns with the largest accelerations, of many."""
+        each = max(TURNS // len(self.pieces), 10)
+        change = np.abs(np.gradient(piece.velocity, piece.step))[turns]
+        return np.sort(turns[np.argsort(-change, kind="stable")[:each]])
 
     def _slope(self, column: Column, piece: Piece, state: Array) -> Array:
         """Return the column of a term of a law of any form at the samples (n,)."""
@@ -514,14 +545,12 @@ class Balance:
         flat = np.ones(len(speed))
         levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
         length = self.lengths(memory, piece)
-        parts = [hats, *(one[:, None] for one in levels)]
-        if memory.ratio is not None:
-            parts.append(np.asarray(length)[:, None] / memory.length)
+        damped = np.reshape(length / memory.length * flat, (-1, 1))
+        parts = [hats, *(one[:, None] for one in levels), damped]
         found = relaxed(piece.along(memory.length), length, load * np.hstack(parts))
         groups["common"] = found[:, : hats.shape[1]]
-        x[:, lagging] = found[:, hats.shape[1] : hats.shape[1] + len(lagging)]
-        if memory.ratio is not None:
-            groups["damping"] = np.gradient(found[:, -1:], piece.step, axis=0)
+        x[:, lagging] = found[:, hats.shape[1] : -1]
+        groups["damping"] = np.gradient(found[:, -1:], piece.step, axis=0)
 
     def fixed(self, which: int) -> dict[str, Array]:
         """Return what depends on no bristle, at the rows (n, ...), by group."""
@@ -689,15 +718,11 @@ class Balance:
     def pulses(self, which: int) -> Array:
         """Return the pulses of turns at the rows (n, p)."""
         rows = self.rows(which)
-        each = max(TURNS // len(self.pieces), 10)
         parts = []
         for k, piece in enumerate(self.pieces):
             filt = piece.filters[which]
             count = len(piece.velocity)
-            turns = piece.turns
-            if len(turns) > each:
-                change = np.abs(np.gradient(piece.velocity, piece.step))[turns]
-                turns = np.sort(turns[np.argsort(-change, kind="stable")[:each]])
+            turns = self._largest(piece, piece.turns)
             kernel = np.zeros(count)
             kernel[count // 2] = 0.25 / piece.step / filt.band
             kernel = filt(kernel, full=True)
@@ -735,4 +760,4 @@ class Balance:
     @cached_property
     def turned(self) -> bool:
         """Whether the motion turns at all."""
-        return any(len(one.turns) for one in self.pieces)
+        return any(len(one.reversals) for one in self.pieces)

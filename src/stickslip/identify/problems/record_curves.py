@@ -309,9 +309,10 @@ class _Readings:
             share = np.clip(AT_LEVEL * rng.uniform(-1.0, 1.0, size=(count, 1)), -1.0, 1.0)
             return np.asarray(beside + share * f)
         f += beside
-        if self.pulses.shape[1] and "turn" in model.names:
-            turned = model.at(node, "turn") * size * rng.normal(size=(count, self.pulses.shape[1]))
-            f += turned @ self.pulses.T
+        turns = groups.get("turn", self.pulses)
+        if turns.shape[1] and "turn" in model.names:
+            turned = model.at(node, "turn") * size * rng.normal(size=(count, turns.shape[1]))
+            f += turned @ turns.T
         return f
 
     def in_time(self, learned: Array) -> Array:

@@ -53,8 +53,9 @@ from stickslip.identify.problems.record_columns import (
     Memory,
     RecordFrame,
     law_column,
+    relaxed,
 )
-from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
+from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, SIGMA, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
 
@@ -166,6 +167,8 @@ KEPT = 2
 """Bristles that are kept, beside none."""
 SEEN = 0.03
 """Root mean square of what a bristle lacks of being stretched, from which its length follows."""
+FADES, SURPLUSES = 2.0, (0.3, 0.8)
+"""Exponent and sizes, over the level, of a static surplus that a length is looked at to follow."""
 FOLLOWING = (0.8, 1.0, 1.3, 1.7)
 AGAIN = (0.85, 1.0, 1.18)
 """Lengths that are looked at where the length follows the level, over the one before."""
@@ -181,7 +184,7 @@ ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
 """Rounds, those with a length that follows the level, and nodes of each."""
 NODES = 160
 """Nodes of the posterior."""
-THIRDS = 5
+THIRDS = 7
 """Times that shapes are refined by thirds of a step ..."""
 RESOLVING, LEAST_SHARE = 4.0, 0.02
 """... where fewer shapes than that count, in families with that share at least."""
@@ -431,8 +434,8 @@ class RecordModel(Model):
         groups, x = self.balance.columns(which, memory, self.columns)
         if which not in self._fixed:
             turns = self.balance.pulses(which)
-            self._fixed[which] = {**self.balance.fixed(which), "turn": turns}
-        every = {**groups, **self._fixed[which]}
+            self._fixed[which] = {"turn": turns, **self.balance.fixed(which)}
+        every = {**self._fixed[which], **groups}
         state, slope = every.pop("state"), every.pop("slope")
         parts = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
         stretch = parts[:, None] == np.arange(STRETCHES)
@@ -568,6 +571,12 @@ class RecordModel(Model):
             for piece, state, hat in zip(balance.pieces, balance.states(memory), hats, strict=True):
                 z = state * balance.load(piece)
                 own = [z[:, None], z[:, None] * hat]
+                if memory.ratio is not None:
+                    level = np.reshape(balance.load(piece), (-1, 1)) * hat
+                    way = piece.along(memory.length)
+                    own[1] = relaxed(way, balance.lengths(memory, piece), level)
+                if memory.length and memory.lags:
+                    own.append(np.gradient(z, piece.step)[:, None])
                 own += [(z * balance.input(piece, name))[:, None] for name in frame.inputs]
                 if frame.transmitted:
                     own.append((z * balance.transmitted(piece))[:, None])
@@ -585,8 +594,7 @@ class RecordModel(Model):
             law[len(frame.sides) - 1], law[-1] = True, False  # the slope, and the delay
             inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
-            cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
-            looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia)))
+            looked.append((unlikely(e), memory, e, size, float(inertia)))
 
         none = Memory()
         # along less, a bristle is nothing but the moment of a turn between samples
@@ -597,16 +605,10 @@ class RecordModel(Model):
         looked.sort(key=lambda one: one[0])
         if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
             return self._screen()
-        best = [one[1] for one in looked if one[1].length][:2]
-        about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
-        about += [replace(one, exponent=n) for one, n in product([*best, *about], EXPONENTS)]
-        for one in about:
-            look(replace(one, length=max(one.length, shortest)))
-        looked.sort(key=lambda one: one[0])
-        nearest = [looked[0][1]] * (not looked[0][1].lags)  # other lengths are refined later
-        for one, factor in product(nearest, NEARER):
-            look(replace(one, length=max(factor * one.length, shortest)))
-        looked.sort(key=lambda one: one[0])
+        for more in (self._about, self._falling, self._nearer):
+            for one in more([one[1] for one in looked]):
+                look(replace(one, length=max(one.length, shortest)))
+            looked.sort(key=lambda one: one[0])
         bristles = [one[1] for one in looked if one[1].length]
         balance.first = bristles[0].length
         kept = [one[1] for one in looked[:KEPT] if one[1].length]
@@ -618,6 +620,46 @@ class RecordModel(Model):
         balance.waves = waves_of(rows, frame.span, frame.noise, left)
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
+
+    def _speed(self, memory: Memory) -> float:
+        """Return the speed at which a bristle has its length: the usual one that stretches it."""
+        rows = self.balance.rows(MIDDLE)
+        state = rows.taken(self.balance.states(memory))
+        part = (np.abs(state) < PART) & (np.abs(rows.velocity) > self.frame.low / 3.0)
+        speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
+        return max(speed, self.frame.low)
+
+    def _about(self, looked: Sequence[Memory]) -> Iterator[Memory]:
+        """Yield bristles about the two best."""
+        best = [one for one in looked if one.length][:2]
+        about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
+        yield from about
+        for one, n in product([*best, *about], EXPONENTS):
+            yield replace(one, exponent=n)
+
+    def _falling(self, looked: Sequence[Memory]) -> Iterator[Memory]:
+        """Yield bristles like the best that lags, whose length follows a level that falls."""
+        least = SHORT * self.frame.noise
+        memory = next((one for one in looked if one.lags and one.length > least), None)
+        if memory is None:
+            return
+        speed, speeds = self._speed(memory), np.exp(self.frame.all_knots)
+        shapes = [shape for shape, _ in self.grid.shapes("stribeck") if shape[1] == FADES]
+        for shape, surplus, factor in product(shapes, SURPLUSES, (1.0, *NEARER)):
+            level, here = (
+                1.0 + surplus * law_column(("stribeck", shape), v, np.ones_like(v))
+                for v in (speeds, np.array([speed]))
+            )
+            yield Memory(
+                length=factor * memory.length, exponent=LUGRE, ratio=level / here, speed=speed
+            )
+
+    def _nearer(self, looked: Sequence[Memory]) -> Iterator[Memory]:
+        """Yield bristles near the best, but for Dahl's usual, whose length is refined later."""
+        best = looked[0]
+        step = 0.5 if best.ratio is not None else 1.0 - best.lags
+        for factor in NEARER if step else ():
+            yield replace(best, length=factor**step * best.length)
 
     def _delayed(self, columns: Sequence[Array]) -> bool:
         """Let forces act at another time if that leaves far less; return whether it does.
@@ -867,40 +909,41 @@ class RecordModel(Model):
         bristle, frame = self.memory(node), self.frame
         if bristle.length <= SHORT * frame.noise:
             return None
-        rows, balance = self.balance.rows(MIDDLE), self.balance
         if math.sqrt(float(np.mean(self.part(bristle) ** 2))) < SEEN:
             return None
-        state = rows.taken(balance.states(bristle))
-        part = (np.abs(state) < PART) & (np.abs(rows.velocity) > frame.low / 3.0)
-        speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
-        speed = max(speed, frame.low)
+        speed = self._speed(bristle)
         old = search.value(node)
 
         def look(length: float, ratio: Array) -> float:
             self.memories.append(Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed))
-            return search.value((*node[:-2], len(self.memories) - 1, 0))
+            value, number = search.value((*node[:-2], len(self.memories) - 1, 0)), node[-2]
+            self._designs = {key: x for key, x in self._designs.items() if key[1] <= number}
+            self._plain, self._grams = {}, {}
+            return value
 
-        ratios = [*self._ratios(search, node, speed)]
-        if not ratios:
+        def likeliest(ratio: Array) -> tuple[float, Memory, float]:
+            """Return a value, a bristle with a ratio of the likeliest length, and its deviation."""
+            factors = np.array(FOLLOWING if bristle.ratio is None else AGAIN)
+            values = [look(bristle.length * x, ratio) for x in factors]
+            k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
+            bend = np.polyfit(np.log(factors[k - 1 : k + 2]), values[k - 1 : k + 2], 2)
+            step, width = math.log(factors[np.argmax(values)]), 0.1
+            if bend[0] < 0.0:
+                step = -bend[1] / (2.0 * bend[0])
+                width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
+            length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
+            return look(length, ratio), self.memories[-1], width
+
+        found = [likeliest(ratio) for ratio in self._ratios(search, node, speed)]
+        if not found:
             return None
-        ratio = max(ratios, key=lambda one: look(bristle.length, one))
-
-        factors = np.array(FOLLOWING if bristle.ratio is None else AGAIN)
-        values = [look(bristle.length * x, ratio) for x in factors]
-        k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
-        bend = np.polyfit(np.log(factors[k - 1 : k + 2]), values[k - 1 : k + 2], 2)
-        step = -bend[1] / (2.0 * bend[0]) if bend[0] < 0.0 else math.log(factors[np.argmax(values)])
-        length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
-        new = look(length, ratio)
-        width = 0.1
-        if bend[0] < 0.0:
-            width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
+        new, likely, width = max(found, key=lambda one: one[0])
+        length = likely.length
         slower = max(0.0, 1.0 - math.log(speed / frame.low))
         unknown = math.hypot(BELOW * slower, frame.noise / length)
         spread = math.hypot(WITHIN * width, unknown)
-        following = replace(self.memories[-1], spread=spread)
+        following = replace(likely, spread=spread)
         beside = [replace(following, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
-        self.memories[-1] = following
         kept = [self.memories[0], following, *beside, *([bristle] if old > new - 5.0 else [])]
         self._keep(kept)
         node = (*node[:-2], 1 if new > old else len(kept) - 1, 0)
@@ -918,7 +961,10 @@ class RecordModel(Model):
         self.balance.forget(memories)
 
     def _ratios(self, search: Posterior, node: Node, speed: float) -> Iterator[Array]:
-        """Yield levels at the knots over those at a speed (k,): of the law, and with the curve."""
+        """Yield levels at all knots over those at a speed (k,).
+
+        Of the best law, with the curve, and of the best law that falls, if that is another.
+        """
         weights = search.weights[search.nodes.index(node)]
         fits = [
             k
@@ -926,22 +972,27 @@ class RecordModel(Model):
             if any(name in LEVELS for name, _ in law)
             and not any(name in BESIDE_LEVELS for name, _ in law)
         ]
-        if not fits:
-            return
-        law = search.structures[max(fits, key=lambda k: weights[k])]
-        c, b = search.estimate(node, law)
+        falls = [k for k in fits if any(name == "stribeck" for name, _ in search.structures[k])]
         design = self.design(*self.key(node))
-        speeds, through = np.exp(self.frame.knots), sum(self.frame.transmitted[1:2])
-        curve = self.plain(node, b[:, None])[design.groups == "common", 0]
-        fast = speeds > 0.2 * speeds[-1]
-        curve = curve - np.polyfit(speeds[fast], curve[fast], 1)[0] * speeds
-        level, flat = np.zeros_like(speeds), np.ones_like(speeds)
-        for one, x in zip(law, c, strict=True):
-            if one[0] in LEVELS:
-                level += x * law_column(one, speeds, flat, 0.0, through)
-        for own in (level, level + curve):
+        knots, through = self.frame.all_knots, sum(self.frame.transmitted[1:2])
+        speeds, flat = np.exp(knots), np.ones_like(knots)
+        fast, levels = speeds > 0.2 * speeds[-1], list[Array]()
+        best = [max(some, key=lambda k: weights[k]) for some in (fits, falls) if some]
+        for k in dict.fromkeys(best):
+            law = search.structures[k]
+            c, b = search.estimate(node, law)
+            level = sum(
+                x * law_column(one, speeds, flat, 0.0, through)
+                for one, x in zip(law, c, strict=True)
+                if one[0] in LEVELS
+            )
+            curve = self.plain(node, b[:, None])[design.groups == "common", 0]
+            curve = self.frame.hats(speeds) @ curve
+            curve = curve - np.polyfit(speeds[fast], curve[fast], 1)[0] * speeds
+            levels += [level, level + curve] if not levels else [level]
+        for own in levels:
             if np.all(own > 0.2 * np.median(own)) and np.median(own) > 0.0:
-                yield own / np.interp(math.log(speed), self.frame.knots, own)
+                yield own / np.interp(math.log(speed), knots, own)
 
     # ---- other cutoffs
     def _widen(self, node: Node) -> list[Node]:
@@ -1000,6 +1051,23 @@ def squares_left(x: Array, y: Array, far: float = 4.0) -> tuple[float, float]:
     c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
     e = np.abs(y - x @ c)
     return float(np.mean(np.minimum(e, far * np.median(e)) ** 2)), float(c[-1] / size[-1])
+
+
+def unlikely(left: Array) -> float:
+    """Return minus the logarithm of the likelihood of what is left (n,), but for a constant.
+
+    It has a Student distribution of the size in its middle: rows far out count, each by its
+    logarithm.
+
+    Examples
+    --------
+    >>> calm = np.tile([-1.0, 1.0], 50)
+    >>> unlikely(np.append(calm, 9.0)) < unlikely(np.append(calm, 90.0)) < unlikely(2.0 * calm)
+    True
+    """
+    size = SIGMA * float(np.median(np.abs(left))) + TINY
+    tails = np.log1p((left / size) ** 2 / TAIL)
+    return len(left) * math.log(size) + 0.5 * (TAIL + 1.0) * float(np.sum(tails))
 
 
 def waves_of(
