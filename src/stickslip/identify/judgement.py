@@ -419,14 +419,10 @@ class Judgement:
         )
         about = None
         if draws is not None and same:
-            parts = [dict(zip(family_of(x.structure), x.law, strict=True)) for x in draws]
+            laws = [dict(zip(family_of(x.structure), x.law, strict=True)) for x in draws]
             none = [np.zeros(x.law.shape[1]) for x in draws]
-            about = np.vstack(
-                [
-                    np.column_stack([part.get(name, zero) for name in names])
-                    for part, zero in zip(parts, none, strict=True)
-                ]
-            )
+            each = zip(laws, none, strict=True)
+            about = np.hstack([[law.get(name, zero) for name in names] for law, zero in each]).T
         return projector(curves, [rung.structure, *coarse], about)
 
     @cached_property
@@ -655,18 +651,19 @@ class Judgement:
         groups: dict[tuple[Structure, bool], list[Draws]] = {}
         for one in draws:
             groups.setdefault(with_shapes(rung.structure, one.structure), []).append(one)
-        coefficients, shapes, ordered = list[Array](), list[list[Array]](), list[Draws]()
-        for (structure, same), own in groups.items():
-            c, shaped = self._projected(replace(rung, structure=structure), own, same=same)
-            entries = [np.broadcast_to(np.ravel(x), len(c)) for _, shape in shaped for x in shape]
-            coefficients.append(c)
-            shapes.append(entries)
-            ordered += own
-        every = iter([np.concatenate(x) for x in zip(*shapes, strict=True)])
-        found = [(name, tuple(next(every) for _ in shape)) for name, shape in rung.structure]
-        composed = self.problem.composition(
-            found, np.concatenate(coefficients), ordered, offset=self.offset
-        )
+        every = [
+            self._projected(replace(rung, structure=structure), own, same=same)
+            for (structure, same), own in groups.items()
+        ]
+        coefficients = np.vstack([c for c, _ in every])
+        ordered = [one for own in groups.values() for one in own]
+        entries = [
+            [np.broadcast_to(np.ravel(x), len(c)) for _, shape in shaped for x in shape]
+            for c, shaped in every
+        ]
+        each = map(np.concatenate, zip(*entries, strict=True))
+        found = [(name, tuple(next(each) for _ in shape)) for name, shape in rung.structure]
+        composed = self.problem.composition(found, coefficients, ordered, offset=self.offset)
         return composed.paths() | dict(self.problem.rig(ordered))
 
     def _values_if(self, rung: Rung, count: int) -> dict[str, Array]:

@@ -55,8 +55,6 @@ RELAXING = (0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
 """Time constants of what relaxes, over the duration of the records."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
-PULSE = 6.0
-"""Reach of the pulse of a turn, over 1/cutoff."""
 RESOLVED = 1.2
 """Distance to a turn or a rest from which on a speed is resolved, over 1/cutoff."""
 PASSED = 2.0
@@ -488,25 +486,30 @@ class Balance:
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
             groups["load"] = z[:, None] * powers_of_load(self.load(piece))
+        if self.turned:
+            groups["turn"] = self.turns(memory, piece)
         if memory.length > SHORT * frame.noise and memory.lags:
             self._lag(memory, laws, piece, hats, x, groups)
-            groups["turn"] = self.turned_at(memory, piece)
         return groups, x
 
-    def turned_at(self, memory: Memory, piece: Piece) -> Array:
-        """Return what a bristle has left of an error of the place at each turn (n, p).
+    def turns(self, memory: Memory, piece: Piece) -> Array:
+        """Return what is left of an error of each turn (n, p): a pulse, for it comes early or late.
 
-        Also those of a rest, in which an encoder says nothing of less than its step.
+        Of bristles it is one of the place, which fades as they are stretched, and rests have turns
+        as well: an encoder says nothing of less than its step.
         """
-        way = piece.along(memory.length)
-        stretched = np.abs(np.diff(way, prepend=way[:1])) / self.lengths(memory, piece)
-        along, found = np.cumsum(stretched), list[Array]()
+        lags = memory.length > SHORT * self.frame.noise and memory.lags
+        way, found = piece.along(memory.length), list[Array]()
         for one in self.pieces:
-            turns = self._largest(one, one.reversals)
-            left = np.zeros((len(along), len(turns)))
-            if one is piece:
-                left = np.exp(np.minimum(along[turns] - along[:, None], 0.0))
-                left *= np.arange(len(along))[:, None] >= turns
+            at = self._largest(one, one.reversals if lags else one.turns)
+            left = np.zeros((len(way), len(at)))
+            if one is piece and lags:
+                steps = np.abs(np.diff(way, prepend=way[:1]))
+                along = np.cumsum(steps / self.lengths(memory, piece))
+                left = np.exp(np.minimum(along[at] - along[:, None], 0.0))
+                left *= np.arange(len(way))[:, None] >= at
+            elif one is piece:
+                left[at, np.arange(len(at))] = 0.25 / piece.step / piece.cutoff
             found.append(left)
         return np.hstack(found)
 
@@ -714,26 +717,6 @@ class Balance:
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""
         return self.rows(which).seen([p.velocity / self.frame.top for p in self.pieces])
-
-    def pulses(self, which: int) -> Array:
-        """Return the pulses of turns at the rows (n, p)."""
-        rows = self.rows(which)
-        parts = []
-        for k, piece in enumerate(self.pieces):
-            filt = piece.filters[which]
-            count = len(piece.velocity)
-            turns = self._largest(piece, piece.turns)
-            kernel = np.zeros(count)
-            kernel[count // 2] = 0.25 / piece.step / filt.band
-            kernel = filt(kernel, full=True)
-            at = rows.picks[k][:, None] * piece.every - turns[None, :]
-            reach = PULSE / filt.band / piece.step
-            inside = (np.abs(at) < reach) & (np.abs(at) < count // 2)
-            values = np.where(inside, kernel[np.where(inside, at + count // 2, 0)], 0.0)
-            own = np.zeros((rows.count, len(turns)))
-            own[rows.piece == k] = values
-            parts.append(own[:, np.any(values != 0.0, axis=0)])
-        return np.hstack(parts)
 
     # ---- at the rows
     def columns(

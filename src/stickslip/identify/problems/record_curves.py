@@ -231,7 +231,6 @@ class _Readings:
     ) -> None:
         self.model, self.other, self.rng, self.rests = model, other, rng, rests
         self.rows, frame = other.rows(MIDDLE), model.frame
-        self.pulses = other.pulses(MIDDLE)
         own = model.balance.rows(MIDDLE)
         seen = np.sort(own.position)
         at = np.clip(np.searchsorted(seen, self.rows.position), 1, len(seen) - 1)
@@ -309,10 +308,9 @@ class _Readings:
             share = np.clip(AT_LEVEL * rng.uniform(-1.0, 1.0, size=(count, 1)), -1.0, 1.0)
             return np.asarray(beside + share * f)
         f += beside
-        turns = groups.get("turn", self.pulses)
-        if turns.shape[1] and "turn" in model.names:
-            turned = model.at(node, "turn") * size * rng.normal(size=(count, turns.shape[1]))
-            f += turned @ turns.T
+        if "turn" in groups and "turn" in model.names:
+            turned = rng.normal(size=(count, groups["turn"].shape[1]))
+            f += model.at(node, "turn") * size * turned @ groups["turn"].T
         return f
 
     def in_time(self, learned: Array) -> Array:

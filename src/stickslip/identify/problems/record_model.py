@@ -167,10 +167,9 @@ KEPT = 2
 """Bristles that are kept, beside none."""
 SEEN = 0.03
 """Root mean square of what a bristle lacks of being stretched, from which its length follows."""
-FADES, SURPLUSES = 2.0, (0.3, 0.8)
-"""Exponent and sizes, over the level, of a static surplus that a length is looked at to follow."""
-FOLLOWING = (0.8, 1.0, 1.3, 1.7)
-AGAIN = (0.85, 1.0, 1.18)
+SURPLUS = (0.3, 0.8)
+"""Static surplus over the level, of levels that the length of a bristle may follow at first."""
+FOLLOWING = (0.85, 1.0, 1.18)
 """Lengths that are looked at where the length follows the level, over the one before."""
 WIDTHS = (0.005, 0.2)
 """Range of the relative deviation of such a length."""
@@ -433,9 +432,8 @@ class RecordModel(Model):
         rows = self.balance.rows(which)
         groups, x = self.balance.columns(which, memory, self.columns)
         if which not in self._fixed:
-            turns = self.balance.pulses(which)
-            self._fixed[which] = {"turn": turns, **self.balance.fixed(which)}
-        every = {**self._fixed[which], **groups}
+            self._fixed[which] = self.balance.fixed(which)
+        every = {**groups, **self._fixed[which]}
         state, slope = every.pop("state"), every.pop("slope")
         parts = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
         stretch = parts[:, None] == np.arange(STRETCHES)
@@ -644,15 +642,11 @@ class RecordModel(Model):
         if memory is None:
             return
         speed, speeds = self._speed(memory), np.exp(self.frame.all_knots)
-        shapes = [shape for shape, _ in self.grid.shapes("stribeck") if shape[1] == FADES]
-        for shape, surplus, factor in product(shapes, SURPLUSES, (1.0, *NEARER)):
-            level, here = (
-                1.0 + surplus * law_column(("stribeck", shape), v, np.ones_like(v))
-                for v in (speeds, np.array([speed]))
-            )
-            yield Memory(
-                length=factor * memory.length, exponent=LUGRE, ratio=level / here, speed=speed
-            )
+        shapes = [shape for shape, _ in self.grid.shapes("stribeck") if shape[1] > 1.0]
+        for shape, surplus, factor in product(shapes, SURPLUS, (1.0, *NEARER)):
+            level = 1.0 + surplus * law_column(("stribeck", shape), speeds, np.ones_like(speeds))
+            ratio, length = level / np.interp(speed, speeds, level), factor * memory.length
+            yield Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed)
 
     def _nearer(self, looked: Sequence[Memory]) -> Iterator[Memory]:
         """Yield bristles near the best, but for Dahl's usual, whose length is refined later."""
@@ -701,7 +695,9 @@ class RecordModel(Model):
             self._refine(self._here(node), 3.0 ** -(turn + 1))
             node = self._followed(self._here(node), node) or node
         for turn in range(ROUNDS, THIRDS):  # as finely as the records tell shapes
-            here = self._here(node)
+            at = self.names.index("common")  # what follows the bristle anew may need no curve
+            here = self._here(node, (*node[:at], 0, *node[at + 1 :]))
+            node = here.best
             if self._resolves(here):
                 break
             self._refine(here, 3.0 ** -(turn + 1))
@@ -721,9 +717,9 @@ class RecordModel(Model):
             found += [(*sizes, k, 0) for k in range(len(self.memories))]
         return found
 
-    def _here(self, node: Node) -> Posterior:
-        """Return the posterior of a node alone."""
-        return Posterior(self, self.structures, self.priors, begin=[node], most=0)
+    def _here(self, *nodes: Node) -> Posterior:
+        """Return the posterior of some nodes alone."""
+        return Posterior(self, self.structures, self.priors, begin=nodes, most=0)
 
     def _pruned(self, node: Node) -> Node:
         """Keep only bristles that are not far behind the best; return the node."""
@@ -916,33 +912,24 @@ class RecordModel(Model):
 
         def look(length: float, ratio: Array) -> float:
             self.memories.append(Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed))
-            value, number = search.value((*node[:-2], len(self.memories) - 1, 0)), node[-2]
-            self._designs = {key: x for key, x in self._designs.items() if key[1] <= number}
-            self._plain, self._grams = {}, {}
-            return value
+            return search.value((*node[:-2], len(self.memories) - 1, 0))
 
-        def likeliest(ratio: Array) -> tuple[float, Memory, float]:
-            """Return a value, a bristle with a ratio of the likeliest length, and its deviation."""
-            factors = np.array(FOLLOWING if bristle.ratio is None else AGAIN)
-            values = [look(bristle.length * x, ratio) for x in factors]
-            k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
-            bend = np.polyfit(np.log(factors[k - 1 : k + 2]), values[k - 1 : k + 2], 2)
-            step, width = math.log(factors[np.argmax(values)]), 0.1
-            if bend[0] < 0.0:
-                step = -bend[1] / (2.0 * bend[0])
-                width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
-            length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
-            return look(length, ratio), self.memories[-1], width
-
-        found = [likeliest(ratio) for ratio in self._ratios(search, node, speed)]
-        if not found:
+        ratios = [*self._ratios(search, node, speed)]
+        if not ratios:
             return None
-        new, likely, width = max(found, key=lambda one: one[0])
-        length = likely.length
+        ratio = max(ratios, key=lambda one: look(bristle.length, one))
+        values = [look(bristle.length * x, ratio) for x in FOLLOWING]
+        bend = np.polyfit(np.log(FOLLOWING), values, 2)
+        step, width = math.log(FOLLOWING[int(np.argmax(values))]), 0.1
+        if bend[0] < 0.0:
+            step = -bend[1] / (2.0 * bend[0])
+            width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
+        length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
+        new = look(length, ratio)
         slower = max(0.0, 1.0 - math.log(speed / frame.low))
         unknown = math.hypot(BELOW * slower, frame.noise / length)
         spread = math.hypot(WITHIN * width, unknown)
-        following = replace(likely, spread=spread)
+        following = replace(self.memories[-1], spread=spread)
         beside = [replace(following, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
         kept = [self.memories[0], following, *beside, *([bristle] if old > new - 5.0 else [])]
         self._keep(kept)
@@ -961,10 +948,7 @@ class RecordModel(Model):
         self.balance.forget(memories)
 
     def _ratios(self, search: Posterior, node: Node, speed: float) -> Iterator[Array]:
-        """Yield levels at all knots over those at a speed (k,).
-
-        Of the best law, with the curve, and of the best law that falls, if that is another.
-        """
+        """Yield levels at all knots over those at a speed (k,): of the law, and with the curve."""
         weights = search.weights[search.nodes.index(node)]
         fits = [
             k
@@ -972,25 +956,21 @@ class RecordModel(Model):
             if any(name in LEVELS for name, _ in law)
             and not any(name in BESIDE_LEVELS for name, _ in law)
         ]
-        falls = [k for k in fits if any(name == "stribeck" for name, _ in search.structures[k])]
+        if not fits:
+            return
+        law = search.structures[max(fits, key=lambda k: weights[k])]
+        c, b = search.estimate(node, law)
         design = self.design(*self.key(node))
         knots, through = self.frame.all_knots, sum(self.frame.transmitted[1:2])
-        speeds, flat = np.exp(knots), np.ones_like(knots)
-        fast, levels = speeds > 0.2 * speeds[-1], list[Array]()
-        best = [max(some, key=lambda k: weights[k]) for some in (fits, falls) if some]
-        for k in dict.fromkeys(best):
-            law = search.structures[k]
-            c, b = search.estimate(node, law)
-            level = sum(
-                x * law_column(one, speeds, flat, 0.0, through)
-                for one, x in zip(law, c, strict=True)
-                if one[0] in LEVELS
-            )
-            curve = self.plain(node, b[:, None])[design.groups == "common", 0]
-            curve = self.frame.hats(speeds) @ curve
-            curve = curve - np.polyfit(speeds[fast], curve[fast], 1)[0] * speeds
-            levels += [level, level + curve] if not levels else [level]
-        for own in levels:
+        speeds = np.exp(knots)
+        curve = self.frame.hats(speeds) @ self.plain(node, b[:, None])[design.groups == "common", 0]
+        fast = speeds > 0.2 * speeds[-1]
+        curve = curve - np.polyfit(speeds[fast], curve[fast], 1)[0] * speeds
+        level, flat = np.zeros_like(speeds), np.ones_like(speeds)
+        for one, x in zip(law, c, strict=True):
+            if one[0] in LEVELS:
+                level += x * law_column(one, speeds, flat, 0.0, through)
+        for own in (level, level + curve):
             if np.all(own > 0.2 * np.median(own)) and np.median(own) > 0.0:
                 yield own / np.interp(math.log(speed), knots, own)
 
