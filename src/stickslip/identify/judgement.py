@@ -53,8 +53,6 @@ from stickslip.identify.projection import (
 )
 from stickslip.show.formatting import joined
 
-SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
-"""Terms whose shape ends in the exponent by which they fade."""
 DRAWS = 600
 """Draws from which everything is read."""
 ASSERTED = 20.0
@@ -76,26 +74,20 @@ NO_LAW = 0.1
 
 
 def with_shapes(structure: Structure, other: Structure) -> tuple[Structure, bool]:
-    """Return a structure with the shapes of another, and whether that has those of all its terms.
-
-    Else it fades as the other does, if that has a surplus.
+    """Return a structure with the shapes of another, if that has them all, and whether it has.
 
     Examples
     --------
     >>> with_shapes((("level", ()), ("stribeck", (0.1, 2.0))), (("stribeck", (0.3, 1.0)),))
     ((('level', ()), ('stribeck', (0.3, 1.0))), True)
-    >>> with_shapes((("hersey", (0.1, 2.0)),), (("stribeck", (0.3, 1.0)),))
-    ((('hersey', (0.1, 1.0)),), False)
+    >>> with_shapes((("power", (0.5,)),), (("level", ()),))
+    ((('power', (0.5,)),), False)
     """
     shapes = dict(other)
-    if all(len(shapes.get(name, ())) == len(shape) for name, shape in structure if shape):
-        return tuple((name, shapes.get(name, ())) for name, _ in structure), True
-    fading = [shape[1] for name, shape in other if name in SURPLUSES]
-    surpluses = SURPLUSES if fading else ()
-    return tuple(
-        (name, (shape[0], fading[0], *shape[2:]) if name in surpluses else shape)
-        for name, shape in structure
-    ), False
+    shapes.setdefault("stribeck_sides", shapes.get("stribeck", ()))
+    if any(len(shapes.get(name, ())) != len(shape) for name, shape in structure if shape):
+        return structure, False
+    return tuple((name, shapes[name] if shape else ()) for name, shape in structure), True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +113,23 @@ class Finding:
         """Whether it is stated: at `ASSERTED`, and where its interval does not hold zero."""
         odds = self.probability / max(1.0 - self.probability, 1e-12)
         return odds >= ASSERTED and not self.low <= 0.0 <= self.high
+
+
+def stated(
+    term: str, title: str, probability: float, size: Array, sentence: str, mistaken: float = 0.0
+) -> Finding:
+    """Return a finding with its size in draws (k,).
+
+    Examples
+    --------
+    >>> stated("drift", "drift over the record", 0.99, np.array([0.1, 0.2, 0.3]), "").size
+    0.2
+    """
+    low, middle, high = np.quantile(size, (0.025, 0.5, 0.975)).tolist()
+    return Finding(
+        term=term, title=title, probability=probability, size=middle, low=low, high=high,
+        sentence=sentence, mistaken=mistaken,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -642,8 +651,7 @@ class Judgement:
 
         A draw that has the shapes of the law keeps them and its coefficients, which change as
         little as what else its curve has allows: where no place shows a term, nothing else tells
-        it. Others are projected with their own best shapes; entries that are no parameters, such
-        as the exponent by which a surplus fades, are those of their own structures.
+        it. Others are projected with their own best shapes.
         """
         rung = rung or self.named
         if not rung.structure:

@@ -607,8 +607,7 @@ class RecordModel(Model):
             for one in more([one[1] for one in looked]):
                 look(replace(one, length=max(one.length, shortest)))
             looked.sort(key=lambda one: one[0])
-        bristles = [one[1] for one in looked if one[1].length]
-        balance.first = bristles[0].length
+        balance.first = next(one[1].length for one in looked if one[1].length)
         kept = [one[1] for one in looked[:KEPT] if one[1].length]
         self.memories = [none, *kept]
         balance.forget(self.memories)
@@ -632,8 +631,7 @@ class RecordModel(Model):
         best = [one for one in looked if one.length][:2]
         about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
         yield from about
-        for one, n in product([*best, *about], EXPONENTS):
-            yield replace(one, exponent=n)
+        yield from (replace(one, exponent=n) for one, n in product([*best, *about], EXPONENTS))
 
     def _falling(self, looked: Sequence[Memory]) -> Iterator[Memory]:
         """Yield bristles like the best that lags, whose length follows a level that falls."""
@@ -922,7 +920,7 @@ class RecordModel(Model):
         bend = np.polyfit(np.log(FOLLOWING), values, 2)
         step, width = math.log(FOLLOWING[int(np.argmax(values))]), 0.1
         if bend[0] < 0.0:
-            step = -bend[1] / (2.0 * bend[0])
+            step = -0.5 * bend[1] / bend[0]
             width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
         length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
         new = look(length, ratio)

@@ -428,15 +428,12 @@ class Piece:
     @cached_property
     def turns(self) -> Places:
         """Samples at which the motion turns, but for those of rests."""
-        return self._apart(np.flatnonzero((np.diff(self.direction) != 0.0) & ~self.still[1:]) + 1)
+        return self.reversals[~self.still[self.reversals]]
 
     @cached_property
     def reversals(self) -> Places:
         """Samples at which the motion turns, with those of rests."""
-        return self._apart(np.flatnonzero(np.diff(self.direction) != 0.0) + 1)
-
-    def _apart(self, at: Places) -> Places:
-        """Return samples that are not close to one before."""
+        at = np.flatnonzero(np.diff(self.direction) != 0.0) + 1
         return at[np.diff(at, prepend=-math.inf) > TURNS / self.cutoff / self.step]
 
     @cached_property
