@@ -7,7 +7,9 @@ direction where :math:`r = 0`, a level :math:`g` that depends on speed lags as i
           \qquad r(v) = r_0\, g(v) / g(v_0) ,
 
 which is one triangular system with two diagonals for all levels. Bristles of other exponents, of
-which 0 yields at once, have :math:`z\,g(v)`. The filter then makes rows of all columns.
+which 0 yields at once, have :math:`z\,g(v)`. An error of the place of a turn, such as the half step
+of an encoder, is one of the state that fades as :math:`e^{-\int |dx| / r}`. The filter then makes
+rows of all columns.
 """
 
 import math

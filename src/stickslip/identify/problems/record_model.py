@@ -9,7 +9,8 @@ At the rows :math:`i` of the filtered balance,
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
 (`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
-1. *Screen*: the bristles whose curve with the inertia leaves least.
+1. *Screen*: the bristles whose curve with the inertia leaves what is likeliest, of a Student
+   distribution, in which turns count: among them those whose length follows a level that falls.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
    state of the bristle and piece, with weights of a Student distribution; the share of rows that
    count, which is that of scores by row over scores summed in stretches; and the length of LuGre
@@ -101,7 +102,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place; of springs that relax; of the level and viscous friction of a twentieth of the
-record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the dead zone of
+record; of the error of a turn; of bristles of other lengths; the delay in samples; the dead zone of
 a drive; the change with
 an e-fold of the load that is not in proportion, and with an input by its standard deviation; level
 and viscous friction of another run, and of one of a joint, in which is what its rigid body misses
@@ -555,7 +556,7 @@ class RecordModel(Model):
         return squares_left(x, rows.response, far=FARTHEST)[0]
 
     def _screen(self) -> Array:
-        """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
+        """Keep the bristles whose curve is likeliest; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
