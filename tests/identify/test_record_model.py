@@ -260,6 +260,37 @@ def test_a_bristle_of_another_exponent_is_found_with_the_inertia() -> None:
     assert inertia.value == pytest.approx(INERTIA, rel=0.01)
 
 
+def test_an_error_of_the_place_of_a_turn_fades_along_the_way() -> None:
+    balance, length = RecordProblem([driven()]).model.balance, 1e-3
+    (piece,) = balance.pieces
+    way, turns = piece.along(length), piece.reversals
+    first, second = turns[0], turns[1]
+    left = balance.turns(Memory(length=length), piece)[:, 0]
+    assert not left[:first].any()
+    gone = np.abs(way[first:second] - way[first])
+    np.testing.assert_allclose(left[first:second], np.exp(-gone / length), atol=1e-9)
+
+
+def test_bristles_with_damping_follow_a_level_that_falls() -> None:
+    record, length, time, surplus, fades = driven(6), 2e-4, 0.02, 0.6 * LEVEL, 0.03
+    t, x = record.time, record.position
+    v = np.gradient(x, t)
+    level = LEVEL + surplus * np.exp(-((v / fades) ** 2))
+    lag = relaxed(x, length * level / LEVEL, level[:, None])[:, 0]
+    force = record.force - LEVEL * np.sign(v) + lag + time * np.gradient(lag, t)
+    problem = RecordProblem([replace(record, force=force)])
+    judgement = Judgement(problem)
+    assert problem.memory == "lugre"
+    assert {"level", "stribeck", "viscous"} <= {*judgement.named.family}
+    known = {one.path.rpartition(".")[2]: one for one in judgement.intervals}
+    true = {
+        "kinetic_coefficient": LEVEL, "static_coefficient": LEVEL + surplus,
+        "stribeck_velocity": fades, "viscous_coefficient": VISCOUS, "inertia": INERTIA,
+        "bristle_stiffness": LEVEL / length,
+    }  # fmt: skip
+    assert all(known[name].low <= value <= known[name].high for name, value in true.items())
+
+
 @pytest.mark.parametrize(("heavier", "told"), [(0.02, False), (1.0, True)])
 def test_a_dead_zone_is_told_from_the_level_where_much_accelerates(
     heavier: float, told: bool

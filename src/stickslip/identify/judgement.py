@@ -53,6 +53,8 @@ from stickslip.identify.projection import (
 )
 from stickslip.show.formatting import joined
 
+SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
+"""Terms whose shape ends in the exponent by which they fade."""
 DRAWS = 600
 """Draws from which everything is read."""
 ASSERTED = 20.0
@@ -73,21 +75,24 @@ NO_LAW = 0.1
 """Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
 
 
-def with_shapes(structure: Structure, other: Structure) -> tuple[Structure, bool]:
+def with_shapes(structure: Structure, other: Structure, *, alone: bool) -> tuple[Structure, bool]:
     """Return a structure with the shapes of another, if that has them all, and whether it has.
+
+    What is not `alone` in a curve has other shapes beside the rest: it fades as the other does.
 
     Examples
     --------
-    >>> with_shapes((("level", ()), ("stribeck", (0.1, 2.0))), (("stribeck", (0.3, 1.0)),))
+    >>> law, other = (("level", ()), ("stribeck", (0.1, 2.0))), (("stribeck", (0.3, 1.0)),)
+    >>> with_shapes(law, other, alone=True)
     ((('level', ()), ('stribeck', (0.3, 1.0))), True)
-    >>> with_shapes((("power", (0.5,)),), (("level", ()),))
-    ((('power', (0.5,)),), False)
+    >>> with_shapes(law, other, alone=False)
+    ((('level', ()), ('stribeck', (0.1, 1.0))), False)
     """
-    shapes = dict(other)
-    shapes.setdefault("stribeck_sides", shapes.get("stribeck", ()))
-    if any(len(shapes.get(name, ())) != len(shape) for name, shape in structure if shape):
-        return structure, False
-    return tuple((name, shapes[name] if shape else ()) for name, shape in structure), True
+    shapes, fading = dict(other), [shape[1] for name, shape in other if name in SURPLUSES]
+    if alone and all(len(shapes.get(name, ())) == len(shape) for name, shape in structure if shape):
+        return tuple((name, shapes[name] if shape else ()) for name, shape in structure), True
+    own = [(s[0], fading[0], *s[2:]) if fading and n in SURPLUSES else s for n, s in structure]
+    return tuple(zip(family_of(structure), own, strict=True)), False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -296,6 +301,10 @@ class Problem(ABC):
         unless the measurement tells sums over speeds better than friction at any.
         """
         return places, 1.0 / allowed
+
+    def is_alone(self, draw: Draws) -> bool:
+        """Return whether nothing that no law says is in a draw, as is known of the kind."""
+        return False
 
     def usual(self, rows: Any) -> Array:
         """Return what Coulomb + viscous friction by least squares says of other readings (n,).
@@ -609,7 +618,8 @@ class Judgement:
         shaped: Shaped = ()
         if self.named.structure:
             coefficients, shaped = self._projected(self.named, draws)
-        fitted = self._fitted(shaped, coefficients)
+        columns = self.problem.design(shaped, self._places)
+        fitted = np.sum(columns * coefficients[:, None], axis=-1)
         apart = np.quantile(np.abs(fitted - places) / self.target.size, PLACES, axis=1)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
         composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
@@ -620,12 +630,6 @@ class Judgement:
             rung = replace(self.named, coefficients=coefficients[k])
             found.append(drawn_curve(self.sliding(curves[k], rung), load) if law is None else law)
         return found
-
-    def _fitted(self, shaped: Shaped, coefficients: Array) -> Array:
-        """Return curves (k, n) of laws with shapes and coefficients (k, p) of their own."""
-        x = self.problem.design(shaped, self._places)
-        x = np.broadcast_to(x, (len(coefficients), *x.shape[-2:]))
-        return np.asarray(np.einsum("knp,kp->kn", x, coefficients))
 
     def curve_of(self, rung: Rung, rows: Any) -> Array:
         """Return the friction of a law at rows (n,), with its offset."""
@@ -649,16 +653,18 @@ class Judgement:
     def values_of(self, draws: Sequence[Draws], rung: Rung | None = None) -> dict[str, Array]:
         """Return parameters of a law, else the named one, (k,) by path: each draw's own.
 
-        A draw that has the shapes of the law keeps them and its coefficients, which change as
-        little as what else its curve has allows: where no place shows a term, nothing else tells
-        it. Others are projected with their own best shapes.
+        A draw that has the shapes of the law, and no curve beside it, keeps them and its
+        coefficients, which change as little as what else it has allows: where no place shows a
+        term, nothing else tells it. Others are projected with their own best shapes; entries that
+        are no parameters, such as the exponent by which a surplus fades, are those of their own.
         """
         rung = rung or self.named
         if not rung.structure:
             return dict(self.problem.rig(draws))
         groups: dict[tuple[Structure, bool], list[Draws]] = {}
         for one in draws:
-            groups.setdefault(with_shapes(rung.structure, one.structure), []).append(one)
+            key = with_shapes(rung.structure, one.structure, alone=self.problem.is_alone(one))
+            groups.setdefault(key, []).append(one)
         every = [
             self._projected(replace(rung, structure=structure), own, same=same)
             for (structure, same), own in groups.items()

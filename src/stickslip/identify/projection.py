@@ -14,10 +14,9 @@ no law says). Let :math:`m` be their median, :math:`\sigma` half their range fro
    there it is the law of the least :math:`\log d + \kappa (p + r)`, with the distance
    :math:`d` or a little more than the tolerance, the number of parameters :math:`p`, and the place
    from usual to unusual :math:`r`.
-3. **Parameters** are those of all draws: of a draw whose law has the terms of the named family,
-   its own shapes and coefficients, with what else is in its curve; others are projected on the
-   family, each with its own best shape. If the law holds, they are those of draws of the named
-   family alone.
+3. **Parameters** are those of all draws, each projected on the named family with its own best
+   shape; if the law holds, those of draws of the named family alone. A draw of records that has the
+   terms of the family, and no curve beside it, keeps its own shapes and coefficients.
 
 (J. Piironen, M. Paasiniemi, A. Vehtari, Projective inference, 2020.)
 """

@@ -167,7 +167,8 @@ NEARER = (0.84, 1.19)
 KEPT = 2
 """Bristles that are kept, beside none."""
 SEEN = 0.03
-"""Root mean square of what a bristle lacks of being stretched, from which its length follows."""
+"""Root mean square of what a bristle lacks of being stretched, from which its length follows that
+does not from the screen."""
 SURPLUS = (0.3, 0.8)
 """Static surplus over the level, of levels that the length of a bristle may follow at first."""
 FOLLOWING = (0.85, 1.0, 1.18)
@@ -648,11 +649,9 @@ class RecordModel(Model):
             yield Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed)
 
     def _nearer(self, looked: Sequence[Memory]) -> Iterator[Memory]:
-        """Yield bristles near the best, but for Dahl's usual, whose length is refined later."""
+        """Yield bristles near the best, unless it lags: other lengths are refined later."""
         best = looked[0]
-        step = 0.5 if best.ratio is not None else 1.0 - best.lags
-        for factor in NEARER if step else ():
-            yield replace(best, length=factor**step * best.length)
+        yield from (replace(best, length=x * best.length) for x in NEARER if not best.lags)
 
     def _delayed(self, columns: Sequence[Array]) -> bool:
         """Let forces act at another time if that leaves far less; return whether it does.
@@ -902,9 +901,8 @@ class RecordModel(Model):
         at the top, which is viscous: a length that follows it would act as inertia.
         """
         bristle, frame = self.memory(node), self.frame
-        if bristle.length <= SHORT * frame.noise:
-            return None
-        if math.sqrt(float(np.mean(self.part(bristle) ** 2))) < SEEN:
+        seen = math.sqrt(float(np.mean(self.part(bristle) ** 2))) > SEEN
+        if bristle.length <= SHORT * frame.noise or not (seen or bristle.ratio is not None):
             return None
         speed = self._speed(bristle)
         old = search.value(node)

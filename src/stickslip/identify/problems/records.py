@@ -447,6 +447,9 @@ class RecordProblem(Problem):
         same = np.array([one == family for one in self._families])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
+    def is_alone(self, draw: Draws) -> bool:
+        return self.model.at(draw.node, "common") == 0.0
+
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
         none = np.array([not one for one in self.posterior.structures])
