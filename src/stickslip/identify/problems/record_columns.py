@@ -506,8 +506,8 @@ class Balance:
             at = self._largest(one, one.reversals if lags else one.turns)
             left = np.zeros((len(way), len(at)))
             if one is piece and lags:
-                steps = np.abs(np.diff(way, prepend=way[:1]))
-                along = np.cumsum(steps / self.lengths(memory, piece))
+                steps = np.abs(np.diff(way, prepend=way[:1])) / self.lengths(memory, piece)
+                along = np.cumsum(steps)
                 left = np.exp(np.minimum(along[at] - along[:, None], 0.0))
                 left *= np.arange(len(way))[:, None] >= at
             elif one is piece:

@@ -9,8 +9,9 @@ At the rows :math:`i` of the filtered balance,
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
 (`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
-1. *Screen*: the bristles whose curve with the inertia leaves what is likeliest, of a Student
-   distribution, in which turns count: among them those whose length follows a level that falls.
+1. *Screen*: the bristles whose curve with the inertia leaves least, whatever turns leave, and the
+   likeliest, of a Student distribution, in which turns count; among them those whose length follows
+   a level that falls.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
    state of the bristle and piece, with weights of a Student distribution; the share of rows that
    count, which is that of scores by row over scores summed in stretches; and the length of LuGre
@@ -25,6 +26,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from operator import itemgetter
 from typing import TypeAlias
 
 import numpy as np
@@ -557,14 +559,14 @@ class RecordModel(Model):
         return squares_left(x, rows.response, far=FARTHEST)[0]
 
     def _screen(self) -> Array:
-        """Keep the bristles whose curve is likeliest; return what the best leaves (n,)."""
+        """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         base = [plain["slope"], *(plain[name] for name in names)]
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
-        looked: list[tuple[float, Memory, Array, float, float]] = []
+        looked: list[tuple[float, Memory, Array, float, float, float]] = []
 
         def columns(memory: Memory) -> Array:
             parts = []
@@ -594,7 +596,8 @@ class RecordModel(Model):
             law[len(frame.sides) - 1], law[-1] = True, False  # the slope, and the delay
             inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
-            looked.append((unlikely(e), memory, e, size, float(inertia)))
+            cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
+            looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia), unlikely(e)))
 
         none = Memory()
         # along less, a bristle is nothing but the moment of a turn between samples
@@ -605,15 +608,18 @@ class RecordModel(Model):
         looked.sort(key=lambda one: one[0])
         if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
             return self._screen()
-        for more in (self._about, self._falling, self._nearer):
+        about, falling = self._about, self._falling
+        for k, more in (0, about), (-1, about), (-1, falling), (0, self._nearer):
+            looked.sort(key=itemgetter(k))
             for one in more([one[1] for one in looked]):
                 look(replace(one, length=max(one.length, shortest)))
-            looked.sort(key=lambda one: one[0])
+        turning = min((one for one in looked if one[1].length), key=itemgetter(-1))
+        looked.sort(key=itemgetter(0))
         balance.first = next(one[1].length for one in looked if one[1].length)
-        kept = [one[1] for one in looked[:KEPT] if one[1].length]
-        self.memories = [none, *kept]
+        kept = [one[1] for one in [*looked[:KEPT], turning] if one[1].length]
+        self.memories = [none, *dict.fromkeys(kept)]
         balance.forget(self.memories)
-        _, _, left, self.size, inertia = looked[0]
+        _, _, left, self.size, inertia, _ = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
         self.inertia = inertia if balance.finds_inertia else balance.inertia
         balance.waves = waves_of(rows, frame.span, frame.noise, left)
@@ -637,21 +643,21 @@ class RecordModel(Model):
 
     def _falling(self, looked: Sequence[Memory]) -> Iterator[Memory]:
         """Yield bristles like the best that lags, whose length follows a level that falls."""
-        least = SHORT * self.frame.noise
-        memory = next((one for one in looked if one.lags and one.length > least), None)
-        if memory is None:
-            return
-        speed, speeds = self._speed(memory), np.exp(self.frame.all_knots)
+        long = (one for one in looked if one.length > SHORT * self.frame.noise)
+        best = [one for one in long if one.lags][:1]
         shapes = [shape for shape, _ in self.grid.shapes("stribeck") if shape[1] > 1.0]
-        for shape, surplus, factor in product(shapes, SURPLUS, (1.0, *NEARER)):
+        speeds = np.exp(self.frame.all_knots)
+        for memory, shape, surplus in product(best, shapes, SURPLUS):
             level = 1.0 + surplus * law_column(("stribeck", shape), speeds, np.ones_like(speeds))
-            ratio, length = level / np.interp(speed, speeds, level), factor * memory.length
-            yield Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed)
+            speed = self._speed(memory)
+            ratio = level / np.interp(speed, speeds, level)
+            lugre = replace(memory, exponent=LUGRE, ratio=ratio, speed=speed)
+            yield from (replace(lugre, length=x * memory.length) for x in (1.0, *NEARER))
 
     def _nearer(self, looked: Sequence[Memory]) -> Iterator[Memory]:
         """Yield bristles near the best, unless it lags: other lengths are refined later."""
-        best = looked[0]
-        yield from (replace(best, length=x * best.length) for x in NEARER if not best.lags)
+        near = product([one for one in looked[:1] if not one.lags], NEARER)
+        yield from (replace(one, length=x * one.length) for one, x in near)
 
     def _delayed(self, columns: Sequence[Array]) -> bool:
         """Let forces act at another time if that leaves far less; return whether it does.
@@ -693,8 +699,7 @@ class RecordModel(Model):
             self._refine(self._here(node), 3.0 ** -(turn + 1))
             node = self._followed(self._here(node), node) or node
         for turn in range(ROUNDS, THIRDS):  # as finely as the records tell shapes
-            at = self.names.index("common")  # what follows the bristle anew may need no curve
-            here = self._here(node, (*node[:at], 0, *node[at + 1 :]))
+            here = self._here(node, (0, *node[1:]))  # no curve, as bristles are others now
             node = here.best
             if self._resolves(here):
                 break

@@ -779,8 +779,7 @@ class RecordProblem(Problem):
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little."""
         model, rows = self.model, self.model.balance.rows(MIDDLE)
-        sizes = SCALES[name][0]
-        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in sizes]].sum()
+        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in SCALES[name][0]]].sum()
         frame, waves = model.frame, model.balance.waves
         course = frame.course(rows.time)
         columns = {
@@ -867,10 +866,13 @@ class RecordProblem(Problem):
         if pushes:
             term, title = f"{FORCE}*{name}", f"force beside friction that changes with the {name}"
             how = f"A force beside friction changes by {percent(abs(middle))} of friction"
-        of_sign = max(float(np.mean(change > 0.0)), float(np.mean(change < 0.0)))
-        likely = of_sign * (abs(middle) >= NEGLIGIBLE)
+        likely = max(np.mean(k * change > 0.0) for k in (-1, 1)) * (abs(middle) >= NEGLIGIBLE)
         return stated(
-            term, title, likely, change, f"{how} where the {name} goes from {first} to {last}."
+            term,
+            title,
+            float(likely),
+            change,
+            f"{how} where the {name} goes from {first} to {last}.",
         )
 
     def _given(self, draws: Sequence[Draws]) -> list[Finding]:
@@ -892,8 +894,7 @@ class RecordProblem(Problem):
         mistaken = float(np.average(large, weights=[one.random.shape[1] for one in draws]))
         for name, own in every.items():
             of, off = name.replace("beside", "inertia"), own if gain is None else own + gain
-            ends = np.quantile(off, (0.5, 0.025, 0.975)).tolist()
-            factors = [quantity(1.0 + x, "", 3) for x in ends]
+            factors = [quantity(1.0 + x, "", 3) for x in np.quantile(off, (0.5, 0.025, 0.975))]
             what = {
                 "inertia": "The inertia is {} times as given ({} to {})",
                 "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
@@ -908,10 +909,9 @@ class RecordProblem(Problem):
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
-        model = self.model
-        drawn = [model.split(one.node, one.random)["delay"][0] for one in draws]
-        late = np.concatenate(drawn) + model.balance.pieces[0].late
-        step, middle = model.balance.pieces[0].step, float(np.median(late))
+        drawn = [self.model.split(one.node, one.random)["delay"][0] for one in draws]
+        late = np.concatenate(drawn) + self.model.balance.pieces[0].late
+        step, middle = self.model.balance.pieces[0].step, float(np.median(late))
         # from going straight to the next sample to holding until it, and half a sample beyond
         likely = float(max(np.mean(late > 1.5 * step), np.mean(late < -0.5 * step)))
         return stated(
