@@ -866,14 +866,9 @@ class RecordProblem(Problem):
         if pushes:
             term, title = f"{FORCE}*{name}", f"force beside friction that changes with the {name}"
             how = f"A force beside friction changes by {percent(abs(middle))} of friction"
+        how = f"{how} where the {name} goes from {first} to {last}."
         likely = max(np.mean(k * change > 0.0) for k in (-1, 1)) * (abs(middle) >= NEGLIGIBLE)
-        return stated(
-            term,
-            title,
-            float(likely),
-            change,
-            f"{how} where the {name} goes from {first} to {last}.",
-        )
+        return stated(term, title, float(likely), change, how)
 
     def _given(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return by how much the inertia, or the mechanism's forces, are not as given.
