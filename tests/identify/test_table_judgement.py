@@ -8,6 +8,7 @@ from stickslip import Measurement
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.problems.table_model import Frame, Readings, Rows, fitted
 from stickslip.identify.problems.tables import TableProblem
+from stickslip.identify.projection import Projector
 
 SPEEDS = np.geomspace(0.01, 1.0, 20)
 BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])
@@ -148,3 +149,15 @@ def test_many_rows_are_judged_as_cells_of_them():
     noise = fit.model.sigma(fit.posterior.best)
     assert noise == pytest.approx(0.1, rel=0.1)  # of 5,000 readings, by steps of the grid of 8 %
     assert Frame.of(readings).fastest <= 1.0
+
+
+def test_a_term_that_no_place_shows_keeps_its_coefficients() -> None:
+    speed = np.geomspace(0.5, 1.0, 20)
+    x = np.column_stack([np.ones(20), np.exp(-((speed / 0.05) ** 2))])
+    projector = Projector(lambda _: x, (), np.ones(20), np.ones(2, dtype=bool))
+    own = np.column_stack([[9.0, 10.0, 11.0], [1.0, 2.0, 4.0]])
+    structure = (("level", ()), ("stribeck", (0.05, 2.0)))
+    found, _ = projector(own @ x.T + 0.3, [structure], own)
+    np.testing.assert_allclose(found - own, np.tile([0.3, 0.0], (3, 1)), atol=2e-3)
+    found, _ = projector(own @ x.T + 0.3, [structure])
+    assert not np.allclose(found[:, 1], own[:, 1], rtol=0.1)

@@ -34,7 +34,7 @@ from stickslip.identify.bands import (
 )
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
 from stickslip.identify.own_laws import Slipping
-from stickslip.identify.posterior import Draws, Family, Structure
+from stickslip.identify.posterior import Draws, Family, Structure, family_of
 from stickslip.identify.projection import (
     EXACT,
     MARGIN,
@@ -75,21 +75,24 @@ NO_LAW = 0.1
 """Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
 
 
-def with_fading(structure: Structure, other: Structure) -> Structure:
-    """Return a structure that fades as another does, if that has a surplus.
+def with_shapes(structure: Structure, other: Structure, *, alone: bool) -> tuple[Structure, bool]:
+    """Return a structure with the shapes of another, if that has them all, and whether it has.
+
+    What is not `alone` in a curve has other shapes beside the rest: it fades as the other does.
 
     Examples
     --------
-    >>> with_fading((("stribeck", (0.1, 2.0)),), (("stribeck", (0.3, 1.0)),))
-    (('stribeck', (0.1, 1.0)),)
+    >>> law, other = (("level", ()), ("stribeck", (0.1, 2.0))), (("stribeck", (0.3, 1.0)),)
+    >>> with_shapes(law, other, alone=True)
+    ((('level', ()), ('stribeck', (0.3, 1.0))), True)
+    >>> with_shapes(law, other, alone=False)
+    ((('level', ()), ('stribeck', (0.1, 1.0))), False)
     """
-    fading = [shape[1] for name, shape in other if name in SURPLUSES]
-    if not fading:
-        return structure
-    return tuple(
-        (name, (shape[0], fading[0], *shape[2:])) if name in SURPLUSES else (name, shape)
-        for name, shape in structure
-    )
+    shapes, fading = dict(other), [shape[1] for name, shape in other if name in SURPLUSES]
+    if alone and all(len(shapes.get(name, ())) == len(shape) for name, shape in structure if shape):
+        return tuple((name, shapes[name] if shape else ()) for name, shape in structure), True
+    own = [(s[0], fading[0], *s[2:]) if fading and n in SURPLUSES else s for n, s in structure]
+    return tuple(zip(family_of(structure), own, strict=True)), False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,6 +118,23 @@ class Finding:
         """Whether it is stated: at `ASSERTED`, and where its interval does not hold zero."""
         odds = self.probability / max(1.0 - self.probability, 1e-12)
         return odds >= ASSERTED and not self.low <= 0.0 <= self.high
+
+
+def stated(
+    term: str, title: str, probability: float, size: Array, sentence: str, mistaken: float = 0.0
+) -> Finding:
+    """Return a finding with its size in draws (k,).
+
+    Examples
+    --------
+    >>> stated("drift", "drift over the record", 0.99, np.array([0.1, 0.2, 0.3]), "").size
+    0.2
+    """
+    low, middle, high = np.quantile(size, (0.025, 0.5, 0.975)).tolist()
+    return Finding(
+        term=term, title=title, probability=probability, size=middle, low=low, high=high,
+        sentence=sentence, mistaken=mistaken,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -282,6 +302,10 @@ class Problem(ABC):
         """
         return places, 1.0 / allowed
 
+    def is_alone(self, draw: Draws) -> bool:
+        """Return whether nothing that no law says is in a draw, as is known of the kind."""
+        return False
+
     def usual(self, rows: Any) -> Array:
         """Return what Coulomb + viscous friction by least squares says of other readings (n,).
 
@@ -394,18 +418,30 @@ class Judgement:
         # what is known of sums over the rows is kept by the mean
         return np.asarray(np.mean(self.problem.steady(self._metric[0], self.draws), axis=0))[None]
 
-    def _projected(self, rung: Rung, draws: Sequence[Draws] | None = None) -> tuple[Array, Shaped]:
-        """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family."""
+    def _projected(
+        self, rung: Rung, draws: Sequence[Draws] | None = None, *, same: bool = False
+    ) -> tuple[Array, Shaped]:
+        """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family.
+
+        Draws that have the `same` shapes keep them, and stay near their coefficients.
+        """
         rows, weights = self._metric
         curves = self._middle if draws is None else self.problem.steady(rows, draws)
-        free, coarse = self.problem.free(rung)
+        free, coarse = ((), ()) if same else self.problem.free(rung)
+        names = names_of(rung.structure)
         projector = Projector(
             lambda structure: self.problem.design(structure, rows),
             free,
             weights,
-            np.array([not is_signed(name) for name in names_of(rung.structure)]),
+            np.array([not is_signed(name) for name in names]),
         )
-        return projector(curves, [rung.structure, *coarse])
+        about = None
+        if draws is not None and same:
+            laws = [dict(zip(family_of(x.structure), x.law, strict=True)) for x in draws]
+            none = [np.zeros(x.law.shape[1]) for x in draws]
+            each = zip(laws, none, strict=True)
+            about = np.hstack([[law.get(name, zero) for name in names] for law, zero in each]).T
+        return projector(curves, [rung.structure, *coarse], about)
 
     @cached_property
     def ladder(self) -> tuple[Rung, ...]:
@@ -582,7 +618,8 @@ class Judgement:
         shaped: Shaped = ()
         if self.named.structure:
             coefficients, shaped = self._projected(self.named, draws)
-        fitted = self._fitted(shaped, coefficients)
+        columns = self.problem.design(shaped, self._places)
+        fitted = np.sum(columns * coefficients[:, None], axis=-1)
         apart = np.quantile(np.abs(fitted - places) / self.target.size, PLACES, axis=1)
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
         composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
@@ -593,12 +630,6 @@ class Judgement:
             rung = replace(self.named, coefficients=coefficients[k])
             found.append(drawn_curve(self.sliding(curves[k], rung), load) if law is None else law)
         return found
-
-    def _fitted(self, shaped: Shaped, coefficients: Array) -> Array:
-        """Return curves (k, n) of laws with shapes and coefficients (k, p) of their own."""
-        x = self.problem.design(shaped, self._places)
-        x = np.broadcast_to(x, (len(coefficients), *x.shape[-2:]))
-        return np.asarray(np.einsum("knp,kp->kn", x, coefficients))
 
     def curve_of(self, rung: Rung, rows: Any) -> Array:
         """Return the friction of a law at rows (n,), with its offset."""
@@ -622,27 +653,32 @@ class Judgement:
     def values_of(self, draws: Sequence[Draws], rung: Rung | None = None) -> dict[str, Array]:
         """Return parameters of a law, else the named one, (k,) by path: each draw's own.
 
-        Each draw is projected with its own best shape; entries that are no parameters, such as the
-        exponent by which a surplus fades, are those of its own structure.
+        A draw that has the shapes of the law, and no curve beside it, keeps them and its
+        coefficients, which change as little as what else it has allows: where no place shows a
+        term, nothing else tells it. Others are projected with their own best shapes; entries that
+        are no parameters, such as the exponent by which a surplus fades, are those of their own.
         """
         rung = rung or self.named
         if not rung.structure:
             return dict(self.problem.rig(draws))
-        groups: dict[Structure, list[Draws]] = {}
+        groups: dict[tuple[Structure, bool], list[Draws]] = {}
         for one in draws:
-            groups.setdefault(with_fading(rung.structure, one.structure), []).append(one)
-        parts = [
-            self._values_of(replace(rung, structure=structure), own)
-            for structure, own in groups.items()
+            key = with_shapes(rung.structure, one.structure, alone=self.problem.is_alone(one))
+            groups.setdefault(key, []).append(one)
+        every = [
+            self._projected(replace(rung, structure=structure), own, same=same)
+            for (structure, same), own in groups.items()
         ]
-        shared = [path for path in parts[0] if all(path in one for one in parts)]
-        return {path: np.concatenate([one[path] for one in parts]) for path in shared}
-
-    def _values_of(self, rung: Rung, draws: Sequence[Draws]) -> dict[str, Array]:
-        coefficients, shaped = self._projected(rung, draws)
-        own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
-        composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
-        return composed.paths() | dict(self.problem.rig(draws))
+        coefficients = np.vstack([c for c, _ in every])
+        ordered = [one for own in groups.values() for one in own]
+        entries = [
+            [np.broadcast_to(np.ravel(x), len(c)) for _, shape in shaped for x in shape]
+            for c, shaped in every
+        ]
+        each = map(np.concatenate, zip(*entries, strict=True))
+        found = [(name, tuple(next(each) for _ in shape)) for name, shape in rung.structure]
+        composed = self.problem.composition(found, coefficients, ordered, offset=self.offset)
+        return composed.paths() | dict(self.problem.rig(ordered))
 
     def _values_if(self, rung: Rung, count: int) -> dict[str, Array]:
         """Return parameters (k,) by path of draws in which a law holds; {} if none is."""

@@ -15,7 +15,8 @@ no law says). Let :math:`m` be their median, :math:`\sigma` half their range fro
    :math:`d` or a little more than the tolerance, the number of parameters :math:`p`, and the place
    from usual to unusual :math:`r`.
 3. **Parameters** are those of all draws, each projected on the named family with its own best
-   shape; if the law holds, those of draws of the named family alone.
+   shape; if the law holds, those of draws of the named family alone. A draw of records that has the
+   terms of the family, and no curve beside it, keeps its own shapes and coefficients.
 
 (J. Piironen, M. Paasiniemi, A. Vehtari, Projective inference, 2020.)
 """
@@ -318,23 +319,39 @@ class Projector:
             found[one.column][1][one.entry] = shapes[:, place, None]
         return [(name, tuple(shape)) for name, shape in found]
 
-    def _solved(self, structure: Shaped, shapes: Array, y: Array) -> tuple[Array, Array]:
-        """Return coefficients (k, p) for shapes (k, f), and what they leave of draws (k, n)."""
+    def _solved(
+        self, structure: Shaped, shapes: Array, y: Array, about: Array | None = None
+    ) -> tuple[Array, Array]:
+        """Return coefficients (k, p) for shapes (k, f), and what they leave of draws (k, n).
+
+        They differ from those that are known by about their size where curves do not tell them.
+        """
         x = self.weights @ self.design(self._shaped(structure, shapes))
         x = np.broadcast_to(x, (len(y), *x.shape[-2:]))
         norm = np.sqrt(np.mean(x * x, axis=1)) + 1e-300
+        norm = np.maximum(norm, 1e-12 * norm.max(axis=1, initial=0.0, keepdims=True))
         scaled = x / norm[:, None, :]
         gram = np.einsum("kni,knj->kij", scaled, scaled)
         size = gram.shape[1]
         gram[:, range(size), range(size)] *= 1.0 + 1e-10
         moment = np.einsum("kni,kn->ki", scaled, y)
+        if about is not None:
+            square = np.mean(about**2, axis=0)
+            held = np.where(square > 0.0, 1.0 / (square + 1e-300), 0.0) / norm
+            gram[:, range(size), range(size)] += held / norm
+            moment += about * held
         for k, one in known_coefficients(names_of(structure)).items():
             hold(gram, moment, k, one * norm[:, k])
         c = solved(gram, moment, self.positive)
         return c / norm, y - np.einsum("kni,ki->kn", scaled, c)
 
-    def __call__(self, draws: Array, structures: Sequence[Structure]) -> tuple[Array, Shaped]:
-        """Return coefficients (k, p) and shapes of draws (k, n), from the best of structures."""
+    def __call__(
+        self, draws: Array, structures: Sequence[Structure], about: Array | None = None
+    ) -> tuple[Array, Shaped]:
+        """Return coefficients (k, p) and shapes of draws (k, n), from the best of structures.
+
+        They are `about` some (k, p), if any are known.
+        """
         y = draws @ self.weights.T
         least = np.full(len(draws), np.inf)
         shapes = np.zeros((len(draws), len(self.free)))
@@ -342,7 +359,7 @@ class Projector:
         for one in structures:
             own = np.array([[one[f.column][1][f.entry] for f in self.free]], dtype=float)
             own = np.broadcast_to(own, shapes.shape)
-            coefficients, left = self._along(one, y)
+            coefficients, left = self._solved(one, own, y, about)
             misfit = np.sum(left * left, axis=1)
             better = misfit < least
             least = np.where(better, misfit, least)
@@ -350,19 +367,6 @@ class Projector:
         if self.free:
             c, shapes = self._polished(structures[0], shapes, c, least, y)
         return c, self._shaped(structures[0], shapes)
-
-    def _along(self, structure: Structure, y: Array) -> tuple[Array, Array]:
-        """Return coefficients (k, p) of draws for the same shapes, and what they leave (k, n)."""
-        x = self.weights @ self.design(structure)
-        norm = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
-        gram = (x / norm).T @ (x / norm)
-        gram[np.diag_indices(len(gram))] *= 1.0 + 1e-10
-        moment = y @ (x / norm)
-        for k, one in known_coefficients(names_of(structure)).items():
-            hold(gram, moment, k, one * norm[k])
-        many = np.broadcast_to(gram, (len(y), *gram.shape))
-        c = solved(many, moment, self.positive) / norm
-        return c, y - c @ x.T
 
     def _polished(
         self, structure: Structure, shapes: Array, c: Array, least: Array, y: Array

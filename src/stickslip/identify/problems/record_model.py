@@ -608,7 +608,11 @@ class RecordModel(Model):
             look(memory)
         looked.sort(key=lambda one: one[0])
         likely = [none, *(one[1] for one in looked[:KEPT])]
-        every = [np.hstack([columns(x), balance.delayed(MIDDLE, x)[:, None]]) for x in likely]
+        lagging = [balance.states(one[1]) for one in looked if one[1].length and one[1].lags]
+        others = rows.seen([np.column_stack(own) for own in zip(*lagging, strict=True)])
+        every = [
+            np.hstack([columns(x), others, balance.delayed(MIDDLE, x)[:, None]]) for x in likely
+        ]
         if self._saturated(every) or self._delayed(every):
             return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.forces import TRANSMITTED
-from stickslip.identify.judgement import Candidates, Finding, Problem
+from stickslip.identify.judgement import Candidates, Finding, Problem, stated
 from stickslip.identify.laws import (
     CHANGING,
     DIRECTIONS,
@@ -447,6 +447,9 @@ class RecordProblem(Problem):
         same = np.array([one == family for one in self._families])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
+    def is_alone(self, draw: Draws) -> bool:
+        return self.model.at(draw.node, "common") == 0.0
+
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
         none = np.array([not one for one in self.posterior.structures])
@@ -714,9 +717,11 @@ class RecordProblem(Problem):
         found += [self._delay(draws)] if "delay" in self.model.names else []
         found += self._given(draws) + self._saturation()
         inputs = [*self.model.frame.inputs]
-        found += [self._input(name, draws) for name in inputs]
-        if len(self.model.frame.sides) > 1:
-            found += [self._pushed(name, draws) for name in inputs]
+        found += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
+        for name in inputs if len(self.model.frame.sides) > 1 else ():
+            own = [self.model.split(x.node, x.random)[f"{FORCE}*{name}"][0] for x in draws]
+            pushed = 2.0 * np.concatenate(own) / self.size
+            found.append(self._with_input(name, pushed, pushes=True))
         return [one for one in found if one.probability > 0.5]
 
     def untold(self) -> list[str]:
@@ -774,14 +779,13 @@ class RecordProblem(Problem):
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little."""
         model, rows = self.model, self.model.balance.rows(MIDDLE)
-        sizes = SCALES[name][0]
-        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in sizes]].sum()
-        course = model.frame.course(rows.time)
-        waves = model.balance.waves
+        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in SCALES[name][0]]].sum()
+        frame, waves = model.frame, model.balance.waves
+        course = frame.course(rows.time)
         columns = {
             "drift": course,
-            "place": model.frame.places(rows.position, waves[1]),
-            "force": model.frame.places(rows.position, waves[0]),
+            "place": frame.places(rows.position, waves[1]),
+            "force": frame.places(rows.position, waves[0]),
         }
         if name == "relaxing":
             columns[name] = model.balance.fixed(MIDDLE)[name]
@@ -789,14 +793,11 @@ class RecordProblem(Problem):
         for one in draws:
             b = model.split(one.node, one.random)[name]
             if name == "run":
-                level = b.reshape(2, -1, b.shape[1])[0]
-                changes.append(np.std(level, axis=0, ddof=1))
+                changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
             elif name == "zone":
                 changes.append(b[0])
             elif name == "drift":
-                ends = model.frame.course(
-                    model.frame.start + model.frame.duration * np.array([0.0, 1.0])
-                )
+                ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
                 changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
             else:
                 moved = columns[name][::7] @ b
@@ -804,13 +805,9 @@ class RecordProblem(Problem):
                     moved += course[::7] @ model.split(one.node, one.random)["zero"]
                 changes.append(np.std(moved, axis=0))
         change = np.concatenate(changes) / self.size
-        low, high = np.quantile(change, (0.025, 0.975)).tolist()
         middle = float(np.median(change))
-        likely = likely if abs(middle) >= NEGLIGIBLE else 0.0
-        return Finding(
-            term=name, title=FINDINGS[name], probability=min(float(likely), 1.0),
-            size=middle, low=low, high=high, sentence=self._sentence(name, middle, draws),
-        )  # fmt: skip
+        likely = min(float(likely), 1.0) if abs(middle) >= NEGLIGIBLE else 0.0
+        return stated(name, FINDINGS[name], likely, change, self._sentence(name, middle, draws))
 
     def _sentence(self, name: str, size: float, draws: Sequence[Draws]) -> str:
         unit = "N m" if self.turning else "N"
@@ -856,39 +853,22 @@ class RecordProblem(Problem):
         ends = steady_curves(self.model, draws, rows)
         return np.asarray(np.diff(ends, axis=1)[:, 0] * side / self.size)
 
-    def _input(self, name: str, draws: Sequence[Draws]) -> Finding:
-        """Return how much friction changes over two standard deviations of an input."""
-        mean, size = self.model.frame.inputs[name]
-        change = self._change_with(name, draws)
-        low, high = np.quantile(change, (0.025, 0.975)).tolist()
-        middle = float(np.median(change))
-        likely = max(float(np.mean(change > 0.0)), float(np.mean(change < 0.0)))
-        units = [quantity(mean + k * size, "", 3) for k in (-1.0, 1.0)]
-        verb = "falls" if middle < 0.0 else "rises"
-        return Finding(
-            term=name, title=CHANGING["level"].format(name),
-            probability=likely if abs(middle) >= NEGLIGIBLE else 0.0,
-            size=middle, low=low, high=high,
-            sentence=f"Friction {verb} by {percent(abs(middle))} where the {name} goes from"
-            f" {units[0]} to {units[1]}.",
-        )  # fmt: skip
+    def _with_input(self, name: str, change: Array, *, pushes: bool = False) -> Finding:
+        """Return how much friction, or what pushes beside it, changes with an input.
 
-    def _pushed(self, name: str, draws: Sequence[Draws]) -> Finding:
-        """Return how much a force that is no friction changes over two deviations of an input."""
-        key, (mean, size) = f"{FORCE}*{name}", self.model.frame.inputs[name]
-        own = [self.model.split(one.node, one.random)[key][0] for one in draws]
-        change = 2.0 * np.concatenate(own) / self.size
-        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        Over two standard deviations of it, over the size of friction (k,).
+        """
+        mean, size = self.model.frame.inputs[name]
+        first, last = (quantity(mean + k * size, "", 3) for k in (-1.0, 1.0))
         middle = float(np.median(change))
-        likely = max(float(np.mean(change > 0.0)), float(np.mean(change < 0.0)))
-        units = [quantity(mean + k * size, "", 3) for k in (-1.0, 1.0)]
-        return Finding(
-            term=key, title=f"force beside friction that changes with the {name}",
-            probability=likely if abs(middle) >= NEGLIGIBLE else 0.0,
-            size=middle, low=low, high=high,
-            sentence=f"A force beside friction changes by {percent(abs(middle))} of friction where"
-            f" the {name} goes from {units[0]} to {units[1]}.",
-        )  # fmt: skip
+        term, title = name, CHANGING["level"].format(name)
+        how = f"Friction {'falls' if middle < 0.0 else 'rises'} by {percent(abs(middle))}"
+        if pushes:
+            term, title = f"{FORCE}*{name}", f"force beside friction that changes with the {name}"
+            how = f"A force beside friction changes by {percent(abs(middle))} of friction"
+        how = f"{how} where the {name} goes from {first} to {last}."
+        likely = max(np.mean(k * change > 0.0) for k in (-1, 1)) * (abs(middle) >= NEGLIGIBLE)
+        return stated(term, title, float(likely), change, how)
 
     def _given(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return by how much the inertia, or the mechanism's forces, are not as given.
@@ -909,9 +889,7 @@ class RecordProblem(Problem):
         mistaken = float(np.average(large, weights=[one.random.shape[1] for one in draws]))
         for name, own in every.items():
             of, off = name.replace("beside", "inertia"), own if gain is None else own + gain
-            low, high = np.quantile(off, (0.025, 0.975)).tolist()
-            middle = float(np.median(off))
-            factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
+            factors = [quantity(1.0 + x, "", 3) for x in np.quantile(off, (0.5, 0.025, 0.975))]
             what = {
                 "inertia": "The inertia is {} times as given ({} to {})",
                 "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
@@ -919,15 +897,9 @@ class RecordProblem(Problem):
                 "beside": "Beside the forces of the mechanism, the inertia is {} times as given"
                 " ({} to {})",
             }[name].format(*factors)
-            found.append(
-                Finding(
-                    term=f"{of}_given", title=GIVEN[of],
-                    probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low,
-                    high=high,
-                    sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
-                    mistaken=mistaken,
-                )
-            )  # fmt: skip
+            likely = float(np.mean(np.abs(off) > NEGLIGIBLE))
+            what += ", or the gain of the force or a unit of length is wrong."
+            found.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
         return found
 
     def _saturation(self) -> list[Finding]:
@@ -964,16 +936,13 @@ class RecordProblem(Problem):
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
-        model, late = self.model, self._late(draws)
-        low, high = np.quantile(late, (0.025, 0.975)).tolist()
-        step = model.balance.pieces[0].step
-        middle = float(np.median(late))
+        late = self._late(draws)
+        step, middle = self.model.balance.pieces[0].step, float(np.median(late))
         # from going straight to the next sample to holding until it, and half a sample beyond
         likely = float(max(np.mean(late > 1.5 * step), np.mean(late < -0.5 * step)))
-        return Finding(
-            term="delay", title="delay of the force, or what looks like it", probability=likely,
-            size=middle, low=low, high=high,
-            sentence=f"Motion follows the force as if it acted {quantity(abs(middle), 's', 2)}"
+        return stated(
+            "delay", "delay of the force, or what looks like it", likely, late,
+            f"Motion follows the force as if it acted {quantity(abs(middle), 's', 2)}"
             f" {'later' if middle > 0.0 else 'earlier'} than recorded: a channel that is late,"
             " backlash, a flexible part and a sensor that clips look alike.",
         )  # fmt: skip

@@ -23,7 +23,7 @@ from stickslip.identify.fits import (
     uncertainties_of,
 )
 from stickslip.identify.forces import load_slopes
-from stickslip.identify.judgement import Candidates, Finding, Problem
+from stickslip.identify.judgement import Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
 from stickslip.identify.own_laws import (
     certain_of,
@@ -706,37 +706,26 @@ class TableProblem(Problem):
             curve = self._law(at, draws) + np.vstack([one.random.T @ x.T for one in draws])
             ends.append(np.abs(curve[:, 0]))
         change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
-        low, high = np.quantile(change, (0.025, 0.975)).tolist()
         unit = "N m" if self.turning else "N"
         first, last = (quantity(float(np.median(one)), unit, 3) for one in ends)
         verb = "falls" if np.median(change) < 0.0 else "rises"
-        return Finding(
-            term="drift",
-            title="drift in the order of measuring",
-            probability=1.0 - float(self.posterior.scale("drift")[0]),
-            size=float(np.median(change)),
-            low=low,
-            high=high,
-            sentence=f"Friction {verb} over the readings, from {first} at the first to {last} at"
-            " the last.",
+        return stated(
+            "drift",
+            "drift in the order of measuring",
+            1.0 - float(self.posterior.scale("drift")[0]),
+            change,
+            f"Friction {verb} over the readings, from {first} at the first to {last} at the last.",
         )
 
     def _differences(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much friction differs from run to run."""
         effects = np.hstack([one.random for one in draws])[self.model.groups == "run"]
         apart = np.std(effects, axis=0, ddof=1)
-        low, high = np.quantile(apart, (0.025, 0.975)).tolist()
-        return Finding(
-            term="run",
-            title="differences between runs",
-            probability=1.0 - float(self.posterior.scale("run")[0]),
-            size=float(np.median(apart)),
-            low=low,
-            high=high,
-            sentence=f"The {self.model.frame.runs} runs differ by"
-            f" {percent(float(np.median(apart)))} of friction (standard deviation, 95 %"
-            f" {percent(low)} to {percent(high)}).",
-        )
+        shares = map(percent, np.quantile(apart, (0.5, 0.025, 0.975)).tolist())
+        said = "The {} runs differ by {} of friction (standard deviation, 95 % {} to {})."
+        sentence = said.format(self.model.frame.runs, *shares)
+        likely = 1.0 - float(self.posterior.scale("run")[0])
+        return stated("run", "differences between runs", likely, apart, sentence)
 
     def curve_rows(self) -> Rows:
         """Return rows through which a curve is drawn as a law."""
