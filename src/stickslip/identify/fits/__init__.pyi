@@ -29,14 +29,11 @@ from stickslip.identify.fits.estimation.parameters import starting_law as starti
 from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
-from stickslip.identify.fits.estimation.problem import Problem as Problem
-from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
 from stickslip.identify.fits.force_map.force_balance import mean_frequency as mean_frequency
 from stickslip.identify.fits.force_map.force_balance import positive_noise as positive_noise
 from stickslip.identify.fits.force_map.force_balance import reach_of as reach_of
 from stickslip.identify.fits.force_map.force_balance import smoothed as smoothed
-from stickslip.identify.fits.force_map.start_values import StartEstimate as StartEstimate
 from stickslip.identify.fits.gears import gear_torques as gear_torques
 from stickslip.identify.fits.gears import transmitted_along as transmitted_along
 from stickslip.identify.fits.records.fit import Prediction as Prediction

@@ -223,9 +223,10 @@ LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
 """Limits of the force that are looked at, over the largest, and their number."""
 CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.4
 """Share of a row's force above a limit from which it is cut off, and shares of rows that are."""
-LIKELY, SATURATED = 2.0, 15.0
-"""What is left over that with a limit, from which it is looked at, and taken: drives that saturate
-leave 19 to 19,000 times less, hoses, which bend what is left as a limit does, up to 6 times."""
+LIKELY, SATURATED = 2.0, 20.0
+"""What is left of the balance, over its mean square, over that with a limit, from which a limit is
+looked at, and taken: drives that saturate leave 65 to 1,100 times less, hoses and springs, which
+bend what is left as a limit does, up to 9 times."""
 LINEAR = 0.08
 """Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
@@ -667,7 +668,8 @@ class RecordModel(Model):
         """Let forces above a limit not act if that leaves far less; return whether it does.
 
         Where a drive saturates, what is recorded tells only that the force is at its limit. Forces
-        that are cut off have no noise, so that rows with some count as no less than others leave.
+        that are cut off have no noise, so that rows with some count as no less than others leave,
+        and they are smaller, so that what is left counts over what there is.
         """
         rows, balance = self.balance.rows(MIDDLE), self.balance
         if not balance.driven or math.isfinite(balance.limit):
@@ -682,11 +684,12 @@ class RecordModel(Model):
                 return math.inf
             acting = [np.asarray(np.clip(x, -limit, limit)) for x in forces]
             y = rest + rows.seen(acting, late=late)
-            return min(squares_left(x, y, cut=cut)[0] for x in columns)
+            return min(squares_left(x, y, cut=cut)[0] for x in columns) / float(np.mean(y * y))
 
         largest = float(np.max(np.abs(np.concatenate(forces))))
         limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
-        none = min(squares_left(x, rows.response)[0] for x in columns)
+        square = float(np.mean(rows.response**2))
+        none = min(squares_left(x, rows.response)[0] for x in columns) / square
         for _ in range(7):  # three times as closely each time
             values = [left(x) for x in limits.tolist()]
             best, least = float(limits[np.argmin(values)]), min(values)

@@ -40,7 +40,6 @@ from stickslip.show.report.runs import run_page as run_page
 from stickslip.show.report.runs import run_sections as run_sections
 from stickslip.show.report.shared_sections import characterization_page as characterization_page
 from stickslip.show.report.shared_sections import figure as figure
-from stickslip.show.report.shared_sections import law_references as law_references
 from stickslip.show.report.shared_sections import opening as opening
 from stickslip.show.report.shared_sections import record_and_checks as record_and_checks
 from stickslip.show.report.shared_sections import reproduce as reproduce

@@ -1,6 +1,5 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.study.optimisation.search import Cycle as Cycle
-from stickslip.study.optimisation.search import GIVEN_LAW as GIVEN_LAW
 from stickslip.study.optimisation.search import GOALS as GOALS
 from stickslip.study.optimisation.search import Goal as Goal
 from stickslip.study.optimisation.search import GoalName as GoalName
