@@ -95,7 +95,8 @@ def test_estimates_follow_the_mechanism_as_refits_do(case):
     record = make()
     known = fit(mechanism, law, record, **options)
     found = fit(mechanism, law, replace(record, parameter_uncertainties=errors), **options)
-    np.testing.assert_allclose(found.values, known.values, rtol=1e-9)
+    # each search starts from the posterior of its own record, and ends within 1e-5 of the least
+    np.testing.assert_allclose(found.values, known.values, rtol=1e-5)
     assert list(found.inference.held) == list(errors)
     for path, error in errors.items():
         expected = refitted(mechanism, law, record, path, error, **options)
