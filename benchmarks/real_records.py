@@ -40,12 +40,13 @@ from stickslip.identify.bands import Array, Foreseen
 from stickslip.identify.fits import RecordSettings
 from stickslip.identify.joint_request import JointRequest
 from stickslip.identify.judgement import Judgement
-from stickslip.identify.problems.links import JointBalances
+from stickslip.identify.problems.links import JointBalances, told_links
 from stickslip.identify.problems.record_columns import Balance
 from stickslip.identify.problems.record_curves import OtherRows
 from stickslip.identify.problems.record_rows import MIDDLE
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.table_model import Rows
+from stickslip.mechanisms import LINKS
 
 FIRST = 0.6
 """Part of a record that the rest is predicted from."""
@@ -446,8 +447,12 @@ def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, B
     """Return balances of both parts by joint, with what is looked for of the mechanism as given."""
     settings = case.settings or RecordSettings()
     zeros, held = bool(settings.position_zeros), settings.hold != "first"
+    mechanism, unknown = case.mechanism, [*case.unknown]
+    if LINKS in unknown:
+        mechanism, links = told_links(mechanism, case.first, held=held, zeros=zeros)
+        unknown = [*(one for one in unknown if one != LINKS), *links]
     request = JointRequest.of(
-        case.mechanism, "viscous", ["friction.*", *case.unknown], None, case.first, zeros=zeros
+        mechanism, "viscous", ["friction.*", *unknown], None, case.first, zeros=zeros
     )
     balances = JointBalances.of(
         request.mechanism, case.first, request.linear, held=held, zeros=zeros
