@@ -118,7 +118,7 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     code, _, err = walk("select", "block.toml")
     assert code == 0, err
     report = Path("stickslip-report")
-    assert "could not be made" not in (report / "index.html").read_text()
+    assert "could not be produced" not in (report / "index.html").read_text()
     verdict = json.loads((report / "verdict.json").read_text())
     named = next(entry for entry in verdict["candidates"] if entry["law"] == verdict["best"])
     true = next(entry for entry in verdict["candidates"] if entry["law"] == name)
@@ -137,7 +137,7 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     assert found["certificate"]["certified"]
     assert found["report"] == "stickslip-run/index.html"
     page = Path("stickslip-run/index.html").read_text()
-    assert "could not be made" not in page
+    assert "could not be produced" not in page
     assert load_rig(law).laws[verdict["best"]].title in page
     band = found["band"]["travel"]
     # the best values lie in the middle of their draws

@@ -113,7 +113,7 @@ def test_what_nobody_gives_is_still_asked_for(run):
 
 def test_notices_of_the_library_reach_a_pipe(run, monkeypatch):
     monkeypatch.setattr(
-        "stickslip.cli.console.print_json", lambda _: notice("Compiling the solver ...")
+        "stickslip.cli.models.print_json", lambda _: notice("Compiling the solver ...")
     )
     _, _, err = run("schema")
     assert "Compiling the solver ..." in err

@@ -25,7 +25,7 @@ def many():
 
 
 def test_the_page_of_many_contacts_has_a_raster_and_every_section(many):
-    assert "could not be made" not in many
+    assert "could not be produced" not in many
     assert "What each contact does" in many
     assert "All contacts share one law." in many
     assert "block-8" in many
@@ -36,7 +36,7 @@ def test_a_contact_at_which_nothing_rubs_is_named():
     chain = BlockChain(blocks=2, mass=1.0, coupling=4.0)
     page = page_of(chain, laws, 1.0, {"v1": 2.0})
     assert "Nothing rubs at block-2." in page
-    assert "could not be made" not in page
+    assert "could not be produced" not in page
 
 
 def test_a_run_that_ends_early_says_so():

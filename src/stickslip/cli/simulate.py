@@ -49,7 +49,7 @@ SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
 
 def run_animate(options: AnimateOptions) -> None:
-    """Simulate, draw, show; a run_animate that ends early is shown up to its end."""
+    """Simulate, draw, show; a run that ends early is shown up to its end."""
     from stickslip.show.plots import animate, frame_rate, frame_times
 
     output, speed = options.output, options.speed

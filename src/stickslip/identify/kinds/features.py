@@ -256,7 +256,7 @@ class FeatureKind(SimulatedKind):
     ) -> Sequence[tuple[str, Array, Array, Mapping[str, Array]]]:
         if len(fit.problem.settings) > 1:
             return ()  # the limit cycle is that of the block as it is stated
-        return [cycles_of(one) for one in (fit, *others)][:1]
+        return [cycles_of(fit)]
 
 
 def _block(fit: AnyFit) -> TowedBlock:

@@ -344,7 +344,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         """Return what a law is off on another record, by what is compared."""
-        raise InputError(f"other {self.measured} are not predicted: give them as trials instead.")
+        raise InputError(f"other {self.measured} are not predicted: give them by validate instead.")
 
     # six texts
     @abstractmethod
@@ -391,7 +391,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def foreseen(self, fit: AnyFit, setting: Any) -> Array:
         """Return draws (k, m) of what is compared, of another record."""
-        raise InputError(f"other {self.measured} are not foreseen: give them as trials instead.")
+        raise InputError(f"other {self.measured} are not foreseen: give them by validate instead.")
 
     def pieces(
         self, fit: AnyFit, others: Sequence[AnyFit]

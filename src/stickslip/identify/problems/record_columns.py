@@ -352,7 +352,7 @@ class Balance:
     @cached_property
     def _given(self) -> tuple[str, ...]:
         records = [one.record for one in self.pieces]
-        unknown = [one for one in records[0].unknown.values() if not one.doubt]
+        unknown = [records[0].unknown[path] for path in self._looked_for]
         if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written

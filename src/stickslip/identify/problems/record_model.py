@@ -641,8 +641,8 @@ class RecordModel(Model):
     def _delayed(self, columns: Sequence[Array]) -> bool:
         """Let forces act at another time if that leaves far less; return whether it does.
 
-        A delay is looked for that is not linear any more: each stands with a column for the rest,
-        beside the columns of some bristles (n, p).
+        A delay is looked for that is not linear any more: each stands beside the columns of some
+        bristles (n, p), of which the last is for the rest.
         """
         rows, balance = self.balance.rows(MIDDLE), self.balance
         if any(one.delay for one in balance.pieces):
@@ -653,6 +653,9 @@ class RecordModel(Model):
         for k, delay in enumerate(delays):
             at = [x + delay for x in late]
             y = rest + rows.seen(forces, late=at)
+            if not balance.driven:
+                slope = rows.seen(forces, slope=1, late=at)
+                columns = [np.column_stack([x[:, :-1], slope]) for x in columns]
             fits = [squares_left(x, y) for x in columns]
             square, more = min(fits)
             left.append(square)
@@ -688,8 +691,8 @@ class RecordModel(Model):
 
         largest = float(np.max(np.abs(np.concatenate(forces))))
         limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
-        square = float(np.mean(rows.response**2))
-        none = min(squares_left(x, rows.response)[0] for x in columns) / square
+        none = min(squares_left(x, rows.response)[0] for x in columns)
+        none /= float(np.mean(rows.response**2))
         for _ in range(7):  # three times as closely each time
             values = [left(x) for x in limits.tolist()]
             best, least = float(limits[np.argmin(values)]), min(values)

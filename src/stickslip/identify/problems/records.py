@@ -715,7 +715,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
-        found += self._given(draws) + self._saturation()
+        found += self._given(draws) + self._saturation(draws)
         inputs = [*self.model.frame.inputs]
         found += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
         for name in inputs if len(self.model.frame.sides) > 1 else ():
@@ -902,20 +902,17 @@ class RecordProblem(Problem):
             found.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
         return found
 
-    def _saturation(self) -> list[Finding]:
+    def _saturation(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return from which force on no more of what was recorded acts, if there is one."""
-        limit = self.model.balance.limit
+        limit, unit = self.model.balance.limit, "N m" if self.turning else "N"
         if not math.isfinite(limit):
             return []
-        at = quantity(limit, "N m" if self.turning else "N", 3)
-        return [
-            Finding(
-                term="clip", title="saturation of the drive", probability=1.0,
-                size=limit / self.size, low=limit / self.size, high=limit / self.size,
-                sentence=f"Of forces that are recorded above {at}, only {at} act: the drive"
-                " saturates.",
-            )
-        ]  # fmt: skip
+        off = [self.model.split(x.node, x.random)["limit"][0] for x in draws]
+        limits = limit - np.concatenate(off)
+        low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
+        what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
+        what += ": the drive saturates."
+        return [stated("clip", "saturation of the drive", 1.0, limits / self.size, what)]
 
     def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
         """Return by how many samples the force acts late, and the half width of its interval.

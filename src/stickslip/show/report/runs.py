@@ -995,7 +995,7 @@ def run_page(about: RunReport) -> str:
     >>> law = Coulomb(kinetic_coefficient=0.25)
     >>> run = simulate(rig.mechanism, law, t_end=1.0)
     >>> page = run_page(RunReport(rig=rig, law=law, run=run))
-    >>> "The block comes to rest" in page, "could not be made" in page
+    >>> "The block comes to rest" in page, "could not be produced" in page
     (True, False)
     """
     return page.render(
