@@ -1269,3 +1269,16 @@ def test_what_is_no_record_is_refused_in_one_line(tmp_path, text, message):
     with pytest.raises(InputError, match=message) as caught:
         guess_data(file)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("unit", "size"), [("[-]", 1.0), ("[%]", 0.01)])
+def test_a_coefficient_without_a_load_is_friction_over_the_load(tmp_path, unit, size):
+    path = tmp_path / "tribometer.csv"
+    path.write_text(f"speed [mm/s],mu {unit}\n1,0.31\n10,0.29\n100,0.26\n")
+    guess = guess_data(path)
+    assert any("is a coefficient, and no load is known" in doubt for doubt in guess.doubts)
+    record = read_data([path], guess.reading)
+    assert record.friction.tolist() == pytest.approx([size * x for x in (0.31, 0.29, 0.26)])
+    assert record.load.tolist() == [1.0, 1.0, 1.0]
+    loaded = read_data([path], guess.reading, mechanism=Axis(inertia=1.0, load=50.0))
+    assert loaded.friction.tolist() == pytest.approx([50.0 * size * x for x in (0.31, 0.29, 0.26)])

@@ -149,8 +149,16 @@ class Scaling:
         found: dict[str, Array] = {}
         for name in order:
             load = found["load"] - self.load_offset if "load" in found else self.load
+            if load is None and name == "friction" and self._per_load(name, targets[name]):
+                load = found["load"] = np.ones(len(raw[name]))  # levels over it are coefficients
             found[name] = self._one(name, raw[name], targets[name], load)
-        return {name: found[name] for name in raw}, turning
+        return {name: found[name] for name in dict.fromkeys([*raw, *found])}, turning
+
+    def _per_load(self, name: str, target: str) -> bool:
+        """Whether a column is a coefficient, of which no gain makes a force."""
+        unit, gain = self.frame.units.get(name), self.gains.get(name, 1.0)
+        of_force = target == quantity_called(name).unit
+        return of_force and gain in (1.0, -1.0) and unit is not None and is_of(unit, "1")
 
     def _one(self, name: str, raw: Array, target: str, load: Array | float | None) -> Array:
         unit, gain = self.frame.units.get(name), self.gains.get(name)
@@ -355,8 +363,8 @@ def load_measurement(
     may carry its unit, as ``travel [mm]``, or ``travel (mm)`` if `columns` names it; without one,
     and without an entry in `units`, numbers are in SI. A ``friction`` or ``spring_force`` in ``1``
     or ``%`` is a coefficient, which becomes a force by the load: of the file, or else of the
-    mechanism. The columns of a MATLAB file are its vectors of one length; a field of a struct is
-    called ``struct.field``.
+    mechanism; a friction without any is that of a load of 1 N. The columns of a MATLAB file are its
+    vectors of one length; a field of a struct is called ``struct.field``.
 
     Parameters
     ----------

@@ -65,9 +65,11 @@ RIVAL = 100.0
 """Odds against a law up to which it is not told from the named one."""
 SHOWN = 6
 """Laws of the ladder that are shown."""
+AT_END = 0.01
+"""Part of a shape from the end of its range within which it counts as there."""
 MAY_HOLD = 0.05
 """Probability from which a law may hold, however far noise moves the curve from it."""
-OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "zone")
+OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "spring", "zone")
 """Findings whose sizes are shares of friction, where there is some."""
 UNSEEN = 0.5
 """Friction over the scatter about its law below which nothing is seen of it."""
@@ -724,6 +726,9 @@ class Judgement:
             if path.rpartition(".")[2] in self.composition.untold:
                 low = low_any = -math.inf
                 high = high_any = math.inf
+            below, above = self._open_ends.get(path, (False, False))
+            low, low_any = (-math.inf, -math.inf) if below else (low, low_any)
+            high, high_any = (math.inf, math.inf) if above else (high, high_any)
             found.append(
                 Interval(
                     path=path,
@@ -735,6 +740,28 @@ class Judgement:
                 )
             )
         return tuple(found)
+
+    @cached_property
+    def _open_ends(self) -> dict[str, tuple[bool, bool]]:
+        """Whether intervals of the named law have no lower and no upper end, by path.
+
+        Shapes of draws end where no reading is: what lies there would go on. A static surplus that
+        fades below the slowest speed may be of any size.
+        """
+        found, paths = dict[str, tuple[bool, bool]](), self.composition.paths()
+        for free in self.problem.free(self.named)[0] if self.named.structure else ():
+            term, shape = self.named.structure[free.column]
+            same = (path for path, x in paths.items() if x[0] == shape[free.entry])
+            if (path := next(same, "")) not in self.named_values:
+                continue
+            x, tail = self.named_values[path], 0.5 * (1.0 - LEVEL)
+            below, above = x < free.low * (1.0 + AT_END), x > free.high / (1.0 + AT_END)
+            ends = float(np.mean(below)) > tail, float(np.mean(above)) > tail
+            found[path] = ends
+            surplus = f"{path.rpartition('.')[0]}.static_coefficient"
+            if term in SURPLUSES and ends[0] and surplus in paths:
+                found[surplus] = False, True
+        return found
 
     @cached_property
     def correlation(self) -> Array:

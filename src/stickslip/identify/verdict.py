@@ -706,7 +706,10 @@ def _estimate(
     least = own.low if own.above is None else max(own.low, own.above)
     least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
     least = least if math.isfinite(low) else -math.inf
-    reason = "" if math.isfinite(high - low) else "no reading tells it from the others"
+    ends = math.isfinite(low) + math.isfinite(high)
+    reason = ("no reading tells it from the others", "the speeds measured do not bound it", "")[
+        ends
+    ]
     outside = one.path.startswith("mechanism.") and not (own.allows(low) or own.allows(high))
     if outside and math.isfinite(high - low):
         reason = f"it lies where it cannot be, {interval(low, high)}"

@@ -105,6 +105,7 @@ READINGS: Final = (
 BESIDE_LOAD: Final = "as the other force beside Fz"
 UNDRIVEN: Final = ("The file has no force", "No column is known as a force")
 """How doubts begin that say that no force is known: of films none is needed."""
+PER_LOAD: Final = "The column {!r} is a coefficient, and no load is known: one of 1 N is assumed."
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
 
 
@@ -316,6 +317,7 @@ def guess_data(
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
     sure = {*(units or {}), *(gain or {}), *registers, measurement.STATED}
     pressed = "load" in found and "load" not in (gain or {})
+    rubs = next((x for q, x in found.items() if q == "friction" and is_of(x.unit or "", "1")), None)
     pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
@@ -357,6 +359,7 @@ def guess_data(
             *([UPSIDE_DOWN] if backwards else []),
             *(servo.doubts(found, gain or {}) if servo is not None else ()),
             *([PRESSED.format(found["load"].name)] if pressed else []),
+            *([PER_LOAD.format(rubs.name)] if rubs and "load" not in found and not turning else []),
             *_doubts(frame, found, turning, sure, motor_constant),
             *_offered(conditions, found),
         ),

@@ -49,6 +49,8 @@ OTHERS = (0.15, 0.4, 1.0, 2.5, 6.0)
 """Lengths of further bristles, over that of the law."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
+STRAIGHT = 4.0
+"""Size of a force in proportion to the position, over that of one which changes with it."""
 COURSE = 5
 """Columns of a drift: a line and cosines."""
 RELAXING = (0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
@@ -547,7 +549,7 @@ class Balance:
             for name in frame.inputs:  # as a pressure pushes on a rod, whichever way it moves
                 found[f"{FORCE}*{name}"] = rows.seen([self.input(p, name) for p in pieces])[:, None]
         found["slope"] = self.slope(which)[:, None]
-        found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
+        found["force"] = rows.seen([self.forces(p.record.position) for p in pieces])
         found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
             found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
@@ -569,6 +571,16 @@ class Balance:
     def driven(self) -> bool:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(one.record.force) for one in self.pieces)
+
+    @cached_property
+    def pulled(self) -> bool:
+        """Whether a spring may act that is not given: nothing that is looked for pulls like it."""
+        if self._from is not self:
+            return self._from.pulled
+        if not self.driven or self.pieces[0].record.joint:
+            return False
+        spring = self.rows(MIDDLE).seen([self.spring(p.record.position) for p in self.pieces])
+        return is_told(spring, [self.unknown(MIDDLE, path) for path in self._looked_for])
 
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.
@@ -722,6 +734,20 @@ class Balance:
         if records[0].joint:
             return {"body": found.get("both", sum(found.values(), np.zeros(rows.count)))}
         return found
+
+    def forces(self, position: Array) -> Array:
+        """Return the basis of a force that changes with the place (n, p).
+
+        What is in proportion to it, as springs and weights are, is larger than what bends them.
+        """
+        places = self.frame.places(position, self.waves[0])
+        return (
+            np.column_stack([places, STRAIGHT * self.spring(position)]) if self.pulled else places
+        )
+
+    def spring(self, position: Array) -> Array:
+        """Return the position from the middle of its range, over half of that (n,)."""
+        return np.asarray(2.0 * (position - self.frame.begin) / self.frame.span - 1.0)
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""

@@ -571,6 +571,8 @@ class RecordModel(Model):
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
         base = [plain["slope"], rows.seen(drag)[:, None], *(plain[name] for name in names)]
+        if balance.pulled:
+            base.append(plain["force"][:, -1:])
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []

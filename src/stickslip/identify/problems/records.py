@@ -106,6 +106,8 @@ GIVEN: Mapping[str, str] = {
 MISTAKEN = 1.0
 """Size of what is given wrong from which it is a mistake: its prior is that of the last two sizes,
 of five careful experimenters in hundred."""
+BENT = 0.3
+"""Part of a force by place that is not in proportion to it, up to which it is called a spring."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -785,7 +787,7 @@ class RecordProblem(Problem):
         columns = {
             "drift": course,
             "place": frame.places(rows.position, waves[1]),
-            "force": frame.places(rows.position, waves[0]),
+            "force": model.balance.forces(rows.position),
         }
         if name == "relaxing":
             columns[name] = model.balance.fixed(MIDDLE)[name]
@@ -841,7 +843,23 @@ class RecordProblem(Problem):
             "place": "The level of friction changes with the place",
             "force": "A force beside friction changes with the place or in time",
         }[name]
-        return f"{what}, by {percent(size)} of friction (standard deviation)."
+        spring = self._spring(draws) if name == "force" and self.model.balance.pulled else ""
+        return f"{what}, by {percent(size)} of friction (standard deviation){spring}."
+
+    def _spring(self, draws: Sequence[Draws]) -> str:
+        """Return what to add of a force beside friction that is nearly that of a spring."""
+        balance, rows = self.model.balance, self.model.balance.rows(MIDDLE)
+        position = rows.position - np.mean(rows.position)
+        columns = balance.forces(rows.position)
+        parts = [columns @ self.model.split(x.node, x.random)["force"] for x in draws]
+        force = np.hstack([x - np.mean(x, axis=0) for x in parts])
+        stiffness = position @ force / (position @ position)
+        bent = np.sum((force - np.outer(position, stiffness)) ** 2, axis=0)
+        if float(np.median(bent / np.sum(force**2, axis=0))) > BENT**2:
+            return ""
+        unit = "N m/rad" if self.turning else "N/m"
+        k, low, high = (quantity(x, "", 3) for x in np.quantile(stiffness, (0.5, 0.025, 0.975)))
+        return f", as that of a spring of {k} {unit} ({low} to {high}) does"
 
     def _change_with(self, name: str, draws: Sequence[Draws]) -> Array:
         """Return the change of friction over two deviations of an input, over its size (k,)."""
