@@ -5,6 +5,9 @@ force acts between both. Settled runs are independent of the branches: random fr
 states, and the least number of cycles after which the states of a cycle's start come again. A slow
 transient and a motion of a longer period may come again nearly: a run that lies on no branch is run
 on, and counts if it closes still, and far better.
+
+Marks of chaos are compared with long runs of random capsules: periodic is what closes to 1e-6 after
+thousands of cycles, chaotic what does not and has left a start 1e-6 off by then.
 """
 
 import time
@@ -19,7 +22,12 @@ from stickslip import Capsule, Coulomb, ensemble
 from stickslip.engine import Samples
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
-from stickslip.study.sweep import OrbitDiagram, average_velocity, orbit_diagram
+from stickslip.study.sweep import (
+    OrbitDiagram,
+    average_velocity,
+    lyapunov_exponents,
+    orbit_diagram,
+)
 from stickslip.study.sweep.attractors import period_of
 
 Array = NDArray[np.float64]
@@ -51,6 +59,11 @@ NEAR = 2e-3
 BETWEEN = 0.01
 """The same from a straight line between two orbits of a branch."""
 GOAL_SWEEP, GOAL_BRANCHES = 1.5, 20.0
+CHAOTIC, PERIODIC, MARKS_SEED = 40, 200, 2026
+"""Motions of each kind with which marks are compared, and the seed of their capsules."""
+LONG, STROBED, LEFT = 3000, 128, 1e-2
+"""Cycles of long runs, those at their ends that are sampled, and distance of what has left."""
+GOAL_MARKED, GOAL_FALSE = 38, 2
 
 
 def sweep(rig: Capsule) -> float:
@@ -141,8 +154,67 @@ def branches(name: str) -> tuple[tuple[str, ...], Target]:
     return row, Target(work=f"branches, {name}", goal=goal, measured=measured, met=met, reason=why)
 
 
+def samples_from(
+    rig: Capsule, names: Sequence[str], frequency: float, start: Mapping[str, float]
+) -> Array:
+    """Return once-a-cycle states (STROBED, k) at the end of a long run."""
+    times = ((LONG - STROBED + np.arange(1, STROBED + 1)) / frequency).tolist()
+    columns = {PATH: [frequency], **{path: [value] for path, value in start.items()}}
+    outputs = {name: Samples(name, times) for name in names}
+    made = ensemble(rig, LAW, columns, t_end=times[-1], outputs=outputs)
+    return np.stack([made[name][0] for name in names], axis=1)
+
+
+def truth(rig: Capsule, frequency: float) -> str:
+    """Return what a motion is by long runs: periodic, chaotic, or empty where they do not tell."""
+    names = ("xi", "v", "xi_dot")
+    points = samples_from(rig, names, frequency, {"initial.xi_dot": 0.0})
+    if not np.isfinite(points).all():
+        return ""
+    size = np.abs(points).max(axis=0)
+    size = np.maximum(size, 1e-3 * size[1:].max() * np.array([1.0 / frequency, 1.0, 1.0]))
+    if period_of(points, size, CLOSED):
+        return "periodic"
+    others = samples_from(rig, names, frequency, {"initial.xi_dot": 1e-6 * float(size[2])})
+    return "chaotic" if (np.abs(others - points) / size).max() > LEFT else ""
+
+
+def marks() -> tuple[Target, Target]:
+    """Return how many chaotic and periodic motions sweeps and exponents mark as chaotic."""
+    noise, rigs = np.random.default_rng(MARKS_SEED), list(RIGS.values())
+    kinds = {"chaotic": CHAOTIC, "periodic": PERIODIC}
+    marked = {kind: np.zeros(2, dtype=int) for kind in kinds}
+    found = dict.fromkeys(kinds, 0)
+    drawn = 0
+    while found != kinds and drawn < 6000:
+        stops, frequency, amplitude = noise.integers(len(rigs)), *noise.uniform((3, 0.1), (20, 0.6))
+        drive, drawn = Torque(drive=Sine(amplitude=amplitude, frequency=frequency)), drawn + 1
+        rig = replace(rigs[stops], drive=drive, damping=float(noise.uniform(0.01, 0.1)))
+        kind = truth(rig, frequency)
+        if not kind or found[kind] == kinds[kind]:
+            continue
+        found[kind] += 1
+        swept = average_velocity(rig, LAW, {PATH: [frequency]})
+        long = lyapunov_exponents(rig, LAW)
+        marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
+        if (kind == "chaotic") != bool(swept.chaotic[0]) or (kind == "chaotic") != long.chaotic:
+            print("differs", kind, bool(swept.chaotic[0]), swept.closes, swept.spread, long.kind, long.closes, long.exponents, long.errors, stops, frequency, amplitude, rig.damping, flush=True)
+    print(found, drawn, marked)
+    return tuple(
+        Target(
+            work=f"marks of chaos by {name}",
+            goal=f"{GOAL_MARKED} of {CHAOTIC} chaotic motions, {GOAL_FALSE} of {PERIODIC} periodic",
+            measured=f"{marked['chaotic'][k]} of {found['chaotic']} chaotic motions,"
+            f" {marked['periodic'][k]} of {found['periodic']} periodic",
+            met=marked["chaotic"][k] >= GOAL_MARKED and marked["periodic"][k] <= GOAL_FALSE,
+            reason="weak chaos and slow transients",
+        )
+        for k, name in enumerate(("average_velocity", "lyapunov_exponents"))
+    )
+
+
 def run() -> Section:
-    """Return times of sweeps and branches."""
+    """Return times of sweeps and branches, and marks of chaos."""
     sweeps = {name: sweep(rig) for name, rig in RIGS.items()}
     followed = [branches(name) for name in FOLLOWED]
     rows = [(name, "", f"{taken:.2f}", "", "", "") for name, taken in sweeps.items()]
@@ -165,5 +237,5 @@ def run() -> Section:
             f" must lie on a branch; those on none count if they close to {CLOSED:g} after"
             f" {FURTHER:,} cycles more. Processor time of one core.",
         ),
-        targets=(target, *(one for _, one in followed)),
+        targets=(target, *(one for _, one in followed), *marks()),
     )

@@ -70,7 +70,7 @@ if TYPE_CHECKING:
 # ``stickslip sweep campaign.toml``: the file of a campaign, and its runs.
 
 CANCELLED: Final = 130
-KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
+KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "spread", "part", "factors", "outputs")
 KINDS: Final[Mapping[str, type[Output]]] = {
     "final": Last,
     "max": Max,
@@ -232,7 +232,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
         cases=tuple(cases),
         factors=_factors(raw.get("factors"), cases[0], file),
         outputs=_outputs(raw.get("outputs"), file),
-        **{key: raw[key] for key in ("design", "runs", "seed", "part") if key in raw},
+        **{key: raw[key] for key in ("design", "runs", "seed", "spread", "part") if key in raw},
     )
     return campaign, titles
 
@@ -445,7 +445,8 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
         units = {found.path: found.unit, "laws": "1"} | dict.fromkeys(ends, found.velocity_unit)
     else:
         drawing = draw_velocity_map(found)
-        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+        units = {**found.units, "period": "s", "velocity": found.unit}
+        units |= {"unsettled": found.unit, "spread": found.unit}
     svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
     write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
@@ -497,6 +498,9 @@ def _map_content(found: VelocityMap) -> dict[str, Any]:
         **({"coordinate": found.coordinate} if found.coordinate else {}),
         "unit": found.unit,
         "velocity": found.velocity,
+        "closes": found.closes,
+        "spread": found.spread,
+        "chaotic": found.chaotic,
         "status": found.status,
         "early_ends": found.early_ends(),
         "reversals": found.reversals() if len(found.axes) == 1 else [],
@@ -607,6 +611,10 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
             }
             for branch in found.branches
         ],
+        "settled": {
+            "values": found.values, "closes": found.settled, "chaotic": found.chaotic,
+            "mean_velocity": found.velocities, "spread": found.spreads,
+        },
         "early_ends": found.early_ends(),
         "branch_cycles": found.branch_cycles,
         "brute_cycles": found.brute_cycles,

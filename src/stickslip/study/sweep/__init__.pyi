@@ -22,6 +22,8 @@ from stickslip.study.sweep.design import Levels as Levels
 from stickslip.study.sweep.design import Normal as Normal
 from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
 from stickslip.study.sweep.design import Uniform as Uniform
+from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
+from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
 from stickslip.study.sweep.mean_velocity import VelocityMap as VelocityMap
 from stickslip.study.sweep.mean_velocity import average_velocity as average_velocity
@@ -52,6 +54,7 @@ __all__ = [
     "Estimate",
     "Factor",
     "Levels",
+    "LyapunovExponents",
     "Normal",
     "Orbit",
     "OrbitDiagram",
@@ -73,6 +76,7 @@ __all__ = [
     "continue_orbit",
     "cycle_of",
     "cycles_in",
+    "lyapunov_exponents",
     "orbit_diagram",
     "periodic_orbit",
     "validate",

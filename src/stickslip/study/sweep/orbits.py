@@ -237,25 +237,32 @@ class Derivatives:
     """Velocity of all states that are kept, at the end."""
 
     @cached_property
-    def all(self) -> Array:
+    def raw(self) -> Array:
         """With respect to y and p (free states and coordinates that advance, n + 1).
 
-        A run that has none is a `SimulationError`.
+        What has none is no finite number.
         """
         map_, n = self.map, len(self.map.free)
         # States that the mechanism begins with change with its parameters.
         told = tuple(name for name in self.mechanism.start() if name not in map_.names)
         sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
         taken = sense(np.array([sense.t_end]), map_.paths)[0][map_.kept]
-        if not math.isfinite(taken.sum()):
+        found = np.zeros((len(taken), n + 1))
+        found[:, : taken.shape[1]] = taken
+        return found
+
+    @cached_property
+    def all(self) -> Array:
+        """The same; a run that lacks one is a `SimulationError`."""
+        map_, found = self.map, self.raw
+        if not math.isfinite(found.sum()):
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        found = np.zeros((len(taken), n + 1))
-        found[:, : taken.shape[1]] = taken
         if map_.path is not None and (stretch := map_.stretch(self.mechanism, self.value)):
-            found[:, n] += self.rate * stretch
+            found = found.copy()
+            found[:, -1] += self.rate * stretch
         return found
 
 

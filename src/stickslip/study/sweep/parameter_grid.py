@@ -22,6 +22,8 @@ Progress: TypeAlias = Callable[[int, int], object]
 PERIOD = Quantity("T", "s", above=0)
 MOST_RANGES = 3
 """Ranges of a parameter that a sentence lists; of more it gives the ends."""
+WHOLE_CYCLES = 1e-12
+"""Share by which a number of cycles may lack a whole one: rounding."""
 MOST_CYCLES = 1_000_000
 """Cycles of a run; more are a slip of the pen."""
 
@@ -258,7 +260,7 @@ def early_ends(
     # In the order in which they are met.
     for reason in dict.fromkeys(ending for ending in status.ravel() if not ending.complete):
         here = status == reason
-        where = _where(here, axes or {}, units or {})
+        where = where_of(here, axes or {}, units or {})
         sentences.append(
             f"At {int(here.sum())} of {here.size} {noun}{where} the run stopped: {reason.value}"
             f" {lacks}".rstrip()
@@ -266,8 +268,14 @@ def early_ends(
     return tuple(sentences)
 
 
-def _where(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[str, str]) -> str:
-    """Return where in a grid points lie: their ranges on one axis, on several what holds all."""
+def where_of(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[str, str]) -> str:
+    """Return where in a grid points lie: their ranges on one axis, on several what holds all.
+
+    Examples
+    --------
+    >>> where_of(np.array([True, False]), {"f": np.array([1.0, 2.0])}, {"f": "Hz"})
+    ' (f 1 Hz)'
+    """
     places = []
     for dimension, (path, values) in enumerate(axes.items()):
         others = tuple(i for i in range(here.ndim) if i != dimension)
