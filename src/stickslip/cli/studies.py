@@ -62,6 +62,7 @@ from stickslip.study.sweep import (
     orbit_diagram,
     velocity_band,
 )
+from stickslip.study.sweep.energy import units_of_columns
 
 if TYPE_CHECKING:
     from stickslip.study.optimisation import GoalName
@@ -93,7 +94,7 @@ SIZE: Final = (700, 320)
 
 def _run_campaign(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
-    if unused := option_groups.typed(options, "law", "law_load", "changes", "coordinate", "draws"):
+    if unused := option_groups.typed(options, "law", "law_load", "changes", "coordinate", "draws", "energy"):
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
             " rigs, laws and factors itself."
@@ -401,8 +402,9 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     figure = _figure_beside(output, force=options.force)
     axes = _axes(options.vary)
     draws, count, executor = options.draws, options.count, options.executor
-    if draws is not None and (options.coordinate is not None or len(axes) > 1):
-        raise InputError("--ensemble takes one --vary, and no --coordinate.")
+    unused = options.coordinate is not None or options.energy
+    if draws is not None and (unused or len(axes) > 1):
+        raise InputError("--ensemble takes one --vary, and no --coordinate or --energy.")
     if draws is not None and (count is not None or executor is not None):
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
     rig, chosen = inputs.rig_and_friction(options)
@@ -433,6 +435,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
                 law,
                 axes,
                 coordinate=options.coordinate,
+                energy=options.energy,
                 executor=pool or (Inline() if count == 1 else None),
                 progress=progress,
                 **settings,
@@ -447,6 +450,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
         drawing = draw_velocity_map(found)
         units = {**found.units, "period": "s", "velocity": found.unit}
         units |= {"unsettled": found.unit, "spread": found.unit}
+        units |= units_of_columns(found.energies, found.unit.removesuffix("/s"))
     svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
     write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
@@ -501,6 +505,7 @@ def _map_content(found: VelocityMap) -> dict[str, Any]:
         "closes": found.closes,
         "spread": found.spread,
         "chaotic": found.chaotic,
+        **({"energies": found.energies} if found.energies else {}),
         "status": found.status,
         "early_ends": found.early_ends(),
         "reversals": found.reversals() if len(found.axes) == 1 else [],
@@ -581,7 +586,10 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     units = {**found.units, found.path: found.unit, "period": "s"}
     units |= {f"advance {name}": found.units[name] for name in found.velocities}
     units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in found.velocities}
-    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
+    table = found.to_dataframe(energy=options.energy)
+    (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
+    units |= units_of_columns([n for n in table if str(n) not in units], found.units[travel])
+    write_files({output: table_bytes(table, output, units), figure: svg})
     if options.as_json:
         content = inputs.rig_content(rig, chosen) | _diagram_content(found)
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))

@@ -22,6 +22,8 @@ from stickslip.study.sweep.design import Levels as Levels
 from stickslip.study.sweep.design import Normal as Normal
 from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
 from stickslip.study.sweep.design import Uniform as Uniform
+from stickslip.study.sweep.energy import EnergyBalance as EnergyBalance
+from stickslip.study.sweep.energy import energy_balance as energy_balance
 from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
 from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
@@ -51,6 +53,7 @@ __all__ = [
     "Case",
     "Design",
     "DrivenCycle",
+    "EnergyBalance",
     "Estimate",
     "Factor",
     "Levels",
@@ -76,6 +79,7 @@ __all__ = [
     "continue_orbit",
     "cycle_of",
     "cycles_in",
+    "energy_balance",
     "lyapunov_exponents",
     "orbit_diagram",
     "periodic_orbit",

@@ -23,7 +23,7 @@ ends of the band are quantiles of all of that at each value.
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +35,7 @@ from stickslip.engine.simulation import (
     beginning_pair,
     ensemble,
     event_driven_law,
+    initial_state,
 )
 from stickslip.engine.solver import EventDriven, Mean, Output, Samples
 from stickslip.engine.trajectory import Ensemble, Status
@@ -45,6 +46,7 @@ from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
 from stickslip.study.sweep import parameter_grid as grid
+from stickslip.study.sweep.energy import energy_balance, units_of_columns
 from stickslip.study.sweep.lyapunov import (
     NEARBY,
     SENSITIVE,
@@ -96,6 +98,8 @@ class VelocityMap(OnAxes):
     """Whether each run passed every check of its certificate."""
     coordinate: str = ""
     """The coordinate whose mean rate it is, if one was named."""
+    energies: Mapping[str, Array] = field(default_factory=dict)
+    """Mean powers [W] and energy per travel, as `EnergyBalance.columns` names them, if asked for."""
 
     def reversals(self) -> Array:
         """Return where the velocity changes its sign along the only axis, by straight lines.
@@ -153,6 +157,7 @@ class VelocityMap(OnAxes):
         columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
         columns |= {"unsettled": self.unsettled.ravel(), "closes": self.closes.ravel()}
         columns |= {"spread": self.spread.ravel(), "chaotic": self.chaotic.ravel()}
+        columns |= {name: values.ravel() for name, values in self.energies.items()}
         columns["status"] = grid.names_of(self.status).ravel()
         columns["reason"] = grid.reasons_of(self.status)
         return pd.DataFrame(columns | {"certified": self.certified.ravel()})
@@ -179,6 +184,8 @@ class VelocityMap(OnAxes):
             "status": (over, grid.names_of(self.status)),
             "certified": (over, self.certified),
         }
+        units = units_of_columns(self.energies, self.unit.removesuffix("/s"))
+        columns |= {n: (over, self.energies[n], {"units": unit}) for n, unit in units.items()}
         axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
         return xr.Dataset(columns, axes)
 
@@ -220,6 +227,7 @@ def average_velocity(
     cycles: int = 20,
     settle: int = 100,
     period: float | None = None,
+    energy: bool = False,
     y0: Mapping[str, float] | Sequence[float] | None = None,
     solver: EventDriven | None = None,
     executor: Executor | None = None,
@@ -245,6 +253,9 @@ def average_velocity(
         Cycles before them, at least.
     period : float, optional
         Length of a cycle [s] in all runs; that of each run's drives if not given.
+    energy : bool
+        Whether mean powers of drives, friction, dampers and stops are kept over these cycles, and
+        the energy per travel; each point is run once more for that.
     y0 : mapping or sequence, optional
         Initial states, as in `simulate`.
     solver : EventDriven, optional
@@ -336,7 +347,23 @@ def average_velocity(
     units = {path: grid.unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
-    return table.mapped(axes, units, shape, periods, unit, coordinate or "")
+    found = table.mapped(axes, units, shape, periods, unit, coordinate or "")
+    if not energy:
+        return found
+    window = settle, settle + cycles
+    rows = [
+        _energies(mechanism, law, {path: float(values[row]) for path, values in columns.items()},
+                  (window[0] * periods[row], window[1] * periods[row]), slip, y0, solver)
+        if np.isfinite(table.velocity[row]) else {}
+        for row in range(len(periods))
+    ]  # fmt: skip
+    names = dict.fromkeys(name for row in rows for name in row)
+    return replace(
+        found,
+        energies={
+            name: np.array([row.get(name, np.nan) for row in rows]).reshape(shape) for name in names
+        },
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -542,13 +569,37 @@ def _grows(
     solver: EventDriven,
 ) -> bool:
     """Whether the largest Lyapunov exponent of a motion with some values is above 0."""
+    with suppress(SimulationError, InputError):  # a motion that ends, or has no derivative
+        return is_chaotic(*_pair(mechanism, law, at), end, period, solver)
+    return False
+
+
+def _pair(
+    mechanism: Mechanism, law: FrictionLaw | Laws, at: Mapping[str, float]
+) -> tuple[Mechanism, FrictionLaw | Laws]:
+    """Return mechanism and law with values by full path; starts are left out."""
     own = {path: x for path, x in at.items() if path.startswith("mechanism.")}
     laws = {path: x for path, x in at.items() if path.startswith("friction.")}
-    with suppress(SimulationError, InputError):  # a motion that ends, or has no derivative
-        return is_chaotic(
-            vary(mechanism, "mechanism", own), vary(law, "friction", laws), end, period, solver
-        )
-    return False
+    return vary(mechanism, "mechanism", own), vary(law, "friction", laws)
+
+
+def _energies(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    at: Mapping[str, float],
+    window: tuple[float, float],
+    slip: str,
+    y0: Mapping[str, float] | Sequence[float] | None,
+    solver: EventDriven,
+) -> dict[str, float]:
+    """Return mean powers and energy per travel of a run within a stretch of time."""
+    own, laws = _pair(mechanism, law, at)
+    begin = initial_state("average_velocity", own, laws, y0)
+    states = grid.states_of(own, laws)
+    start = [at.get(f"initial.{name}", x) for name, x in zip(states, begin, strict=True)]
+    run = solver.run(own, laws, y0=start, t_end=window[1])
+    balance = energy_balance(own, run, coordinate=slip, since=window[0], until=window[1])
+    return balance.columns()
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:

@@ -147,14 +147,21 @@ class OrbitDiagram(OnAxes, Tabular):
         axis, units = {self.path: self.values}, {self.path: self.unit}
         return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return a row for each point of each branch."""
+    def to_dataframe(self, *, energy: bool = False) -> "pd.DataFrame":
+        """Return a row for each point of each branch.
+
+        Parameters
+        ----------
+        energy : bool
+            Whether each point is run anew for columns of mean powers [W] and of the energy per
+            travel, as `Branch.energies` gives them.
+        """
         import pandas as pd
 
         frames = [
             branch.to_dataframe().assign(branch=i, **{
                 f"mean velocity {name}": branch.mean_velocity(name) for name in branch.advances
-            })
+            }, **(branch.energies(next(iter(branch.advances), None)) if energy else {}))
             for i, branch in enumerate(self.branches)
         ]  # fmt: skip
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()

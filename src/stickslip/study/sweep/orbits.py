@@ -42,6 +42,7 @@ from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
+from stickslip.study.sweep.energy import EnergyBalance, energy_balance
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
@@ -144,6 +145,17 @@ class Orbit(metaclass=Described):
         length = self.period if cycles is None else self.period * cycles / self.cycles
         start = [self.start[name] for name in states_of(self.mechanism, self.law)]
         return self.solver.run(self.mechanism, self.law, y0=start, t_end=length)
+
+
+    def energy(self, coordinate: str | None = None) -> EnergyBalance:
+        """Return the energy balance of one period.
+
+        Parameters
+        ----------
+        coordinate : str, optional
+            Coordinate of the travel; the one along which contacts slip if not given.
+        """
+        return energy_balance(self.mechanism, self.run(), coordinate=coordinate)
 
 
 def periodic_orbit(
@@ -483,14 +495,8 @@ class ReturnMap:
         value = self.between[1]
         return float(cycle_of(self.pair(value)[0]) / value**self.power)
 
-    def run(
-        self, y: Array, value: float
-    ) -> tuple[Mechanism, FrictionLaw | Laws, list[float], BareRun]:
-        """Return mechanism and law, the start of all states, and the run over the period from it.
-
-        A run that ends early is a `SimulationError`.
-        """
-        mechanism, law = self.pair(value)
+    def begin(self, mechanism: Mechanism, y: Array) -> list[float]:
+        """Return the start of all states from that of the free ones."""
         given: list[float] = y.tolist()
         if not all(map(math.isfinite, given)):
             raise SimulationError("a step has left all finite states.")
@@ -500,6 +506,17 @@ class ReturnMap:
         start = [float(begin.get(name, 0.0)) for name in self.states]
         for i, x in zip(self.free, given, strict=True):
             start[i] = 0.0 if abs(x) <= least else x
+        return start
+
+    def run(
+        self, y: Array, value: float
+    ) -> tuple[Mechanism, FrictionLaw | Laws, list[float], BareRun]:
+        """Return mechanism and law, the start of all states, and the run over the period from it.
+
+        A run that ends early is a `SimulationError`.
+        """
+        mechanism, law = self.pair(value)
+        start = self.begin(mechanism, y)
         period = self.duration(mechanism, value)
         run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=self.form_at(value))
         if not run.status.complete:
