@@ -211,7 +211,22 @@ def marks() -> tuple[Target, Target]:
         long = lyapunov_exponents(rig, LAW)
         marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
         if (kind == "chaotic") != bool(swept.chaotic[0]) or (kind == "chaotic") != long.chaotic:
-            print("differs", kind, bool(swept.chaotic[0]), swept.closes, swept.spread, long.kind, long.closes, long.exponents, long.errors, stops, frequency, amplitude, rig.damping, flush=True)
+            print(
+                "differs",
+                kind,
+                bool(swept.chaotic[0]),
+                swept.closes,
+                swept.spread,
+                long.kind,
+                long.closes,
+                long.exponents,
+                long.errors,
+                stops,
+                frequency,
+                amplitude,
+                rig.damping,
+                flush=True,
+            )
     print(found, drawn, marked)
     return tuple(
         Target(

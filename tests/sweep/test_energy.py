@@ -13,8 +13,8 @@ from stickslip.errors import InputError
 from stickslip.friction import LAWS
 from stickslip.mechanisms import DCMotor, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
+from stickslip.study.energy import has_electric_motor
 from stickslip.study.sweep import average_velocity, energy_balance, orbit_diagram, periodic_orbit
-from stickslip.study.sweep.energy import has_electric_motor
 
 RUBS = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
 FREQUENCY = "mechanism.drive.drive.frequency"
@@ -94,7 +94,7 @@ def test_powers_of_a_sweep_an_orbit_and_a_diagram_are_the_same():
 
 def test_what_cannot_be_balanced_is_refused():
     run = simulate(CAPSULE, RUBS, t_end=0.5)
-    with pytest.raises(InputError, match="since and until must lie within the run, 0 to 0.5 s"):
+    with pytest.raises(InputError, match=r"since and until must lie within the run, 0 to 0\.5 s"):
         energy_balance(CAPSULE, run, since=0.4, until=0.6)
     motor = DCMotor(resistance=1.0, torque_constant=0.1, drive=Sine(amplitude=5.0, frequency=1.0))
     axis = Axis(inertia=1e-3, drive=motor)

@@ -80,7 +80,8 @@ def test_a_bouncing_ball_has_the_exponent_of_its_impact_map():
     )  # fmt: skip
     found = lyapunov_exponents(ball, FREE, y0={"x": 0.01, "v": 1.0}, cycles=1000)
     exact, error = ball_exponent(amplitude, omega, e, g, 1500, 200)
-    assert found.chaotic and found.closes == 0
+    assert found.chaotic
+    assert found.closes == 0
     assert exact > 10.0 * error
     assert abs(found.largest - exact) < 3.0 * math.hypot(found.errors[0], error)
 
@@ -155,7 +156,8 @@ def test_a_stable_orbit_has_the_logarithms_of_its_multipliers(rig):
     orbit = periodic_orbit(rig, RUBS, settle=300)
     exact = lyapunov_exponents(orbit)
     found = lyapunov_exponents(rig, RUBS, settle=300)
-    assert exact.kind == found.kind == "periodic" and found.closes == orbit.cycles
+    assert exact.kind == found.kind == "periodic"
+    assert found.closes == orbit.cycles
     assert np.isneginf(exact.exponents).tolist() == np.isneginf(found.exponents).tolist()
     known = np.isfinite(exact.exponents)
     assert known.any()
@@ -173,9 +175,7 @@ def test_what_sticks_loses_a_direction():
 
 
 def test_a_run_goes_on_where_its_last_cycle_ended():
-    run = simulate(
-        CHAOTIC, RUBS, t_end=250.5 / 14.0, solver=EventDriven(tier="compiled")
-    )
+    run = simulate(CHAOTIC, RUBS, t_end=250.5 / 14.0, solver=EventDriven(tier="compiled"))
     found = lyapunov_exponents(run, settle=0, cycles=300)
     assert found.chaotic
     other = lyapunov_exponents(CHAOTIC, RUBS, settle=250, cycles=300)
@@ -187,10 +187,12 @@ def test_two_incommensurate_drives_do_not_close_and_are_not_chaotic():
     axis = Axis(inertia=1.0, stiffness=100.0, damping=0.5, drive=drive)
     found = lyapunov_exponents(axis, Coulomb(kinetic_coefficient=0.1), period=1.0)
     assert found.kind == "not closed"
-    assert found.largest < -0.1 and np.isnan(found.exponents[1])
+    assert found.largest < -0.1
+    assert np.isnan(found.exponents[1])
     law = Coulomb(kinetic_coefficient=0.1)
     swept = average_velocity(axis, law, {"stiffness": [90.0, 100.0]}, period=1.0)
-    assert swept.closes.tolist() == [0, 0] and not swept.chaotic.any()
+    assert swept.closes.tolist() == [0, 0]
+    assert not swept.chaotic.any()
     assert (swept.spread < 1e-9).all()
     assert "quasi-periodic" in " ".join(swept.open_motions())
 
@@ -199,15 +201,18 @@ def test_a_chaotic_transient_that_has_ended_is_no_chaos():
     # it wanders for some 60 cycles, then it closes
     rig = capsule(0.49, 13.0, upper_stop=2e-3, lower_stop=-1.5e-3, restitution=0.6)
     found = lyapunov_exponents(rig, RUBS, settle=0, cycles=400)
-    assert found.kind == "periodic" and found.largest < 0.0
+    assert found.kind == "periodic"
+    assert found.largest < 0.0
 
 
 def test_sweeps_diagrams_and_campaigns_mark_chaos_and_nothing_else(tmp_path):
     values = [11.5, 12.0, 13.6, 14.0]
     swept = average_velocity(CHAOTIC, RUBS, {FREQUENCY: values}, settle=150)
     assert swept.chaotic.tolist() == [False, False, True, True]
-    assert (swept.closes[:2] > 0).all() and (swept.closes[2:] == 0).all()
-    assert np.isnan(swept.spread[:2]).all() and (swept.spread[2:] > 1e-5).all()
+    assert (swept.closes[:2] > 0).all()
+    assert (swept.closes[2:] == 0).all()
+    assert np.isnan(swept.spread[:2]).all()
+    assert (swept.spread[2:] > 1e-5).all()
     assert "2 of 4 points (frequency 13.6 to 14 Hz) the motion is chaotic" in str(swept)
     found = orbit_diagram(
         CHAOTIC, RUBS, FREQUENCY, (11.5, 14.0), values=values, starts=1, settle=150
@@ -220,7 +225,8 @@ def test_sweeps_diagrams_and_campaigns_mark_chaos_and_nothing_else(tmp_path):
         spread=True,
     )  # fmt: skip
     table = runs.to_dataframe()
-    assert (table["spread of x"][:2] < 1e-7).all() and (table["spread of x"][2:] > 1e-4).all()
+    assert (table["spread of x"][:2] < 1e-7).all()
+    assert (table["spread of x"][2:] > 1e-4).all()
     assert runs.units["spread of x"] == "m"
 
 
@@ -228,7 +234,8 @@ def test_signs_of_chaotic_means_are_not_reversals():
     values = np.linspace(13.2, 17.0, 12)
     swept = average_velocity(CHAOTIC, RUBS, {FREQUENCY: values})
     doubtful = np.nan_to_num(swept.spread) > np.abs(swept.velocity)
-    assert doubtful.any() and not swept.moves()[doubtful].any()
+    assert doubtful.any()
+    assert not swept.moves()[doubtful].any()
 
 
 def test_what_has_no_exponent_is_refused():

@@ -45,6 +45,7 @@ from stickslip.show.formatting import count, joined, number, printable, quantity
 from stickslip.show.report import characterization_page, render, versions
 from stickslip.study import optimisation
 from stickslip.study.characterization import characterize
+from stickslip.study.energy import units_of_columns
 from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
@@ -62,7 +63,6 @@ from stickslip.study.sweep import (
     orbit_diagram,
     velocity_band,
 )
-from stickslip.study.sweep.energy import units_of_columns
 
 if TYPE_CHECKING:
     from stickslip.study.optimisation import GoalName
@@ -71,7 +71,18 @@ if TYPE_CHECKING:
 # ``stickslip sweep campaign.toml``: the file of a campaign, and its runs.
 
 CANCELLED: Final = 130
-KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "spread", "part", "factors", "outputs")
+KEYS: Final = (
+    "rigs",
+    "laws",
+    "t_end",
+    "design",
+    "runs",
+    "seed",
+    "spread",
+    "part",
+    "factors",
+    "outputs",
+)
 KINDS: Final[Mapping[str, type[Output]]] = {
     "final": Last,
     "max": Max,
@@ -94,7 +105,9 @@ SIZE: Final = (700, 320)
 
 def _run_campaign(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
-    if unused := option_groups.typed(options, "law", "law_load", "changes", "coordinate", "draws", "energy"):
+    if unused := option_groups.typed(
+        options, "law", "law_load", "changes", "coordinate", "draws", "energy"
+    ):
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
             " rigs, laws and factors itself."
@@ -620,8 +633,11 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
             for branch in found.branches
         ],
         "settled": {
-            "values": found.values, "closes": found.settled, "chaotic": found.chaotic,
-            "mean_velocity": found.velocities, "spread": found.spreads,
+            "values": found.values,
+            "closes": found.settled,
+            "chaotic": found.chaotic,
+            "mean_velocity": found.velocities,
+            "spread": found.spreads,
         },
         "early_ends": found.early_ends(),
         "branch_cycles": found.branch_cycles,

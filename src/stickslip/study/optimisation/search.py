@@ -15,8 +15,8 @@ The steady cycle of a mechanism that repeats a drive:
    of the last cycle are those of the cycle before.
 2. Where they never are, as in motions of two periods or in chaos, the later half of the cycles
    counts, each number as a mean over them or as their extreme.
-3. Work is that of what drives the mechanism, by two Gauss points in each cell between samples,
-   events and steps of the drives; only positive power counts, since no motor gets it back.
+3. Work is that of what drives the mechanism (`study.energy`); only positive power counts, since no
+   motor gets it back.
 
 The force of a drive in a coordinate is the generalised force with the drives less that without
 them; of a prescribed motion, it is the effort of the guide.
@@ -53,13 +53,12 @@ from stickslip.errors import (
     not_whole,
 )
 from stickslip.friction import Friction, FrictionLaw, Laws
-from stickslip.mechanisms import DCMotor, Mechanism, cycle_of, slip_among, static_normal_forces
-from stickslip.mechanisms.drives import Drive
-from stickslip.quantities import Parametrised, Quantity, all_paths, full_path, named, replaced, vary
+from stickslip.mechanisms import Mechanism, cycle_of, slip_among, static_normal_forces
+from stickslip.quantities import Quantity, all_paths, full_path, named, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity
-from stickslip.study.sweep.energy import efforts_of, values_of
+from stickslip.study.energy import efforts_of, energy_balance, values_of
 from stickslip.study.tolerances import FEWEST_CYCLES, ROUNDING, TRANSIENT
 
 # The steady cycle.
@@ -73,8 +72,6 @@ CYCLE_TIMES = 257
 """Evenly spaced times of a cycle."""
 ZOOM = 17
 """Times between the neighbours of an extreme sample."""
-GAUSS = 0.5 / math.sqrt(3.0)
-"""Distance of the two Gauss points from the middle of a cell, over its width."""
 ACCELERATION, SHARE, FORCE = "acceleration", "share:", "force:"
 """Extremes beside those of the columns of a run: names, and beginnings of names."""
 
@@ -237,6 +234,9 @@ def _measured(
     x = seen[slip]
     shares = [-value for name, value in largest.items() if name.startswith(SHARE)]
     forces = [value for name, value in largest.items() if name.startswith(FORCE)]
+    work = math.nan
+    if forces:
+        work = energy_balance(mechanism, run, coordinate=slip, since=begin).positive[-1]
     return Cycle(
         run=run,
         begin=begin,
@@ -244,7 +244,7 @@ def _measured(
         repeats=repeats,
         travel=float(x[-1] - x[0]) / kept,
         back_slip=float(np.maximum(-np.diff(x), 0.0).sum()) / kept,
-        work=_positive_work(mechanism, run, nodes) / kept if forces else math.nan,
+        work=work / kept,
         peak_force=max(forces, default=math.nan),
         load_share=min(shares, default=1.0),
         largest={
@@ -285,19 +285,6 @@ def _load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
             if column in seen.names:
                 found[column] = seen[column] / force
     return found
-
-
-def _positive_work(mechanism: Mechanism, run: Trajectory, nodes: Array) -> float:
-    """Return the work of the drives where they drive, by two Gauss points a cell."""
-    widths = np.diff(nodes)
-    middles = nodes[:-1] + 0.5 * widths
-    rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
-    power = np.zeros_like(widths)
-    for side in (-GAUSS, GAUSS):
-        seen = run.at(middles + side * widths)
-        for name, effort in efforts_of(mechanism, seen).items():
-            power = power + np.maximum(effort * seen[rates[name]], 0.0)
-    return float((0.5 * widths * power).sum())
 
 
 def _extremes(

@@ -22,8 +22,8 @@ from stickslip.study.sweep.design import Levels as Levels
 from stickslip.study.sweep.design import Normal as Normal
 from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
 from stickslip.study.sweep.design import Uniform as Uniform
-from stickslip.study.sweep.energy import EnergyBalance as EnergyBalance
-from stickslip.study.sweep.energy import energy_balance as energy_balance
+from stickslip.study.energy import EnergyBalance as EnergyBalance
+from stickslip.study.energy import energy_balance as energy_balance
 from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
 from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand

@@ -57,7 +57,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.study.sweep.energy import energy_balance
+from stickslip.study.energy import energy_balance
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,

@@ -4,8 +4,8 @@ Neighbours of a motion y after a cycle T of the drives, without coordinates on w
 (`orbits`), are y' + M dy, with M = dPhi/dy of that run; saltation matrices of impacts, sticking and
 breaking away are part of it.
 
-1. From a random orthogonal Q, each cycle gives M Q = Q' R. Exponents are the means of log |R_ii| / T
-   in decreasing order. What sticks loses a direction: R_ii = 0, and its exponent is -infinity.
+1. From a random orthogonal Q, each cycle gives M Q = Q' R. Exponents are means of log |R_ii| / T in
+   decreasing order. What sticks loses a direction: R_ii = 0, and its exponent is -infinity.
 2. Standard errors come from means over `BLOCKS` stretches of the run.
 3. Drives without a common cycle cannot begin anew after one: there the run is made at once, and one
    tangent vector is followed, which gives the largest exponent alone.
@@ -34,7 +34,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, cycle_of, stops_of
 from stickslip.show.display import OnAxes, Summary, Tabular
-from stickslip.show.formatting import number, quantity
+from stickslip.show.formatting import count, number, quantity
 from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import LOST, Orbit, ReturnMap, refuse_cut, return_map
 from stickslip.study.sweep.parameter_grid import PERIOD, Array, compiled, counted, whole_run
@@ -88,7 +88,7 @@ class LyapunovExponents(OnAxes, Tabular):
 
     @property
     def chaotic(self) -> bool:
-        """Whether the motion does not close, and the largest exponent is above 0 by three errors."""
+        """Whether the motion does not close, and an exponent is above 0 by three errors."""
         return not self.closes and self.largest > ERRORS * float(np.append(self.errors, 0.0)[0])
 
     @property
@@ -119,10 +119,10 @@ class LyapunovExponents(OnAxes, Tabular):
             ),
         }
         rows = [
-            (quantity(value, "1/s", 4), number(error, 2))
+            ("−∞" if np.isneginf(value) else quantity(value, "1/s", 4), number(error, 2))
             for value, error in zip(self.exponents.tolist(), self.errors.tolist(), strict=True)
         ]
-        over = f"Over {self.cycles} cycles of {quantity(self.period, 's', 4)}."
+        over = f"Over {count(self.cycles, 'cycle')} of {quantity(self.period, 's', 4)}."
         return Summary(
             sentence=f"{what[self.kind]} {over}", head=("exponent", "standard error"), rows=rows
         )
@@ -239,9 +239,7 @@ def is_chaotic(
     return diverges(map_, np.array(begin)[list(map_.free)], LOOKED if whole else STRETCH)
 
 
-def diverges(
-    map_: ReturnMap, y: Array, stretch: int = STRETCH, value: float = np.nan
-) -> bool:
+def diverges(map_: ReturnMap, y: Array, stretch: int = STRETCH, value: float = np.nan) -> bool:
     """Whether a motion from free states neither closes nor has an exponent of 0 or below."""
     logs, strobes, _ = growth(map_, y, LOOKED, stretch, value)
     rate, error = largest_of(logs)

@@ -45,8 +45,8 @@ from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
+from stickslip.study.energy import energy_balance, units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
-from stickslip.study.sweep.energy import energy_balance, units_of_columns
 from stickslip.study.sweep.lyapunov import (
     NEARBY,
     SENSITIVE,
@@ -99,7 +99,7 @@ class VelocityMap(OnAxes):
     coordinate: str = ""
     """The coordinate whose mean rate it is, if one was named."""
     energies: Mapping[str, Array] = field(default_factory=dict)
-    """Mean powers [W] and energy per travel, as `EnergyBalance.columns` names them, if asked for."""
+    """Mean powers [W] and energy per travel by `EnergyBalance.columns`, if asked for."""
 
     def reversals(self) -> Array:
         """Return where the velocity changes its sign along the only axis, by straight lines.
@@ -132,13 +132,16 @@ class VelocityMap(OnAxes):
             "does not close, and is not chaotic: it is quasi-periodic, of a longer period, or has"
             " not settled": complete & (self.closes == 0) & ~self.chaotic,
         }
-        return tuple(
-            f"At {int(here.sum())} of {here.size} points{grid.where_of(here, self.axes, self.units)}"
-            f" the motion {what}. Means from starts 1e-9 of its size apart differ by up to"
-            f" {quantity(float(np.nanmax(self.spread[here])), self.unit, 2)} there."
-            for what, here in kinds.items()
-            if here.any()
-        )
+        sentences = []
+        for what, here in kinds.items():
+            if here.any():
+                where = grid.where_of(here, self.axes, self.units)
+                apart = quantity(float(np.nan_to_num(self.spread[here]).max()), self.unit, 2)
+                sentences.append(
+                    f"At {int(here.sum())} of {here.size} points{where} the motion {what}. Means"
+                    f" from starts 1e-9 of its size apart differ by up to {apart} there."
+                )
+        return tuple(sentences)
 
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
@@ -341,9 +344,10 @@ def average_velocity(
         table.spread[rows[left]] = spread
         table.chaotic[rows[left]] = spread > SENSITIVE * apart
         for k in left[(spread > TOGETHER_AGAIN * apart) & (spread <= SENSITIVE * apart)].tolist():
-            at = {path: float(values[k]) for path, values in own.items()}
+            pair = _pair(mechanism, law, {path: float(values[k]) for path, values in own.items()})
             end = dict(zip(_motions(mechanism), samples[k, -1].tolist(), strict=True))
-            table.chaotic[rows[k]] = _grows(mechanism, law, at, end, period, solver)
+            with suppress(SimulationError, InputError):  # one that ends, or has no derivative
+                table.chaotic[rows[k]] = is_chaotic(*pair, end, period, solver)
     units = {path: grid.unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
@@ -558,20 +562,6 @@ def _strobes(t_end: float, periods: Array, cycles: int) -> Array:
     last = np.floor(t_end / periods * (1.0 + grid.WHOLE_CYCLES))
     times = (last[:, None] - np.arange(cycles, -1.0, -1.0)) * periods[:, None]
     return np.clip(times, 0.0, t_end)
-
-
-def _grows(
-    mechanism: Mechanism,
-    law: FrictionLaw | Laws,
-    at: Mapping[str, float],
-    end: Mapping[str, float],
-    period: float | None,
-    solver: EventDriven,
-) -> bool:
-    """Whether the largest Lyapunov exponent of a motion with some values is above 0."""
-    with suppress(SimulationError, InputError):  # a motion that ends, or has no derivative
-        return is_chaotic(*_pair(mechanism, law, at), end, period, solver)
-    return False
 
 
 def _pair(

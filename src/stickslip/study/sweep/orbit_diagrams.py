@@ -215,12 +215,14 @@ class OrbitDiagram(OnAxes, Tabular):
         if not self.chaotic.any():
             return ()
         where = where_of(self.chaotic, {self.path: self.values}, {self.path: self.unit})
-        means = [
-            f" Their mean velocity {name} differs by up to"
-            f" {quantity(float(np.nanmax(spread[self.chaotic])), f'{self.units[name]}/s', 2)}"
-            " between starts 1e-9 of its size apart."
-            for name, spread in self.spreads.items()
-        ]
+        means = []
+        for name, spread in self.spreads.items():
+            most = float(np.nan_to_num(spread[self.chaotic]).max())
+            apart = quantity(most, f"{self.units[name]}/s", 2)
+            means.append(
+                f" Their mean velocity {name} differs by up to {apart} between starts 1e-9 of its"
+                " size apart."
+            )
         count = int(self.chaotic.sum())
         return (f"{count} of {len(self.values)} settled runs are chaotic{where}.{''.join(means)}",)
 

@@ -42,7 +42,7 @@ from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
-from stickslip.study.sweep.energy import EnergyBalance, energy_balance
+from stickslip.study.energy import EnergyBalance, energy_balance
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
@@ -145,7 +145,6 @@ class Orbit(metaclass=Described):
         length = self.period if cycles is None else self.period * cycles / self.cycles
         start = [self.start[name] for name in states_of(self.mechanism, self.law)]
         return self.solver.run(self.mechanism, self.law, y0=start, t_end=length)
-
 
     def energy(self, coordinate: str | None = None) -> EnergyBalance:
         """Return the energy balance of one period.

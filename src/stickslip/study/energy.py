@@ -162,8 +162,13 @@ def energy_balance(
     >>> from stickslip.mechanisms.drives import Sine
     >>> push = Torque(drive=Sine(amplitude=0.2, frequency=13.0))
     >>> capsule = Capsule(
-    ...     capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, drive=push,
-    ...     upper_stop=2e-3, restitution=0.6,
+    ...     capsule_mass=0.08,
+    ...     inner_mass=0.02,
+    ...     stiffness=60.0,
+    ...     damping=0.03,
+    ...     drive=push,
+    ...     upper_stop=2e-3,
+    ...     restitution=0.6,
     ... )
     >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=2.0)
     >>> balance = energy_balance(capsule, run, since=1.0)
