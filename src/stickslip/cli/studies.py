@@ -601,7 +601,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in found.velocities}
     table = found.to_dataframe(energy=options.energy)
     (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
-    units |= units_of_columns([n for n in table if str(n) not in units], found.units[travel])
+    units |= units_of_columns(map(str, table.columns), found.units[travel])
     write_files({output: table_bytes(table, output, units), figure: svg})
     if options.as_json:
         content = inputs.rig_content(rig, chosen) | _diagram_content(found)

@@ -952,7 +952,7 @@ def _known_values(
     given = dict(zip(problem.ends, problem.present(), strict=True))
     known, found = known_paths(problem.mechanism, problem.law), []
     for start in starts:
-        if not isinstance(start, Mapping):  # type: ignore[redundant-expr]  # by users
+        if not isinstance(start, Mapping):  # by users
             raise InputError(f"starts must be values by path, got {start!r}.")
         own = {full_path(path, known): float(value) for path, value in start.items()}
         for path in own:

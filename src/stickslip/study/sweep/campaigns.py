@@ -58,8 +58,9 @@ from stickslip.study.sweep.design import (
     SensitivityIndices,
     indices_of,
 )
-from stickslip.study.sweep.lyapunov import NEARBY, starts_nearby
+from stickslip.study.sweep.lyapunov import starts_nearby
 from stickslip.study.sweep.parameter_grid import axis_of, early_ends
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -561,7 +562,7 @@ def _made(
     runs = _runs(case, campaign, start, stop)
     frame = runs.to_dataframe()
     if campaign.spread:
-        other = _runs(case, campaign, start, stop, off=NEARBY)
+        other = _runs(case, campaign, start, stop, off=ROUNDING)
         for output in (name for name, values in runs.outputs.items() if values.ndim == 1):
             frame[SPREAD_OF + output] = np.abs(other[output] - runs[output])
     for place, (label, value) in enumerate(case.labels.items()):

@@ -6,7 +6,7 @@ breaking away are part of it.
 
 1. From a random orthogonal Q, each cycle gives M Q = Q' R. Exponents are means of log |R_ii| / T in
    decreasing order. What sticks loses a direction: R_ii = 0, and its exponent is -infinity.
-2. Standard errors come from means over `BLOCKS` stretches of the run.
+2. Standard errors come from means over ten stretches of the run.
 3. Drives without a common cycle cannot begin anew after one: there the run is made at once, and one
    tangent vector is followed, which gives the largest exponent alone.
 4. A motion that closes at its end has left transients, chaotic ones included: then the later half
@@ -32,36 +32,24 @@ from stickslip.engine.solver import EventDriven
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, cycle_of, stops_of
+from stickslip.mechanisms import WHOLE, Mechanism, cycle_of, stops_of
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import count, number, quantity
 from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import LOST, Orbit, ReturnMap, refuse_cut, return_map
-from stickslip.study.sweep.parameter_grid import PERIOD, Array, compiled, counted, whole_run
-from stickslip.study.tolerances import ALIKE
+from stickslip.study.sweep.parameter_grid import (
+    PERIOD,
+    Array,
+    compiled,
+    counted,
+    whole_run,
+)
+from stickslip.study.tolerances import ALIKE, TRANSIENT
 
 if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["LyapunovExponents", "lyapunov_exponents"]
-
-BLOCKS = 10
-"""Stretches of a run whose means give a standard error."""
-ERRORS = 3.0
-"""Standard errors by which an exponent is above 0 in chaos."""
-STROBES = 64
-"""Cycles at the end of a run of which a motion closes within half."""
-REPEATED = 1e-6
-"""Distance, over the size of the states, of what comes again after so many cycles."""
-NEARBY, TOGETHER_AGAIN, SENSITIVE = 1e-9, 0.1, 1e3
-"""Distance of starts over the size of a motion; growth of it up to which they have come together,
-and that which regular motions do not have."""
-SMALL = 1e-3
-"""Least size of a state beside others."""
-LOOKED = 192
-"""Cycles that tell whether a motion of a sweep is chaotic."""
-STRETCH = 32
-"""Cycles in which a single tangent vector is not scaled anew."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -89,7 +77,7 @@ class LyapunovExponents(OnAxes, Tabular):
     @property
     def chaotic(self) -> bool:
         """Whether the motion does not close, and an exponent is above 0 by three errors."""
-        return not self.closes and self.largest > ERRORS * float(np.append(self.errors, 0.0)[0])
+        return not self.closes and self.largest > 3.0 * float(np.append(self.errors, 0.0)[0])
 
     @property
     def kind(self) -> str:
@@ -114,7 +102,7 @@ class LyapunovExponents(OnAxes, Tabular):
             "chaotic": "The motion is chaotic: its largest exponent is above 0 by three errors.",
             "periodic": f"The motion closes after {self.closes} of its cycles.",
             "not closed": (
-                f"The motion does not close within {STROBES // 2} cycles and is not chaotic: it is"
+                "The motion does not close within 32 cycles and is not chaotic: it is"
                 " quasi-periodic, of a longer period, or has not settled."
             ),
         }
@@ -178,26 +166,25 @@ def lyapunov_exponents(
 
     Examples
     --------
-    A linear oscillator loses half its damping over its mass in each direction:
+    Those of a linear oscillator add up to its damping over its mass:
 
     >>> from stickslip import Axis, Coulomb
     >>> from stickslip.mechanisms.drives import Sine
     >>> drive = Sine(amplitude=1.0, frequency=1.0)
     >>> axis = Axis(inertia=1.0, stiffness=100.0, damping=0.5, load=0.0, drive=drive)
     >>> found = lyapunov_exponents(axis, Coulomb(kinetic_coefficient=0.0), cycles=20)
-    >>> found.exponents.round(6), found.kind
-    (array([-0.25, -0.25]), 'periodic')
+    >>> round(float(found.exponents.sum()), 6), found.kind
+    (-0.5, 'periodic')
     """
     owner = "lyapunov_exponents"
     if isinstance(motion, Orbit):
         return _of_orbit(motion)
     if isinstance(motion, Trajectory):
-        motion, law, y0, at = _continued(motion, period)
-        counted(owner, "cycles of the run", at, 0)
+        motion, law, y0 = _continued(motion, period)
     if law is None:
         raise InputError(f"{owner}: give the law of friction of {type(motion).__name__}.")
     found = event_driven_law(motion, law)
-    counted(owner, "cycles", cycles, 2 * BLOCKS)
+    counted(owner, "cycles", cycles, 20)
     counted(owner, "settle", settle, 0)
     begin = initial_state(owner, motion, found, dict(y0 or {}))
     if period is None:
@@ -235,15 +222,29 @@ def is_chaotic(
     """
     map_ = return_map(mechanism, law, 1, period, solver)
     begin = initial_state("lyapunov_exponents", mechanism, law, dict(y0))
-    whole = _cuts(mechanism, map_.duration(mechanism, np.nan))
-    return diverges(map_, np.array(begin)[list(map_.free)], LOOKED if whole else STRETCH)
+    at_once = {"stretch": 192} if _cuts(mechanism, map_.duration(mechanism, np.nan)) else {}
+    return diverges(map_, np.array(begin)[list(map_.free)], **at_once)
 
 
-def diverges(map_: ReturnMap, y: Array, stretch: int = STRETCH, value: float = np.nan) -> bool:
-    """Whether a motion from free states neither closes nor has an exponent of 0 or below."""
-    logs, strobes, _ = growth(map_, y, LOOKED, stretch, value)
+def diverges(map_: ReturnMap, y: Array, value: float = np.nan, *, stretch: int = 32) -> bool:
+    """Whether a motion from free states does not close within 192 cycles, and neighbours leave."""
+    logs, strobes, _ = growth(map_, y, 192, stretch, value)
     rate, error = largest_of(logs)
-    return rate > ERRORS * error and not _closes(strobes)
+    return rate > 3.0 * error and not _closes(strobes)
+
+
+def have_left(growths: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return whether neighbours have left each other by their growth, and where that is unclear.
+
+    Regular motions do not let a distance grow a thousandfold, and chaos not shrink to a tenth.
+
+    Examples
+    --------
+    >>> [found.tolist() for found in have_left(np.array([1e-3, 1.0, 1e6]))]
+    [[False, False, True], [False, True, False]]
+    """
+    chaotic = growths > 1e3
+    return chaotic, (growths > 0.1) & ~chaotic
 
 
 def starts_nearby(
@@ -275,19 +276,9 @@ def starts_nearby(
 def closing(samples: Array, periods: Array) -> tuple[NDArray[np.int64], Array]:
     """Return after how many cycles motions close, and the sizes of their states.
 
-    A coordinate may advance: it is the way of each cycle that comes again.
-
-    Parameters
-    ----------
-    samples : array (n, m + 1, 2 k)
-        Coordinates, then rates, once a cycle.
-    periods : array (n,)
-        Lengths of the cycles [s].
-
-    Returns
-    -------
-    array (n,), array (n, 2 k)
-        Cycles, 0 if none up to half of those sampled; and sizes.
+    A coordinate may advance: the way of each cycle comes again. `samples` (n, m + 1, 2 k) are
+    coordinates, then rates, once a cycle of `periods` (n,); a motion that does not close within
+    half of them has 0, and sizes are (n, 2 k).
 
     Examples
     --------
@@ -299,9 +290,9 @@ def closing(samples: Array, periods: Array) -> tuple[NDArray[np.int64], Array]:
     ways = np.concatenate([np.diff(samples[:, :, :k], axis=1), samples[:, 1:, k:]], axis=2)
     reach = np.ptp(samples[:, :, :k], axis=1)
     speed = np.maximum(np.abs(samples[:, :, k:]).max(axis=1), reach / periods[:, None])
-    sizes = np.concatenate([np.maximum(reach, SMALL * speed * periods[:, None]), speed], axis=1)
+    sizes = np.concatenate([np.maximum(reach, ALIKE * speed * periods[:, None]), speed], axis=1)
     for part in (slice(0, k), slice(k, None)):  # what hardly moves beside others is as large
-        least = SMALL * sizes[:, part].max(axis=1, keepdims=True, initial=0.0)
+        least = ALIKE * sizes[:, part].max(axis=1, keepdims=True, initial=0.0)
         sizes[:, part] = np.maximum(sizes[:, part], least)
     found = np.zeros(len(samples), dtype=np.int64)
     for cycles in range(ways.shape[1] // 2, 0, -1):
@@ -326,8 +317,8 @@ def _of_orbit(orbit: Orbit) -> LyapunovExponents:
 
 def _continued(
     run: Trajectory, period: float | None
-) -> tuple[Mechanism, GivenFriction, dict[str, float], int]:
-    """Return mechanism, law, and the states after the last cycle of a run, and their number."""
+) -> tuple[Mechanism, GivenFriction, dict[str, float]]:
+    """Return mechanism, law, and the states after the last cycle of a run."""
     mechanism, law = (getattr(run.differentiate, name, None) for name in ("mechanism", "law"))
     if mechanism is None or law is None:
         raise InputError(
@@ -336,9 +327,8 @@ def _continued(
         )
     cycle = cycle_of(mechanism) if period is None else period
     refuse_cut(mechanism, cycle)
-    done = int(run.span[1] / cycle * (1.0 + 1e-12))
-    at = run.at([done * cycle])
-    return mechanism, law, {name: float(at[name][0]) for name in run.states}, done
+    at = run.at([int(run.span[1] / cycle * (1.0 + WHOLE)) * cycle])
+    return mechanism, law, {name: float(at[name][0]) for name in run.states}
 
 
 def _cuts(mechanism: Mechanism, cycle: float) -> bool:
@@ -386,7 +376,7 @@ def _carried(slopes: Array, scale: Array, basis: Array) -> tuple[Array, Array]:
     What rests at a stop has no derivative with respect to leaving it, and no tangent along that.
     """
     matrix = slopes * scale / scale[:, None]
-    known = np.isfinite(matrix).all(axis=0)
+    known: NDArray[np.bool_] = np.asarray(np.isfinite(matrix).all(axis=0))
     if not known.any() and len(known):
         return basis, np.full(len(basis), np.nan)
     moved = np.where(known, matrix, 0.0) @ np.where(known[:, None], basis, 0.0)
@@ -412,7 +402,7 @@ def _at_once(
 
 
 def growth(
-    map_: ReturnMap, y: Array, cycles: int, stretch: int = STRETCH, value: float = np.nan
+    map_: ReturnMap, y: Array, cycles: int, stretch: int = 32, value: float = np.nan
 ) -> tuple[Array, Array, Array]:
     """Return the logarithm of the growth of a tangent vector in each cycle, strobes, and the end.
 
@@ -423,9 +413,9 @@ def growth(
     logs, strobes = np.full(cycles, np.nan), np.empty((cycles, n))
     scale = np.ones(n)
     for begin in range(0, cycles, stretch):
-        count = min(stretch, cycles - begin)
-        _, _, _, run = replace(map_, cycles=count).run(y, value)
-        times = cycle * np.arange(1.0, count + 1.0)
+        length = min(stretch, cycles - begin)
+        _, _, _, run = replace(map_, cycles=length).run(y, value)
+        times = cycle * np.arange(1.0, length + 1.0)
         states = run.at(times)[:, list(map_.free)]
         if not begin:
             size = np.abs(states).max(axis=0)
@@ -437,8 +427,8 @@ def growth(
         path = np.where(known, matrix, 0.0) @ vector
         sizes = np.append(np.linalg.norm(vector), np.linalg.norm(path, axis=1))
         with np.errstate(divide="ignore", invalid="ignore"):
-            logs[begin : begin + count] = np.diff(np.log(sizes))
-        strobes[begin : begin + count], y = states, states[-1]
+            logs[begin : begin + length] = np.diff(np.log(sizes))
+        strobes[begin : begin + length], y = states, states[-1]
         if not sizes[-1] > 0.0 or not np.isfinite(sizes[-1]):
             if known.any():  # all is stuck: what follows does not depend on what came before
                 logs[begin:] = -np.inf
@@ -458,18 +448,18 @@ def largest_of(rates: Array) -> tuple[float, float]:
 
 def _closes(strobes: Array) -> int:
     """Return after how many cycles the end of a motion closes."""
-    last = strobes[-STROBES:]
+    last = strobes[-64:]
     size = np.abs(last).max(axis=0, initial=0.0)
-    return period_of(last, np.maximum(size, 1e-3 * size.max(initial=0.0)), REPEATED)
+    return period_of(last, np.maximum(size, 1e-3 * size.max(initial=0.0)), TRANSIENT)
 
 
-def _means(rates: Array) -> tuple[Array, Array]:
+def _means(rates: Array, blocks: int = 10) -> tuple[Array, Array]:
     """Return means (n,) of rates (cycles, n), and their standard errors by blocks."""
     known = rates[np.isfinite(rates).all(axis=1)]
-    if 2 * len(known) < len(rates) or len(known) < BLOCKS:
+    if 2 * len(known) < len(rates) or len(known) < blocks:
         raise SimulationError(
             "there is no derivative in most cycles: a contact, a stop or a switch is only touched"
             " (grazing), or two events coincide."
         )
-    blocks = np.array([block.mean(axis=0) for block in np.array_split(known, BLOCKS)])
-    return known.mean(axis=0), blocks.std(axis=0, ddof=1) / np.sqrt(BLOCKS)
+    means = np.array([block.mean(axis=0) for block in np.array_split(known, blocks)])
+    return known.mean(axis=0), means.std(axis=0, ddof=1) / np.sqrt(blocks)

@@ -9,7 +9,7 @@ A motion under drives that repeat themselves has a mean velocity over whole cycl
    one; each has the mean of the rate over its own last n periods.
 3. The mean over the last n / 2 of them tells how settled the motion is: 0 in a steady one.
 4. A motion closes if what n / 2 cycles at most bring comes again, in all coordinates and rates. The
-   mean of one that does not may depend on its start: it is run again from a start `NEARBY` of its
+   mean of one that does not may depend on its start: it is run again from a start `ROUNDING` of its
    size away. It is chaotic if both means are farther apart than a thousand times that, and regular
    if they are nearer than a tenth. In between its largest Lyapunov exponent, from where it ended,
    tells: chaos has one above 0 by three standard errors.
@@ -41,22 +41,20 @@ from stickslip.engine.solver import EventDriven, Mean, Output, Samples
 from stickslip.engine.trajectory import Ensemble, Status
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.mechanisms import WHOLE, Mechanism, slip_among
 from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
 from stickslip.study.energy import energy_balance, units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
 from stickslip.study.sweep.lyapunov import (
-    NEARBY,
-    SENSITIVE,
-    TOGETHER_AGAIN,
     closing,
+    have_left,
     is_chaotic,
     starts_nearby,
 )
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
-from stickslip.study.tolerances import ALIKE
+from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -332,7 +330,7 @@ def average_velocity(
         near = ensemble(
             mechanism,
             law,
-            starts_nearby(mechanism, law, y0, some, NEARBY * sizes[left]),
+            starts_nearby(mechanism, law, y0, some, ROUNDING * sizes[left]),
             t_end=t_end,
             outputs={"all": Mean(rate, last=cycles * periods[rows][left])},
             y0=y0,
@@ -340,10 +338,10 @@ def average_velocity(
             executor=executor,
         )
         spread = np.abs(near["all"] - runs["all"][left])
-        apart = NEARBY * sizes[left, len(mechanism.coordinates) + mechanism.rates.index(rate)]
+        apart = ROUNDING * sizes[left, len(mechanism.coordinates) + mechanism.rates.index(rate)]
         table.spread[rows[left]] = spread
-        table.chaotic[rows[left]] = spread > SENSITIVE * apart
-        for k in left[(spread > TOGETHER_AGAIN * apart) & (spread <= SENSITIVE * apart)].tolist():
+        table.chaotic[rows[left]], unclear = have_left(spread / apart)
+        for k in left[unclear].tolist():
             pair = _pair(mechanism, law, {path: float(values[k]) for path, values in own.items()})
             end = dict(zip(_motions(mechanism), samples[k, -1].tolist(), strict=True))
             with suppress(SimulationError, InputError):  # one that ends, or has no derivative
@@ -354,20 +352,13 @@ def average_velocity(
     found = table.mapped(axes, units, shape, periods, unit, coordinate or "")
     if not energy:
         return found
-    window = settle, settle + cycles
-    rows = [
-        _energies(mechanism, law, {path: float(values[row]) for path, values in columns.items()},
-                  (window[0] * periods[row], window[1] * periods[row]), slip, y0, solver)
-        if np.isfinite(table.velocity[row]) else {}
-        for row in range(len(periods))
-    ]  # fmt: skip
-    names = dict.fromkeys(name for row in rows for name in row)
-    return replace(
-        found,
-        energies={
-            name: np.array([row.get(name, np.nan) for row in rows]).reshape(shape) for name in names
-        },
-    )
+    kept: dict[str, Array] = {}
+    for row in np.flatnonzero(np.isfinite(table.velocity)).tolist():
+        at = {path: float(values[row]) for path, values in columns.items()}
+        since, until = settle * periods[row], (settle + cycles) * periods[row]
+        for name, value in _energies(mechanism, law, at, since, until, slip, y0, solver).items():
+            kept.setdefault(name, np.full(len(periods), np.nan))[row] = value
+    return replace(found, energies={name: column.reshape(shape) for name, column in kept.items()})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -559,9 +550,9 @@ def _motions(mechanism: Mechanism) -> tuple[str, ...]:
 
 def _strobes(t_end: float, periods: Array, cycles: int) -> Array:
     """Return the last times (n, cycles + 1) of runs that are multiples of their periods."""
-    last = np.floor(t_end / periods * (1.0 + grid.WHOLE_CYCLES))
+    last = np.floor(t_end / periods * (1.0 + WHOLE))
     times = (last[:, None] - np.arange(cycles, -1.0, -1.0)) * periods[:, None]
-    return np.clip(times, 0.0, t_end)
+    return np.asarray(np.clip(times, 0.0, t_end))
 
 
 def _pair(
@@ -577,7 +568,8 @@ def _energies(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
     at: Mapping[str, float],
-    window: tuple[float, float],
+    since: float,
+    until: float,
     slip: str,
     y0: Mapping[str, float] | Sequence[float] | None,
     solver: EventDriven,
@@ -587,8 +579,8 @@ def _energies(
     begin = initial_state("average_velocity", own, laws, y0)
     states = grid.states_of(own, laws)
     start = [at.get(f"initial.{name}", x) for name, x in zip(states, begin, strict=True)]
-    run = solver.run(own, laws, y0=start, t_end=window[1])
-    balance = energy_balance(own, run, coordinate=slip, since=window[0], until=window[1])
+    run = solver.run(own, laws, y0=start, t_end=until)
+    balance = energy_balance(own, run, coordinate=slip, since=since, until=until)
     return balance.columns()
 
 

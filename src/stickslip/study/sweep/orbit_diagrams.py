@@ -34,7 +34,7 @@ from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
 from stickslip.show.formatting import joined, number, percent, quantity, span
 from stickslip.study.sweep.attractors import period_of
-from stickslip.study.sweep.lyapunov import NEARBY, SENSITIVE, TOGETHER_AGAIN, diverges
+from stickslip.study.sweep.lyapunov import diverges, have_left
 from stickslip.study.sweep.orbits import ReturnMap, Shot, return_map, solved
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
@@ -50,7 +50,7 @@ from stickslip.study.sweep.parameter_grid import (
     where_of,
     whole_run,
 )
-from stickslip.study.tolerances import ALIKE
+from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -515,16 +515,16 @@ class _Search:
             scale = np.maximum(self.sizes, np.abs(samples[rows]).max(axis=(0, 1)))
             stopped = {f"initial.{stop.coordinate}" for stop in stops_of(self.map.mechanism)}
             near = {
-                path: column[rows] + NEARBY * size * (path not in stopped)
+                path: column[rows] + ROUNDING * size * (path not in stopped)
                 for (path, column), size in zip(begun.items(), scale, strict=True)
             }
             points, others, _ = self.sampled(value, near, count - keep)
             self.brute_cycles += len(rows) * count
             spreads[rows] = np.abs(others - ways[rows])
             size = np.where(scale > 0.0, scale, np.finfo(float).tiny)
-            gaps = (np.abs(points - samples[rows]) / size).max(axis=(1, 2)) / NEARBY
-            chaotic[rows] = gaps > SENSITIVE
-            for row in rows[(gaps > TOGETHER_AGAIN) & (gaps <= SENSITIVE)].tolist():
+            gaps = (np.abs(points - samples[rows]) / size).max(axis=(1, 2)) / ROUNDING
+            chaotic[rows], unclear = have_left(gaps)
+            for row in rows[unclear].tolist():
                 with suppress(SimulationError, InputError):
                     chaotic[row] = diverges(self.map, samples[row, -1], value=value)
         self.spreads += list(spreads)

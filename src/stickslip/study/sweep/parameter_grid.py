@@ -22,8 +22,6 @@ Progress: TypeAlias = Callable[[int, int], object]
 PERIOD = Quantity("T", "s", above=0)
 MOST_RANGES = 3
 """Ranges of a parameter that a sentence lists; of more it gives the ends."""
-WHOLE_CYCLES = 1e-12
-"""Share by which a number of cycles may lack a whole one: rounding."""
 MOST_CYCLES = 1_000_000
 """Cycles of a run; more are a slip of the pen."""
 
