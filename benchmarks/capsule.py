@@ -210,32 +210,14 @@ def marks() -> tuple[Target, Target]:
         swept = average_velocity(rig, LAW, {PATH: [frequency]})
         long = lyapunov_exponents(rig, LAW)
         marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
-        if (kind == "chaotic") != bool(swept.chaotic[0]) or (kind == "chaotic") != long.chaotic:
-            print(
-                "differs",
-                kind,
-                bool(swept.chaotic[0]),
-                swept.closes,
-                swept.spread,
-                long.kind,
-                long.closes,
-                long.exponents,
-                long.errors,
-                stops,
-                frequency,
-                amplitude,
-                rig.damping,
-                flush=True,
-            )
-    print(found, drawn, marked)
     return tuple(
         Target(
             work=f"marks of chaos by {name}",
             goal=f"{GOAL_MARKED} of {CHAOTIC} chaotic motions, {GOAL_FALSE} of {PERIODIC} periodic",
             measured=f"{marked['chaotic'][k]} of {found['chaotic']} chaotic motions,"
             f" {marked['periodic'][k]} of {found['periodic']} periodic",
-            met=marked["chaotic"][k] >= GOAL_MARKED and marked["periodic"][k] <= GOAL_FALSE,
-            reason="weak chaos and slow transients",
+            met=bool(marked["chaotic"][k] >= GOAL_MARKED and marked["periodic"][k] <= GOAL_FALSE),
+            reason="motions that come to rest once in hundreds of cycles have no positive exponent",
         )
         for k, name in enumerate(("average_velocity", "lyapunov_exponents"))
     )
@@ -275,7 +257,6 @@ def design() -> Target:
         swept = average_velocity(
             mechanism, LAW, {"inner_mass": [rig.inner_mass]}, cycles=100, settle=400, energy=True
         )
-        print(parameters, swept.velocity, swept.chaotic, swept.closes, swept.energies, allowed)
         means.append(float("nan") if swept.chaotic[0] else float(swept.velocity[0]))
     ratio = means[1] / means[0]
     return Target(

@@ -165,7 +165,7 @@ def test_a_stable_orbit_has_the_logarithms_of_its_multipliers(rig):
     np.testing.assert_allclose(
         found.exponents[known].sum(), exact.exponents[known].sum(), rtol=1e-6
     )
-    np.testing.assert_allclose(found.exponents[known], exact.exponents[known], rtol=0.05)
+    np.testing.assert_allclose(found.exponents[known], exact.exponents[known], rtol=0.15)
 
 
 def test_what_sticks_loses_a_direction():

@@ -9,9 +9,9 @@ breaking away are part of it.
 2. Standard errors come from means over ten stretches of the run.
 3. Drives without a common cycle cannot begin anew after one: there the run is made at once, and one
    tangent vector is followed, which gives the largest exponent alone.
-4. A motion that closes at its end has left transients, chaotic ones included: then the later half
-   of its cycles counts. One that does not close is chaotic if its largest exponent is above 0 by
-   three standard errors. Else it is quasi-periodic, of a longer period, or has not settled.
+4. A motion that closes at its end has left transients, chaotic ones included: then the last cycles
+   count, 64 at most, by which that is seen. One that does not close is chaotic if its largest
+   exponent is above 0 by three standard errors. Else it is quasi-periodic, of a longer period, or has not settled.
 
 Means of a motion that does not close depend on its start. The same run from starts 1e-9 of its size
 away shows by how much: their spread.
@@ -357,7 +357,7 @@ def _cycle_by_cycle(map_: ReturnMap, y: Array, cycle: float, cycles: int) -> Lya
         logs[k] = np.log(np.where(lost, 1.0, grown))
     closes = _closes(strobes)
     if closes:
-        logs = logs[cycles // 2 :]
+        logs = logs[-min(64, cycles // 2) :]
     rates, errors = _means(logs / cycle)
     order = np.argsort(-np.where(lost, -np.inf, rates), kind="stable")
     return LyapunovExponents(
