@@ -5,6 +5,9 @@ force acts between both. Settled runs are independent of the branches: random fr
 states, and the least number of cycles after which the states of a cycle's start come again. A slow
 transient and a motion of a longer period may come again nearly: a run that lies on no branch is run
 on, and counts if it closes still, and far better.
+
+Marks of chaos are compared with long runs of random capsules: periodic is what closes to 1e-6 after
+thousands of cycles, chaotic what does not and has left a start 1e-6 off by then.
 """
 
 import time
@@ -18,8 +21,15 @@ from benchmarks.measuring import Section, Target
 from stickslip import Capsule, Coulomb, ensemble
 from stickslip.engine import Samples
 from stickslip.mechanisms import SoftStop, Torque
-from stickslip.mechanisms.drives import Sine
-from stickslip.study.sweep import OrbitDiagram, average_velocity, orbit_diagram
+from stickslip.mechanisms.drives import Sine, Square
+from stickslip.study.optimisation import measure, optimise
+from stickslip.study.optimisation.search import with_values
+from stickslip.study.sweep import (
+    OrbitDiagram,
+    average_velocity,
+    lyapunov_exponents,
+    orbit_diagram,
+)
 from stickslip.study.sweep.attractors import period_of
 
 Array = NDArray[np.float64]
@@ -51,6 +61,22 @@ NEAR = 2e-3
 BETWEEN = 0.01
 """The same from a straight line between two orbits of a branch."""
 GOAL_SWEEP, GOAL_BRANCHES = 1.5, 20.0
+CHAOTIC, PERIODIC, MARKS_SEED = 40, 200, 2026
+"""Motions of each kind with which marks are compared, and the seed of their capsules."""
+LONG, STROBED, LEFT = 3000, 128, 1e-2
+"""Cycles of long runs, those at their ends that are sampled, and distance of what has left."""
+GOAL_MARKED, GOAL_FALSE = 38, 2
+DESIGNS, EVALUATIONS, DESIGN_SEED, GOAL_RATIO = 2000, 800, 4, 1.2
+BOX = {
+    "mechanism.stiffness": (20.0, 200.0),
+    "mechanism.upper_soft_stop.place": (5e-4, 5e-3),
+    "mechanism.upper_soft_stop.stiffness": (300.0, 3e4),
+    "mechanism.drive.drive.high": (0.05, 0.5),
+    "mechanism.drive.drive.low": (-0.5, -0.05),
+    "mechanism.drive.drive.period": (0.04, 0.4),
+    "mechanism.drive.drive.duty": (0.1, 0.9),
+}
+"""Ranges of spring, gap, stop, amplitudes, period and duty of designs."""
 
 
 def sweep(rig: Capsule) -> float:
@@ -141,8 +167,109 @@ def branches(name: str) -> tuple[tuple[str, ...], Target]:
     return row, Target(work=f"branches, {name}", goal=goal, measured=measured, met=met, reason=why)
 
 
+def samples_from(
+    rig: Capsule, names: Sequence[str], frequency: float, start: Mapping[str, float]
+) -> Array:
+    """Return once-a-cycle states (STROBED, k) at the end of a long run."""
+    times = ((LONG - STROBED + np.arange(1, STROBED + 1)) / frequency).tolist()
+    columns = {PATH: [frequency], **{path: [value] for path, value in start.items()}}
+    outputs = {name: Samples(name, times) for name in names}
+    made = ensemble(rig, LAW, columns, t_end=times[-1], outputs=outputs)
+    return np.stack([made[name][0] for name in names], axis=1)
+
+
+def truth(rig: Capsule, frequency: float) -> str:
+    """Return what a motion is by long runs: periodic, chaotic, or empty where they do not tell."""
+    names = ("xi", "v", "xi_dot")
+    points = samples_from(rig, names, frequency, {"initial.xi_dot": 0.0})
+    if not np.isfinite(points).all():
+        return ""
+    size = np.abs(points).max(axis=0)
+    size = np.maximum(size, 1e-3 * size[1:].max() * np.array([1.0 / frequency, 1.0, 1.0]))
+    if period_of(points, size, CLOSED):
+        return "periodic"
+    others = samples_from(rig, names, frequency, {"initial.xi_dot": 1e-6 * float(size[2])})
+    return "chaotic" if (np.abs(others - points) / size).max() > LEFT else ""
+
+
+def marks() -> tuple[Target, Target]:
+    """Return how many chaotic and periodic motions sweeps and exponents mark as chaotic."""
+    noise, rigs = np.random.default_rng(MARKS_SEED), list(RIGS.values())
+    kinds = {"chaotic": CHAOTIC, "periodic": PERIODIC}
+    marked = {kind: np.zeros(2, dtype=int) for kind in kinds}
+    found = dict.fromkeys(kinds, 0)
+    drawn = 0
+    while found != kinds and drawn < 6000:
+        stops, frequency, amplitude = noise.integers(len(rigs)), *noise.uniform((3, 0.1), (20, 0.6))
+        drive, drawn = Torque(drive=Sine(amplitude=amplitude, frequency=frequency)), drawn + 1
+        rig = replace(rigs[stops], drive=drive, damping=float(noise.uniform(0.01, 0.1)))
+        kind = truth(rig, frequency)
+        if not kind or found[kind] == kinds[kind]:
+            continue
+        found[kind] += 1
+        swept = average_velocity(rig, LAW, {PATH: [frequency]})
+        long = lyapunov_exponents(rig, LAW)
+        marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
+    return tuple(
+        Target(
+            work=f"marks of chaos by {name}",
+            goal=f"{GOAL_MARKED} of {CHAOTIC} chaotic motions, {GOAL_FALSE} of {PERIODIC} periodic",
+            measured=f"{marked['chaotic'][k]} of {found['chaotic']} chaotic motions,"
+            f" {marked['periodic'][k]} of {found['periodic']} periodic",
+            met=bool(marked["chaotic"][k] >= GOAL_MARKED and marked["periodic"][k] <= GOAL_FALSE),
+            reason="motions that come to rest once in hundreds of cycles have no positive exponent",
+        )
+        for k, name in enumerate(("average_velocity", "lyapunov_exponents"))
+    )
+
+
+def design() -> Target:
+    """Return the speed of an optimised capsule over that of the best of random designs.
+
+    Both are driven by a square wave. The optimised one may take as much energy per metre as the
+    fastest random design. Speeds are those of long runs, from which chaotic means are left out.
+    """
+    square = Torque(drive=Square(high=0.2, low=-0.2, period=0.1, duty=0.5))
+    rig = replace(BARE, upper_soft_stop=SOFT, drive=square)  # a force between both: no free push
+    noise = np.random.default_rng(DESIGN_SEED)
+    shares = noise.uniform(size=(DESIGNS, len(BOX)))
+    ends = np.array(list(BOX.values()))
+    values = np.where(
+        ends[:, 0] > 0.0,
+        np.abs(ends[:, 0]) * np.abs(ends[:, 1] / ends[:, 0]) ** shares,
+        ends[:, 0] + (ends[:, 1] - ends[:, 0]) * shares,
+    )
+    random = [dict(zip(BOX, map(float, row), strict=True)) for row in values]
+    judged = []
+    for parameters in random:
+        mechanism = with_values(rig, LAW, parameters)[0]
+        judged.append(measure(mechanism, LAW))
+    speeds = np.array([cycle.speed if cycle.repeats else -np.inf for cycle in judged])
+    best = int(np.argmax(speeds))
+    allowed = judged[best].energy
+    found = optimise(
+        rig, LAW, BOX, limits={"energy": allowed}, starts=[random[best]], evaluations=EVALUATIONS,
+        seed=DESIGN_SEED,
+    )  # fmt: skip
+    means = []
+    for parameters in (random[best], found.best.parameters):
+        mechanism = with_values(rig, LAW, parameters)[0]
+        swept = average_velocity(
+            mechanism, LAW, {"inner_mass": [rig.inner_mass]}, cycles=100, settle=400, energy=True
+        )
+        means.append(float("nan") if swept.chaotic[0] else float(swept.velocity[0]))
+    ratio = means[1] / means[0]
+    return Target(
+        work=f"capsule optimised in {EVALUATIONS} runs, over the best of {DESIGNS} random ones",
+        goal=f"{GOAL_RATIO:g} times its mean speed at equal energy per metre",
+        measured=f"{ratio:.2f} times {1e3 * means[0]:.1f} mm/s at {allowed:.3g} J/m",
+        met=ratio >= GOAL_RATIO,
+        reason="the best random design is near the optimum",
+    )
+
+
 def run() -> Section:
-    """Return times of sweeps and branches."""
+    """Return times of sweeps and branches, marks of chaos, and an optimised capsule."""
     sweeps = {name: sweep(rig) for name, rig in RIGS.items()}
     followed = [branches(name) for name in FOLLOWED]
     rows = [(name, "", f"{taken:.2f}", "", "", "") for name, taken in sweeps.items()]
@@ -165,5 +292,5 @@ def run() -> Section:
             f" must lie on a branch; those on none count if they close to {CLOSED:g} after"
             f" {FURTHER:,} cycles more. Processor time of one core.",
         ),
-        targets=(target, *(one for _, one in followed)),
+        targets=(target, *(one for _, one in followed), *marks(), design()),
     )

@@ -69,6 +69,9 @@ def velocity_map() -> VelocityMap:
         unit="m/s",
         velocity=np.array([[0.1, -0.1], [0.2, np.nan], [0.3, 0.1]]),
         unsettled=np.zeros((3, 2)),
+        closes=np.ones((3, 2), dtype=int),
+        spread=np.full((3, 2), np.nan),
+        chaotic=np.zeros((3, 2), dtype=bool),
         period=np.ones((3, 2)),
         status=np.array(
             [[Status.END_TIME] * 2, [Status.END_TIME, Status.ZENO], [Status.AT_REST] * 2]

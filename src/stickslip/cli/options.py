@@ -564,6 +564,8 @@ class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, Write
     """Number of drive cycles before the mean is taken."""
     coordinate: str | None = None
     """Coordinate whose mean rate is taken, where contacts slip along several."""
+    energy: bool = False
+    """Add mean powers of drives, friction, dampers and stops, and the energy per travel."""
     dry_run: bool = False
     """Print number, size and time of a campaign; run nothing."""
     output: Output = None
@@ -589,6 +591,8 @@ class OrbitOptions(LawOptions, WriteOptions):
     """Number of values in a range at which settled runs are made."""
     settle: int = 200
     """Number of drive cycles before a run counts as settled."""
+    energy: bool = False
+    """Add mean powers of drives, friction, dampers and stops, and the energy per travel."""
     output: Annotated[Path, typer.Option("-o")] = Path("stickslip-orbits.csv")
     """CSV, Parquet or MATLAB file, with a figure (SVG) beside it."""
 

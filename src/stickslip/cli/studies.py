@@ -45,6 +45,7 @@ from stickslip.show.formatting import count, joined, number, printable, quantity
 from stickslip.show.report import characterization_page, render, versions
 from stickslip.study import optimisation
 from stickslip.study.characterization import characterize
+from stickslip.study.energy import units_of_columns
 from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
@@ -70,7 +71,18 @@ if TYPE_CHECKING:
 # ``stickslip sweep campaign.toml``: the file of a campaign, and its runs.
 
 CANCELLED: Final = 130
-KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
+KEYS: Final = (
+    "rigs",
+    "laws",
+    "t_end",
+    "design",
+    "runs",
+    "seed",
+    "spread",
+    "part",
+    "factors",
+    "outputs",
+)
 KINDS: Final[Mapping[str, type[Output]]] = {
     "final": Last,
     "max": Max,
@@ -93,7 +105,9 @@ SIZE: Final = (700, 320)
 
 def _run_campaign(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
-    if unused := option_groups.typed(options, "law", "law_load", "changes", "coordinate", "draws"):
+    if unused := option_groups.typed(
+        options, "law", "law_load", "changes", "coordinate", "draws", "energy"
+    ):
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
             " rigs, laws and factors itself."
@@ -232,7 +246,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
         cases=tuple(cases),
         factors=_factors(raw.get("factors"), cases[0], file),
         outputs=_outputs(raw.get("outputs"), file),
-        **{key: raw[key] for key in ("design", "runs", "seed", "part") if key in raw},
+        **{key: raw[key] for key in ("design", "runs", "seed", "spread", "part") if key in raw},
     )
     return campaign, titles
 
@@ -401,8 +415,9 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     figure = _figure_beside(output, force=options.force)
     axes = _axes(options.vary)
     draws, count, executor = options.draws, options.count, options.executor
-    if draws is not None and (options.coordinate is not None or len(axes) > 1):
-        raise InputError("--ensemble takes one --vary, and no --coordinate.")
+    unused = options.coordinate is not None or options.energy
+    if draws is not None and (unused or len(axes) > 1):
+        raise InputError("--ensemble takes one --vary, and no --coordinate or --energy.")
     if draws is not None and (count is not None or executor is not None):
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
     rig, chosen = inputs.rig_and_friction(options)
@@ -433,6 +448,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
                 law,
                 axes,
                 coordinate=options.coordinate,
+                energy=options.energy,
                 executor=pool or (Inline() if count == 1 else None),
                 progress=progress,
                 **settings,
@@ -445,7 +461,9 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
         units = {found.path: found.unit, "laws": "1"} | dict.fromkeys(ends, found.velocity_unit)
     else:
         drawing = draw_velocity_map(found)
-        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+        units = {**found.units, "period": "s", "velocity": found.unit}
+        units |= {"unsettled": found.unit, "spread": found.unit}
+        units |= units_of_columns(found.energies, found.unit.removesuffix("/s"))
     svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
     write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
@@ -497,6 +515,10 @@ def _map_content(found: VelocityMap) -> dict[str, Any]:
         **({"coordinate": found.coordinate} if found.coordinate else {}),
         "unit": found.unit,
         "velocity": found.velocity,
+        "closes": found.closes,
+        "spread": found.spread,
+        "chaotic": found.chaotic,
+        **({"energies": found.energies} if found.energies else {}),
         "status": found.status,
         "early_ends": found.early_ends(),
         "reversals": found.reversals() if len(found.axes) == 1 else [],
@@ -577,7 +599,10 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     units = {**found.units, found.path: found.unit, "period": "s"}
     units |= {f"advance {name}": found.units[name] for name in found.velocities}
     units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in found.velocities}
-    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
+    table = found.to_dataframe(energy=options.energy)
+    (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
+    units |= units_of_columns(map(str, table.columns), found.units[travel])
+    write_files({output: table_bytes(table, output, units), figure: svg})
     if options.as_json:
         content = inputs.rig_content(rig, chosen) | _diagram_content(found)
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
@@ -607,6 +632,13 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
             }
             for branch in found.branches
         ],
+        "settled": {
+            "values": found.values,
+            "closes": found.settled,
+            "chaotic": found.chaotic,
+            "mean_velocity": found.velocities,
+            "spread": found.spreads,
+        },
         "early_ends": found.early_ends(),
         "branch_cycles": found.branch_cycles,
         "brute_cycles": found.brute_cycles,

@@ -220,6 +220,8 @@ class Pendulum(_Pendulum):
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class PendulumCart(_PendulumCart):
+    lower_soft_stop: SoftStop | None = ...
+    upper_soft_stop: SoftStop | None = ...
     def __init__(
         self,
         *,
@@ -231,6 +233,11 @@ class PendulumCart(_PendulumCart):
         pivot_angle: _Given = ...,
         pivot_damping: _Given = ...,
         pivot_load: _Given | None = ...,
+        lower_stop: _Given | None = ...,
+        upper_stop: _Given | None = ...,
+        restitution: _Given = ...,
+        lower_soft_stop: _SoftStop | None = ...,
+        upper_soft_stop: _SoftStop | None = ...,
         gravity: _Given = ...,
         incline: _Given = ...,
         wheelbase: _Given | None = ...,
@@ -342,6 +349,8 @@ class SoftStop(_SoftStop):
         stiffness: _Given,
         damping: _Given = ...,
         sticks: bool = ...,
+        spring: _Literal['linear', 'hertz', 'exponential'] = ...,
+        stiffening: _Given = ...,
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)

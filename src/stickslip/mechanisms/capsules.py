@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
-from stickslip.maths import Scalar, cos, sin, where
+from stickslip.maths import Scalar, cos, exp, power, sin, where
 from stickslip.mechanisms import base
 from stickslip.mechanisms.drives import Drive, Profile, Sine
 from stickslip.quantities import Parametrised, Quantity
@@ -182,42 +182,93 @@ MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed,
 # A capsule that an inner mass drives.
 
 
+SPRINGS = ("linear", "hertz", "exponential")
+"""How the force of an elastic stop may grow with its depth."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SoftStop(Parametrised):
-    """An elastic stop: a spring and a damper that the inner mass meets at a place.
+    """An elastic stop: a spring and a damper that an inner mass or a pendulum meets at a place.
 
-    It pushes the mass away with ``k d + c d'`` while it is pressed in by `d`. It does not pull:
+    It pushes the mass away with ``F(d) + c d'`` while it is pressed in by `d`. It does not pull:
     where the damper would, the mass leaves it early, unless it `sticks`, as in models whose damper
-    acts for as long as the spring is pressed in.
+    acts for as long as the spring is pressed in. F is one of
+
+    - ``"linear"``: ``k d``
+    - ``"hertz"``: ``k d^(3/2)`` with d in m or rad, as between round bodies
+    - ``"exponential"``: ``(k / b) (exp(b d) - 1)``, as of soft tissue that stiffens; k is its
+      stiffness at first touch
+
+    Sources: K. L. Johnson, Contact Mechanics, 1985 (Hertz); Y. C. Fung, Am. J. Physiol. 213, 1967.
 
     Examples
     --------
     >>> SoftStop(place=2e-3, stiffness=5000.0).damping
     0.0
+    >>> tissue = SoftStop(place=2e-3, stiffness=50.0, spring="exponential", stiffening=800.0)
+    >>> round(tissue.pressed(1e-3), 6)
+    0.076596
     """
 
-    place: Annotated[float, Quantity("xi_s", "m")]
-    """Place of the inner mass where it meets the stop."""
-    stiffness: Annotated[float, Quantity("k_s", "N/m", above=0)]
-    """Its spring."""
-    damping: Annotated[float, Quantity("c_s", "N s/m", low=0)] = 0.0
+    place: Annotated[float, Quantity("xi_s", "m", or_unit="rad")]
+    """Place of the inner mass, or angle of the pendulum, where it meets the stop."""
+    stiffness: Annotated[float, Quantity("k_s", "N/m", above=0, or_unit="N m/rad")]
+    """Its spring; of a Hertz stop, what it pushes with at a depth of 1 m or rad."""
+    damping: Annotated[float, Quantity("c_s", "N s/m", low=0, or_unit="N m s/rad")] = 0.0
     """Its damper."""
     sticks: bool = False
     """Whether its damper may pull."""
+    spring: Literal["linear", "hertz", "exponential"] = "linear"
+    """How its force grows with the depth."""
+    stiffening: Annotated[float, Quantity("b", "1/m", low=0, or_unit="1/rad")] = 0.0
+    """Rate b of an exponential spring."""
+
+    def __post_init__(self) -> None:
+        """Check that the spring is known, and stiffens where it has to."""
+        super().__post_init__()
+        if self.spring not in SPRINGS:
+            raise ParameterError(
+                f"SoftStop.spring must be one of {', '.join(SPRINGS)}, got {self.spring!r}."
+            )
+        if self.spring == "exponential" and self.stiffening == 0.0:
+            raise ParameterError(
+                "SoftStop.stiffening (b) must be above 0 1/m for an exponential spring: give it, or"
+                ' leave spring at "linear".'
+            )
+
+    def pressed(self, depth: Scalar) -> Scalar:
+        """Return the force [N] or torque [N m] of the spring, pressed in by a depth."""
+        if self.spring == "hertz":
+            return self.stiffness * power(depth, 1.5)
+        if self.spring == "exponential":
+            return self.stiffness / self.stiffening * (exp(self.stiffening * depth) - 1.0)
+        return self.stiffness * depth
 
     def energy(self, xi: Scalar, side: int, events: tuple[str, str]) -> Scalar:
         """Return the potential energy [J] of a stop above (side 1) or below (-1) the mass."""
         depth = side * (xi - self.place)
-        return where(depth > 0.0, 0.5 * self.stiffness * depth * depth, 0.0, events)
+        stored = 0.5 * self.stiffness * depth * depth
+        if self.spring == "hertz":
+            stored = 0.4 * self.stiffness * power(depth, 2.5)
+        elif self.spring == "exponential":
+            grown = (exp(self.stiffening * depth) - 1.0) / self.stiffening
+            stored = self.stiffness / self.stiffening * (grown - depth)
+        return where(depth > 0.0, stored, 0.0, events)
 
     def damper_force(self, xi: Scalar, rate: Scalar, side: int, events: tuple[str, str]) -> Scalar:
         """Return the force [N] on the inner mass beside that of the spring."""
         depth, speed = side * (xi - self.place), side * rate
         pull = self.damping * speed
         if not self.sticks:
-            pressed = self.stiffness * depth
+            pressed = self.pressed(depth)
             pull = where(pressed + pull > 0.0, pull, -pressed)
         return -side * where(depth > 0.0, pull, 0.0, events)
+
+    def force(self, xi: Scalar, rate: Scalar, side: int, events: tuple[str, str]) -> Scalar:
+        """Return the force [N] on the inner mass, that of the spring included."""
+        depth = side * (xi - self.place)
+        spring = where(depth > 0.0, self.pressed(depth), 0.0, events)
+        return self.damper_force(xi, rate, side, events) - side * spring
 
 
 def soft_stops(
@@ -669,7 +720,7 @@ GROUND = "ground"
 
 
 @dataclass(frozen=True, kw_only=True)
-class PendulumCart(base.Mechanism):
+class PendulumCart(base.BoundedMechanism):
     """A cart on rough ground with an inverted pendulum, a ball on a light rod.
 
     The angle `theta` is that of the rod from the normal of the ground, which is the upright where
@@ -677,7 +728,8 @@ class PendulumCart(base.Mechanism):
     the ground and above the pivot. On an incline positive x is uphill. The swing is prescribed, or
     a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
     at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
-    to give, and not the motion. With a `pivot_load` the pivot rubs too: the contacts are then
+    to give, and not the motion. With stops, hard or soft, the pendulum strikes the cart, which
+    takes the torque. With a `pivot_load` the pivot rubs too: the contacts are then
     `wheels` and `pivot`. A run ends where the cart lifts off or tips over its wheels, and
     where its equations lose their meaning (Painleve).
 
@@ -721,6 +773,16 @@ class PendulumCart(base.Mechanism):
     pivot_load: Annotated[float, Quantity("N_p", low=0)] | None = None
     """Load of the friction law of the pivot, 1 where its levels are torques; with None or 0, the
     pivot does not rub."""
+    lower_stop: Annotated[float, Quantity("theta_l", "rad")] | None = None
+    """Hard stop that theta does not fall below; none if not given."""
+    upper_stop: Annotated[float, Quantity("theta_u", "rad")] | None = None
+    """Hard stop that theta does not rise above; none if not given."""
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Angular velocity after an impact at a stop over that before; 0 if nothing bounces."""
+    lower_soft_stop: SoftStop | None = None
+    """Elastic stop below; none if not given."""
+    upper_soft_stop: SoftStop | None = None
+    """Elastic stop above; none if not given."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
     incline: base.Incline = 0.0
@@ -769,6 +831,8 @@ class PendulumCart(base.Mechanism):
         )
         wound = q["theta"] - self.pivot_angle
         spring = 0.5 * self.pivot_stiffness * wound * wound
+        for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
+            spring = spring + stop.energy(q["theta"], side, events)
         return self.gravity * (self.cart_mass * cart + self.ball_mass * ball) + spring
 
     @override
@@ -780,6 +844,8 @@ class PendulumCart(base.Mechanism):
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
         pivot = self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]
+        for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
+            pivot = pivot + stop.damper_force(q["theta"], q_dot["theta"], side, events)
         if self.ground is None:
             return {"theta": pivot}
         shaken = self._shaken(q, drives)
@@ -821,6 +887,8 @@ class PendulumCart(base.Mechanism):
             wound = self.pivot_stiffness * (q["theta"] - self.pivot_angle)
             others = weight - wound - self.pivot_damping * q_dot["theta"]
             others = others + self._shaken(q, drives)
+            for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
+                others = others + stop.force(q["theta"], q_dot["theta"], side, events)
             pivot = base.gear_inputs(self.pendulum.force(drives), others, **pivot)
         return {"wheels": wheels, "pivot": pivot}
 
@@ -840,6 +908,10 @@ class PendulumCart(base.Mechanism):
     @override
     def held(self) -> tuple[str, ...]:
         return () if self.wheelbase is None else ("tilt",)
+
+    @override
+    def stops(self) -> tuple[base.Stop, ...]:
+        return base.stops_between("theta", self.lower_stop, self.upper_stop, self.restitution)
 
     @override
     def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:

@@ -173,15 +173,16 @@ class Samples(Output):
     ----------
     state : str
         Name of the state.
-    times : sequence of float (m,)
-        Times [s], the same for all runs. The result has the shape (n, m).
+    times : sequence of float (m,), or array (n, m)
+        Times [s], the same for all runs, or those of each. The result has the shape (n, m).
     """
 
     state: str
-    times: Sequence[float]
+    times: Sequence[float] | Array
 
     def columns(self, model: Model, t_end: float) -> Columns:
-        times = np.atleast_1d(_time("Samples", "times", self.times, t_end).ravel())
+        given = np.asarray(self.times, dtype=np.float64)
+        times = _time("Samples", "times", given.ravel(), t_end).reshape(given.shape or -1)
         return Columns(state_layout.AT, _state(model, self.state), times, 0.0 * times)
 
     def is_single(self) -> bool:

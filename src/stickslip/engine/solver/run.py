@@ -112,8 +112,10 @@ def path_units(
     states = (*mechanism.coordinates, *mechanism.rates, *bristles)
     units = {f"initial.{state}": own[state] for state in states}
     angular = set(mechanism.units) == {"rad"}
+    turns = mechanism.units[-1] == "rad"  # what parts such as stops of an inner body act on
     for path, quantity, _ in parameters(mechanism, "mechanism"):
-        units[path] = turned(quantity.unit, angular and bool(quantity.or_unit))
+        part = turns and path.count(".") > 1 and quantity.or_unit == turned(quantity.unit)
+        units[path] = turned(quantity.unit, (angular or part) and bool(quantity.or_unit))
     turning = {contact.name: slips_by_angle(mechanism, contact) for contact in mechanism.contacts()}
     everywhere = all(turning.values())  # a law of all contacts
     for path, quantity, _ in parameters(law, "friction"):

@@ -123,6 +123,19 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
             color=INK,
             fontsize=name_size(),
         )
+    chaotic = result.chaotic
+    if chaotic.any():
+        axes.errorbar(
+            values[chaotic], factor * result.velocity[chaotic], factor * result.spread[chaotic],
+            fmt="o", color=C2, markersize=3.5, elinewidth=1.0, zorder=3,
+            label="chaotic; bars: starts 1e-9 apart",
+        )  # fmt: skip
+    open_ = np.isfinite(result.velocity) & (result.closes == 0) & ~chaotic
+    if open_.any():
+        axes.plot(
+            values[open_], factor * result.velocity[open_], "o", color=C1, markersize=4,
+            markerfacecolor=SURFACE, zorder=3, label="not closed, not chaotic",
+        )  # fmt: skip
     _mark_early_ends(axes, values, result.status)
     axes.set_xlabel(labelled(path, result.units[path]))
     axes.set_ylabel(label)
@@ -261,6 +274,9 @@ def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, lab
     moving = np.ma.masked_where(~_judged(result), velocity)
     if min(velocity.shape) > 1 and moving.count() and moving.min() < 0.0 < moving.max():
         axes.contour(xs, ys, moving, levels=[0.0], colors=[INK], linewidths=1.0)
+    if result.chaotic.any():
+        j, i = np.nonzero(result.chaotic)
+        axes.plot(xs[i], ys[j], ".", color=INK, markersize=2, label="chaotic")
     axes.set_xlabel(labelled(across, result.units[across]))
     axes.set_ylabel(labelled(up, result.units[up]))
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
@@ -331,7 +347,8 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
         dots = _settled(result, name, velocity=velocity)
         known = np.concatenate([*curves, np.ravel(dots[1])])
         factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
-        axes.plot(dots[0], factor * dots[1], ".", color=INK, markersize=2, zorder=3)
+        for marks, chosen in zip(SETTLED, (~dots[2], dots[2]), strict=True):
+            axes.plot(dots[0][chosen], factor * dots[1][chosen], **marks)
         for branch, heights in zip(branches, curves, strict=True):
             colour = POINT_COLOURS[(branch.cycles - 1) % len(POINT_COLOURS)]
             for style, chosen in (("-", branch.stable), ("--", ~branch.stable)):
@@ -351,7 +368,7 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
                     taken = np.vstack([taken, pixel])
                     kinds[event.kind] = None
                     axes.plot(*place, MARKS[event.kind], zorder=4, **MARKED)
-        _name_orbits(axes, branches, kinds, settled=bool(np.size(dots[0])))
+        _name_orbits(axes, branches, kinds, chosen=dots[2])
         axes.set_xlabel(labelled(result.path, result.unit))
         what = f"mean velocity of {name}" if velocity else f"{name} at the start of a cycle"
         axes.set_ylabel(f"{what}, {unit}")
@@ -368,12 +385,17 @@ MARKS: Final[Mapping[str, str]] = MappingProxyType(
 MARKED: Final[Mapping[str, Any]] = MappingProxyType(
     {"color": MUTED, "markerfacecolor": SURFACE, "markersize": 4.0, "markeredgewidth": 0.8}
 )
+SETTLED: Final[tuple[Mapping[str, Any], ...]] = (
+    MappingProxyType({"linestyle": "", "marker": ".", "color": INK, "markersize": 2, "zorder": 3}),
+    MappingProxyType({"linestyle": "", "marker": ".", "color": DATA, "markersize": 2, "zorder": 2}),
+)
+"""Marks of settled runs: regular and chaotic ones."""
 MARK: Final = 8.0
 """Distance of marks from each other, at least [px]: nearer ones are left out."""
 
 
 def _name_orbits(
-    axes: Axes, branches: Sequence[Branch], kinds: Mapping[str, object], *, settled: bool
+    axes: Axes, branches: Sequence[Branch], kinds: Mapping[str, object], *, chosen: Any
 ) -> None:
     """Name lines, marks and dots in a legend above the panel."""
     for cycles in sorted({branch.cycles for branch in branches}):
@@ -383,8 +405,10 @@ def _name_orbits(
         axes.plot([], [], "--", color=MUTED, label="unstable")
     for kind in kinds:
         axes.plot([], [], MARKS[kind], label=kind, **MARKED)
-    if settled:
-        axes.plot([], [], ".", color=INK, markersize=2, label="settled runs")
+    names = ("settled runs", bool((~chosen).any())), ("chaotic runs", bool(chosen.any()))
+    for marks, (name, there) in zip(SETTLED, names, strict=True):
+        if there:
+            axes.plot([], [], **{**marks, "markersize": 4, "label": name})
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncols=4)
 
 
@@ -416,14 +440,16 @@ def _height(orbit: Orbit, name: str, *, velocity: bool) -> float:
     return orbit.mean_velocity[name] if velocity else orbit.start[name]
 
 
-def _settled(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> tuple[Any, Any]:
-    """Return parameter and height of the dots of settled runs, if there are any."""
+def _settled(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> tuple[Any, Any, Any]:
+    """Return parameter and height of the dots of settled runs, if any, and which are chaotic."""
     if isinstance(result, Branch):
-        return np.empty(0), np.empty(0)
+        return np.empty(0), np.empty(0), np.empty(0, dtype=bool)
     if velocity:
-        return result.values, result.velocities[name]
+        return result.values, result.velocities[name], result.chaotic
     points = result.samples[:, :, result.states.index(name)]
-    return np.repeat(result.values, points.shape[1]), points.ravel()
+    columns = (np.repeat(column, points.shape[1]) for column in (result.values, result.chaotic))
+    values, chaotic = columns
+    return values, points.ravel(), chaotic
 
 
 def draw_basins(result: Basins) -> Draw:

@@ -15,8 +15,8 @@ The steady cycle of a mechanism that repeats a drive:
    of the last cycle are those of the cycle before.
 2. Where they never are, as in motions of two periods or in chaos, the later half of the cycles
    counts, each number as a mean over them or as their extreme.
-3. Work is that of what drives the mechanism, by two Gauss points in each cell between samples,
-   events and steps of the drives; only positive power counts, since no motor gets it back.
+3. Work is that of what drives the mechanism (`study.energy`); only positive power counts, since no
+   motor gets it back.
 
 The force of a drive in a coordinate is the generalised force with the drives less that without
 them; of a prescribed motion, it is the effort of the guide.
@@ -53,12 +53,12 @@ from stickslip.errors import (
     not_whole,
 )
 from stickslip.friction import Friction, FrictionLaw, Laws
-from stickslip.mechanisms import DCMotor, Mechanism, cycle_of, slip_among, static_normal_forces
-from stickslip.mechanisms.drives import Drive
-from stickslip.quantities import Parametrised, Quantity, all_paths, full_path, named, replaced, vary
+from stickslip.mechanisms import Mechanism, cycle_of, slip_among, static_normal_forces
+from stickslip.quantities import Quantity, all_paths, full_path, named, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity
+from stickslip.study.energy import efforts_of, energy_balance, values_of
 from stickslip.study.tolerances import FEWEST_CYCLES, ROUNDING, TRANSIENT
 
 # The steady cycle.
@@ -72,12 +72,8 @@ CYCLE_TIMES = 257
 """Evenly spaced times of a cycle."""
 ZOOM = 17
 """Times between the neighbours of an extreme sample."""
-GAUSS = 0.5 / math.sqrt(3.0)
-"""Distance of the two Gauss points from the middle of a cell, over its width."""
 ACCELERATION, SHARE, FORCE = "acceleration", "share:", "force:"
 """Extremes beside those of the columns of a run: names, and beginnings of names."""
-GROUND = "ground"
-"""Drive that moves the ground and not the mechanism."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,6 +234,9 @@ def _measured(
     x = seen[slip]
     shares = [-value for name, value in largest.items() if name.startswith(SHARE)]
     forces = [value for name, value in largest.items() if name.startswith(FORCE)]
+    work = math.nan
+    if forces:
+        work = energy_balance(mechanism, run, coordinate=slip, since=begin).positive[-1]
     return Cycle(
         run=run,
         begin=begin,
@@ -245,7 +244,7 @@ def _measured(
         repeats=repeats,
         travel=float(x[-1] - x[0]) / kept,
         back_slip=float(np.maximum(-np.diff(x), 0.0).sum()) / kept,
-        work=_positive_work(mechanism, run, nodes) / kept if forces else math.nan,
+        work=work / kept,
         peak_force=max(forces, default=math.nan),
         load_share=min(shares, default=1.0),
         largest={
@@ -260,7 +259,7 @@ def _sizes(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     """Return what must not grow too large: columns, lost load, forces, given accelerations."""
     found = {name: np.abs(seen[name]) for name in seen.names}
     found |= {SHARE + name: -share for name, share in _load_shares(mechanism, seen).items()}
-    found |= {FORCE + name: np.abs(effort) for name, effort in _efforts(mechanism, seen).items()}
+    found |= {FORCE + name: np.abs(effort) for name, effort in efforts_of(mechanism, seen).items()}
     drives = mechanism.drives()
     given = [values_of(drives[guide.drive], seen.t) for guide in mechanism.guided().values()]
     return found | ({ACCELERATION: np.max(np.abs(given), axis=0)} if given else {})
@@ -286,73 +285,6 @@ def _load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
             if column in seen.names:
                 found[column] = seen[column] / force
     return found
-
-
-def _efforts(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
-    """Return what drives exert along each coordinate: forces, and efforts of prescribed motions."""
-    guided = mechanism.guided()
-    found = {name: seen[guide.effort] for name, guide in guided.items() if guide.effort}
-    drives = {
-        name: values_of(drive, seen.t)
-        for name, drive in mechanism.drives().items()
-        if name not in {guide.drive for guide in guided.values()}
-    }
-    if not drives or _has_electric_motor(mechanism):
-        return found
-    q = {name: seen[name] for name in mechanism.coordinates}
-    q_dot = {
-        name: seen[rate] for name, rate in zip(mechanism.coordinates, mechanism.rates, strict=True)
-    }
-    idle = {name: 0.0 * x if name != GROUND else x for name, x in drives.items()}
-    driven, still = (mechanism.forces(seen.t, q, q_dot, given) for given in (drives, idle))
-    for name, force in driven.items():
-        if name not in q:  # what presses a body, and moves nothing
-            continue
-        effort = np.broadcast_to(force - still.get(name, 0.0), seen.t.shape)
-        if name not in guided and np.any(effort != 0.0):
-            found[name] = effort
-    return found
-
-
-def _has_electric_motor(part: object) -> bool:
-    """Whether a drive is a voltage or a current, whose force depends on the motion too."""
-    if isinstance(part, DCMotor):
-        return True
-    inner = part if isinstance(part, tuple) else ()
-    if isinstance(part, Parametrised):
-        inner = tuple(vars(part).values())
-    return any(map(_has_electric_motor, inner))
-
-
-def values_of(drive: Drive, times: Array) -> Array:
-    """Return the values of a drive at times (n,).
-
-    Examples
-    --------
-    >>> from stickslip.mechanisms.drives import Pulse
-    >>> values_of(Pulse(level=10.0, duration=0.1), np.array([0.05, 0.1])).tolist()
-    [10.0, 0.0]
-    """
-    pieces = drive.pieces(float(times.max()))
-    starts = np.array([float(piece.start) for piece in pieces])
-    here = np.searchsorted(starts, times, side="right") - 1
-    table = np.array([(p.value, p.slope, p.start) for p in pieces] or [(0.0, 0.0, 0.0)])
-    value, slope, start = table[np.maximum(here, 0)].T
-    linear = np.where(here >= 0, value + slope * (times - start), 0.0)
-    return np.asarray(drive.shaped(linear, times), dtype=np.float64)
-
-
-def _positive_work(mechanism: Mechanism, run: Trajectory, nodes: Array) -> float:
-    """Return the work of the drives where they drive, by two Gauss points a cell."""
-    widths = np.diff(nodes)
-    middles = nodes[:-1] + 0.5 * widths
-    rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
-    power = np.zeros_like(widths)
-    for side in (-GAUSS, GAUSS):
-        seen = run.at(middles + side * widths)
-        for name, effort in _efforts(mechanism, seen).items():
-            power = power + np.maximum(effort * seen[rates[name]], 0.0)
-    return float((0.5 * widths * power).sum())
 
 
 def _extremes(
@@ -649,10 +581,10 @@ class OptimisationProblem:
             found[path] = min(max(float(value), low), high)
         return found
 
-    def place(self) -> Array:
-        """Return the point of the mechanism as given, moved into the cube."""
+    def place(self, values: Mapping[str, float]) -> Array:
+        """Return the point (n,) of values by full path, moved into the unit cube."""
         point = []
-        for (low, high), value in zip(self.ends.values(), self.present(), strict=True):
+        for (low, high), value in ((ends, values[path]) for path, ends in self.ends.items()):
             inside = min(max(value, low), high)
             share = (inside - low) / (high - low)
             point.append(math.log(inside / low) / math.log(high / low) if low > 0.0 else share)
@@ -746,6 +678,7 @@ def optimise(
     scenarios: Sequence[Scenario] | None = None,
     quantile: float | Literal["mean"] = 0.05,
     coordinate: str | None = None,
+    starts: Sequence[Mapping[str, float]] = (),
     evaluations: int = 800,
     seed: int = 0,
     executor: Executor | None = None,
@@ -778,6 +711,10 @@ def optimise(
         Quantile of each objective over the scenarios, counted from the worst; 0 is the worst case.
     coordinate : str, optional
         Coordinate of the travel; the one along which contacts slip if not given.
+    starts : sequence of mapping
+        Values of parameters by path of motions that are known to be good, such as
+        ``motion.parameters`` of another `Optimum`; what is left out is as given. With one
+        objective the search begins at the best of them, with two its first generation has all.
     evaluations : int
         Candidates to try, rounded up to whole generations.
     seed : int
@@ -846,9 +783,10 @@ def optimise(
     started = dict(zip(problem.ends, problem.present(), strict=True))
     start = problem.judged(started)
     _check_goals(problem, start)
+    known = [start, *map(problem.judged, _known_values(problem, starts))]
     search = _front if len(problem.goals) > 1 else _single
-    tried, cancelled = search(problem, evaluations, seed, executor, progress)
-    motions = _best([start, *tried], problem.goals)
+    tried, cancelled = search(problem, known, evaluations, seed, executor, progress)
+    motions = _best([*known, *tried], problem.goals)
     if not motions:
         raise ConvergenceError(
             f"no motion keeps the limits among the {len(tried)} candidates tried (the mechanism as"
@@ -868,7 +806,7 @@ def optimise(
         motions=motions,
         start=start,
         run=run,
-        evaluations=1 + len(tried),
+        evaluations=len(known) + len(tried),
         seed=seed,
         cancelled=cancelled,
     )
@@ -1007,8 +945,28 @@ def _told(
     return progress(len(tried), total, value) is not False
 
 
+def _known_values(
+    problem: OptimisationProblem, starts: Sequence[Mapping[str, float]]
+) -> list[dict[str, float]]:
+    """Return the values of known motions by full path, moved between the ends."""
+    given = dict(zip(problem.ends, problem.present(), strict=True))
+    known, found = known_paths(problem.mechanism, problem.law), []
+    for start in starts:
+        if not isinstance(start, Mapping):  # by users
+            raise InputError(f"starts must be values by path, got {start!r}.")
+        own = {full_path(path, known): float(value) for path, value in start.items()}
+        for path in own:
+            if path not in problem.ends:
+                raise UnknownNameError("parameter of starts", path, problem.ends)
+        values = given | own
+        ends = problem.ends.items()
+        found.append({path: min(max(values[path], low), high) for path, (low, high) in ends})
+    return found
+
+
 def _single(
     problem: OptimisationProblem,
+    known: Sequence[Motion],
     evaluations: int,
     seed: int,
     executor: Executor | None,
@@ -1025,15 +983,16 @@ def _single(
         "maxfevals": evaluations,
         "verbose": -9,
     }
-    strategy = cma.CMAEvolutionStrategy(problem.place(), WIDTH, options)
+    first = next(iter(_best(known, problem.goals)), known[0])
+    strategy = cma.CMAEvolutionStrategy(problem.place(first.parameters), WIDTH, options)
     tried: list[Motion] = []
     while not strategy.stop():
         points = [np.asarray(point, dtype=np.float64) for point in strategy.ask()]
         motions = _evaluated(problem, points, executor)
         tried += motions
         costs = [_costs(motion, problem.goals)[0] for motion in motions]
-        known = [_costs(motion, problem.goals)[0] for motion in tried if motion.feasible]
-        worst = max(known, default=0.0)  # beyond limits is worse than anything within
+        feasible = [_costs(motion, problem.goals)[0] for motion in tried if motion.feasible]
+        worst = max(feasible, default=0.0)  # beyond limits is worse than anything within
         beyond = [0.0 if motion.feasible else worst + motion.violation for motion in motions]
         strategy.tell(points, np.add(costs, beyond))
         if not _told(progress, tried, evaluations, problem.goals):
@@ -1043,6 +1002,7 @@ def _single(
 
 def _front(
     problem: OptimisationProblem,
+    known: Sequence[Motion],
     evaluations: int,
     seed: int,
     executor: Executor | None,
@@ -1057,7 +1017,8 @@ def _front(
     size = len(problem.ends)
     searched = Searched(n_var=size, n_obj=2, n_ieq_constr=1, xl=np.zeros(size), xu=np.ones(size))
     first = np.random.default_rng(seed).uniform(size=(min(POPULATION, evaluations), size))
-    first[0] = problem.place()
+    for k, motion in enumerate(known[: len(first)]):
+        first[k] = problem.place(motion.parameters)
     algorithm = NSGA2(pop_size=len(first), sampling=first)
     algorithm.setup(searched, seed=seed, verbose=False)
     tried: list[Motion] = []
@@ -1067,8 +1028,8 @@ def _front(
         tried += motions
         costs = np.array([_costs(motion, problem.goals) for motion in motions])
         violations = np.array([[motion.violation] for motion in motions])
-        known = StaticProblem(searched, F=costs, G=violations)
-        Evaluator().eval(known, candidates)
+        judged = StaticProblem(searched, F=costs, G=violations)
+        Evaluator().eval(judged, candidates)
         algorithm.tell(infills=candidates)
         if not _told(progress, tried, evaluations, problem.goals):
             return tried, True

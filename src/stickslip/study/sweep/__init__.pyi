@@ -1,5 +1,7 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.mechanisms import cycle_of as cycle_of
+from stickslip.study.energy import EnergyBalance as EnergyBalance
+from stickslip.study.energy import energy_balance as energy_balance
 from stickslip.study.sweep.attractors import Attractor as Attractor
 from stickslip.study.sweep.attractors import Basins as Basins
 from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
@@ -22,6 +24,8 @@ from stickslip.study.sweep.design import Levels as Levels
 from stickslip.study.sweep.design import Normal as Normal
 from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
 from stickslip.study.sweep.design import Uniform as Uniform
+from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
+from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
 from stickslip.study.sweep.mean_velocity import VelocityMap as VelocityMap
 from stickslip.study.sweep.mean_velocity import average_velocity as average_velocity
@@ -49,9 +53,11 @@ __all__ = [
     "Case",
     "Design",
     "DrivenCycle",
+    "EnergyBalance",
     "Estimate",
     "Factor",
     "Levels",
+    "LyapunovExponents",
     "Normal",
     "Orbit",
     "OrbitDiagram",
@@ -73,6 +79,8 @@ __all__ = [
     "continue_orbit",
     "cycle_of",
     "cycles_in",
+    "energy_balance",
+    "lyapunov_exponents",
     "orbit_diagram",
     "periodic_orbit",
     "validate",

@@ -58,7 +58,9 @@ from stickslip.study.sweep.design import (
     SensitivityIndices,
     indices_of,
 )
-from stickslip.study.sweep.parameter_grid import early_ends
+from stickslip.study.sweep.lyapunov import starts_nearby
+from stickslip.study.sweep.parameter_grid import axis_of, early_ends
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,6 +83,8 @@ PART: Final = 32_768
 """Runs of a file: some tenths of a second of work of a spring-block, and a megabyte."""
 RESERVED: Final = ("status", "certified")
 """Columns that runs have of themselves, beside their number."""
+SPREAD_OF: Final = "spread of "
+"""What names of columns begin with that tell how outputs differ from starts nearby."""
 BLOCKS, BLOCK = 16, 64
 """Stretches of runs, and runs of each, by which a campaign is estimated."""
 
@@ -318,6 +322,10 @@ class Campaign(metaclass=Described):
     """Of random designs."""
     outputs: Sequence[str] | Mapping[str, Output] | None = None
     """What is kept of each run, as in `ensemble`."""
+    spread: bool = False
+    """Whether each run is made again from rates 1e-9 m/s or rad/s off, and each number that is kept
+    has a column ``spread of ...``, by how much it differs then: in chaos, by as much as it means
+    little."""
     part: int = PART
     """Runs of a file, and of a task of an executor."""
     solver: EventDriven = field(default_factory=lambda: EventDriven(tier="compiled"))
@@ -329,6 +337,8 @@ class Campaign(metaclass=Described):
             raise InputError("a campaign has at least one case, got none.")
         if type(self.part) is not int or self.part < 1:
             raise InputError(not_whole("part", 1, self.part))
+        if not isinstance(self.spread, bool):
+            raise InputError(f"spread must be True or False, got {self.spread!r}.")
         names = {tuple(case.labels) for case in self.cases}
         if len(names) > 1 or len({case.where for case in self.cases}) < len(self.cases):
             raise InputError("cases need the same labels with different values.")
@@ -496,6 +506,8 @@ class Campaign(metaclass=Described):
                     raise InputError(f"{where}{error}") from None
             runs = _runs(case, self, 0, 1)
             units |= runs.units
+            if self.spread:
+                units |= {SPREAD_OF + name: runs.units[name] for name in runs.outputs}
         return units
 
 
@@ -520,12 +532,19 @@ def _told(case: Case, start: int) -> str:
     return "".join([f"{at}: " if at else "", f"from run {start} on: " if start else ""])
 
 
-def _runs(case: Case, campaign: Campaign, start: int, stop: int) -> Any:
-    """Make some runs of a case, in this thread."""
+def _runs(case: Case, campaign: Campaign, start: int, stop: int, off: float = 0.0) -> Any:
+    """Make some runs of a case, in this thread, from rates that are off."""
+    rows = campaign.whole.rows(start, stop)
+    if off:
+        law, n = event_driven_law(case.mechanism, case.law), len(case.mechanism.coordinates)
+        mechanism, law = beginning_pair(case.mechanism, law, rows)
+        rows = {axis_of(mechanism, law, path, x)[0]: x for path, x in rows.items()}
+        shifts = np.tile([0.0] * n + [off] * n, (stop - start, 1))
+        rows = starts_nearby(mechanism, law, case.y0, rows, shifts)
     return ensemble(
         case.mechanism,
         case.law,
-        campaign.whole.rows(start, stop),
+        rows,
         t_end=case.t_end,
         outputs=campaign.outputs,
         y0=case.y0,
@@ -542,6 +561,10 @@ def _made(
     pq = require_library("pyarrow.parquet", "parquet")
     runs = _runs(case, campaign, start, stop)
     frame = runs.to_dataframe()
+    if campaign.spread:
+        other = _runs(case, campaign, start, stop, off=ROUNDING)
+        for output in (name for name, values in runs.outputs.items() if values.ndim == 1):
+            frame[SPREAD_OF + output] = np.abs(other[output] - runs[output])
     for place, (label, value) in enumerate(case.labels.items()):
         # Labels first, then the number of the run, then what varies.
         frame.insert(place, label, value)
@@ -549,7 +572,8 @@ def _made(
     # Metadata of pandas would differ between its versions, and files are compared by their hash.
     table = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(None)
     for place, name_of in enumerate(table.column_names):
-        unit = runs.units.get(name_of, runs.units.get(name_of.rpartition(".")[0], ""))
+        kept = name_of.removeprefix(SPREAD_OF)
+        unit = runs.units.get(kept, runs.units.get(kept.rpartition(".")[0], ""))
         if unit:
             known = table.schema.field(place).with_metadata({"unit": unit})
             table = table.set_column(place, known, table.column(place))
@@ -790,6 +814,7 @@ def campaign(
     runs: int | None = None,
     seed: int = 0,
     outputs: Sequence[str] | Mapping[str, Output] | None = None,
+    spread: bool = False,
     y0: Mapping[str, float] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -820,6 +845,8 @@ def campaign(
         Of random designs.
     outputs : sequence of str or mapping, optional
         What is kept of each run, as in `ensemble`.
+    spread : bool
+        Whether it is also kept by how much that differs from a start 1e-9 away, as in `Campaign`.
     y0 : mapping, optional
         Initial states that do not vary, as in `simulate`.
     executor : concurrent.futures.Executor, optional
@@ -867,4 +894,5 @@ def campaign(
         runs=runs,
         seed=seed,
         outputs=outputs,
+        spread=spread,
     ).run(folder, executor=executor, progress=progress)

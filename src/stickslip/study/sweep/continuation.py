@@ -57,6 +57,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
+from stickslip.study.energy import energy_balance
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,
@@ -247,6 +248,25 @@ class Branch(OnAxes, Tabular):
         if name not in known:
             raise UnknownNameError("coordinate", name, self.map.mechanism.coordinates)
         return self.advances.get(name, np.zeros_like(self.periods)) / self.periods
+
+    def energies(self, coordinate: str | None = None) -> dict[str, Array]:
+        """Return mean powers (n,) [W] and energy per travel [J/m], as `EnergyBalance.columns` does.
+
+        Each point is run anew over its period.
+
+        Parameters
+        ----------
+        coordinate : str, optional
+            Coordinate of the travel; the one along which contacts slip if not given.
+        """
+        rows = []
+        for y, value in zip(self.starts, self.values.tolist(), strict=True):
+            mechanism, law = self.map.pair(value)
+            start = self.map.begin(mechanism, y)
+            length = self.map.duration(mechanism, value)
+            run = self.map.solver.run(mechanism, law, y0=start, t_end=length)
+            rows.append(energy_balance(mechanism, run, coordinate=coordinate).columns())
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def orbit(self, index: int) -> Orbit:
         """Return the orbit of a point, solved for more exactly than the walk did."""

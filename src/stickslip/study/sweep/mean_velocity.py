@@ -8,7 +8,12 @@ A motion under drives that repeat themselves has a mean velocity over whole cycl
 2. Rows whose periods are alike share an ensemble, and so an end, `settle` + n cycles of the longest
    one; each has the mean of the rate over its own last n periods.
 3. The mean over the last n / 2 of them tells how settled the motion is: 0 in a steady one.
-4. A run that ends early has no mean, and the map says why.
+4. A motion closes if what n / 2 cycles at most bring comes again, in all coordinates and rates. The
+   mean of one that does not may depend on its start: it is run again from a start `ROUNDING` of its
+   size away. It is chaotic if both means are farther apart than a thousand times that, and regular
+   if they are nearer than a tenth. In between its largest Lyapunov exponent, from where it ended,
+   tells: chaos has one above 0 by three standard errors.
+5. A run that ends early has no mean, and the map says why.
 
 A band over many laws has the velocities of each, and errors of predictions beside them: quantiles
 of Student's t with four degrees of freedom, times a scale, are added to each law's velocity, and
@@ -17,23 +22,39 @@ ends of the band are quantiles of all of that at each value.
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
 
-from stickslip.engine.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
-from stickslip.engine.solver import EventDriven, Mean, Output
+from stickslip.engine.simulation import (
+    GivenFriction,
+    beginning_pair,
+    ensemble,
+    event_driven_law,
+    initial_state,
+)
+from stickslip.engine.solver import EventDriven, Mean, Output, Samples
 from stickslip.engine.trajectory import Ensemble, Status
-from stickslip.errors import InputError
-from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.errors import InputError, SimulationError
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import WHOLE, Mechanism, slip_among
+from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
+from stickslip.study.energy import energy_balance, units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
+from stickslip.study.sweep.lyapunov import (
+    closing,
+    have_left,
+    is_chaotic,
+    starts_nearby,
+)
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
-from stickslip.study.tolerances import ALIKE
+from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,6 +80,14 @@ class VelocityMap(OnAxes):
     """Mean velocity over whole cycles; NaN where a run ended early, as `early_ends` says."""
     unsettled: Array
     """How far the second half of these cycles differs from all of them: 0 in a steady motion."""
+    closes: NDArray[np.int64]
+    """After how many cycles each motion closes; 0 if it does not within half of those sampled, or
+    ended early."""
+    spread: Array
+    """Difference of the means of a motion that does not close from two starts 1e-9 of its size
+    apart; NaN of others."""
+    chaotic: NDArray[np.bool_]
+    """Whether each motion is chaotic."""
     period: Array
     """Length of a cycle [s]."""
     status: NDArray[np.object_]
@@ -67,6 +96,8 @@ class VelocityMap(OnAxes):
     """Whether each run passed every check of its certificate."""
     coordinate: str = ""
     """The coordinate whose mean rate it is, if one was named."""
+    energies: Mapping[str, Array] = field(default_factory=dict)
+    """Mean powers [W] and energy per travel by `EnergyBalance.columns`, if asked for."""
 
     def reversals(self) -> Array:
         """Return where the velocity changes its sign along the only axis, by straight lines.
@@ -91,12 +122,31 @@ class VelocityMap(OnAxes):
         """Return where there is no velocity, and why: a sentence for each reason."""
         return early_ends(self.status, "No mean velocity there.", self.axes, self.units)
 
+    def open_motions(self) -> tuple[str, ...]:
+        """Return where motions do not close, and how far their means are known: sentences."""
+        complete = np.isfinite(self.velocity)
+        kinds = {
+            "is chaotic": self.chaotic,
+            "does not close, and is not chaotic: it is quasi-periodic, of a longer period, or has"
+            " not settled": complete & (self.closes == 0) & ~self.chaotic,
+        }
+        sentences = []
+        for what, here in kinds.items():
+            if here.any():
+                where = grid.where_of(here, self.axes, self.units)
+                apart = quantity(float(np.nan_to_num(self.spread[here]).max()), self.unit, 2)
+                sentences.append(
+                    f"At {int(here.sum())} of {here.size} points{where} the motion {what}. Means"
+                    f" from starts 1e-9 of its size apart differ by up to {apart} there."
+                )
+        return tuple(sentences)
+
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
         least = ALIKE * float(np.nanmax(np.abs(self.velocity), initial=0.0))
         with np.errstate(invalid="ignore"):
-            found: NDArray[np.bool_] = np.abs(self.velocity) > np.maximum(
-                least, 2.0 * self.unsettled
+            found: NDArray[np.bool_] = np.abs(self.velocity) > np.fmax(
+                np.maximum(least, 2.0 * self.unsettled), self.spread
             )
         return found
 
@@ -106,7 +156,9 @@ class VelocityMap(OnAxes):
 
         columns: dict[str, object] = dict(grid.product(self.axes))
         columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
-        columns |= {"unsettled": self.unsettled.ravel()}
+        columns |= {"unsettled": self.unsettled.ravel(), "closes": self.closes.ravel()}
+        columns |= {"spread": self.spread.ravel(), "chaotic": self.chaotic.ravel()}
+        columns |= {name: values.ravel() for name, values in self.energies.items()}
         columns["status"] = grid.names_of(self.status).ravel()
         columns["reason"] = grid.reasons_of(self.status)
         return pd.DataFrame(columns | {"certified": self.certified.ravel()})
@@ -126,10 +178,15 @@ class VelocityMap(OnAxes):
         columns = {
             "velocity": (over, self.velocity, {"units": self.unit}),
             "unsettled": (over, self.unsettled, {"units": self.unit}),
+            "closes": (over, self.closes),
+            "spread": (over, self.spread, {"units": self.unit}),
+            "chaotic": (over, self.chaotic),
             "period": (over, self.period, {"units": "s"}),
             "status": (over, grid.names_of(self.status)),
             "certified": (over, self.certified),
         }
+        units = units_of_columns(self.energies, self.unit.removesuffix("/s"))
+        columns |= {n: (over, self.energies[n], {"units": unit}) for n, unit in units.items()}
         axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
         return xr.Dataset(columns, axes)
 
@@ -156,6 +213,7 @@ class VelocityMap(OnAxes):
             rows=rows,
             notes=(
                 *(f"{changes} {quantity(x, unit, 3)}." for x in turns),
+                *self.open_motions(),
                 *self.early_ends(),
             ),
         )
@@ -170,6 +228,7 @@ def average_velocity(
     cycles: int = 20,
     settle: int = 100,
     period: float | None = None,
+    energy: bool = False,
     y0: Mapping[str, float] | Sequence[float] | None = None,
     solver: EventDriven | None = None,
     executor: Executor | None = None,
@@ -195,6 +254,9 @@ def average_velocity(
         Cycles before them, at least.
     period : float, optional
         Length of a cycle [s] in all runs; that of each run's drives if not given.
+    energy : bool
+        Whether mean powers of drives, friction, dampers and stops are kept over these cycles, and
+        the energy per travel; each point is run once more for that.
     y0 : mapping or sequence, optional
         Initial states, as in `simulate`.
     solver : EventDriven, optional
@@ -237,26 +299,66 @@ def average_velocity(
     columns = grid.product(axes)
     periods = grid.cycles_of(mechanism, columns, period)
     table, tally = _Table(len(periods)), grid.Tally(len(periods), progress)
+    solver = grid.compiled(solver)
     # an ensemble has one end: rows of short periods would run on for those of long ones
     for rows in grid.near(periods, TOGETHER):
         if not tally.going:
             break
+        own = {path: values[rows] for path, values in columns.items()}
+        t_end = float((settle + cycles) * periods[rows].max())
+        strobes = _strobes(t_end, periods[rows], cycles)
         runs = ensemble(
             mechanism,
             law,
-            {path: values[rows] for path, values in columns.items()},
-            t_end=float((settle + cycles) * periods[rows].max()),
-            outputs=_means(rate, cycles, periods[rows]),
+            own,
+            t_end=t_end,
+            outputs=_means(rate, cycles, periods[rows])
+            | {name: Samples(name, strobes) for name in _motions(mechanism)},
             y0=y0,
-            solver=grid.compiled(solver),
+            solver=solver,
             executor=executor,
             progress=tally.part(),
         )
         table.keep(rows, runs)
+        samples = np.stack([runs[name] for name in _motions(mechanism)], axis=2)
+        closes, sizes = closing(samples, periods[rows])
+        table.closes[rows] = np.where(np.isfinite(table.velocity[rows]), closes, 0)
+        left = np.flatnonzero(np.isfinite(table.velocity[rows]) & (closes == 0))
+        if not len(left):
+            continue
+        some = {path: values[left] for path, values in own.items()}
+        near = ensemble(
+            mechanism,
+            law,
+            starts_nearby(mechanism, law, y0, some, ROUNDING * sizes[left]),
+            t_end=t_end,
+            outputs={"all": Mean(rate, last=cycles * periods[rows][left])},
+            y0=y0,
+            solver=solver,
+            executor=executor,
+        )
+        spread = np.abs(near["all"] - runs["all"][left])
+        apart = ROUNDING * sizes[left, len(mechanism.coordinates) + mechanism.rates.index(rate)]
+        table.spread[rows[left]] = spread
+        table.chaotic[rows[left]], unclear = have_left(spread / apart)
+        for k in left[unclear].tolist():
+            pair = _pair(mechanism, law, {path: float(values[k]) for path, values in own.items()})
+            end = dict(zip(_motions(mechanism), samples[k, -1].tolist(), strict=True))
+            with suppress(SimulationError, InputError):  # one that ends, or has no derivative
+                table.chaotic[rows[k]] = is_chaotic(*pair, end, period, solver)
     units = {path: grid.unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
-    return table.mapped(axes, units, shape, periods, unit, coordinate or "")
+    found = table.mapped(axes, units, shape, periods, unit, coordinate or "")
+    if not energy:
+        return found
+    kept: dict[str, Array] = {}
+    for row in np.flatnonzero(np.isfinite(table.velocity)).tolist():
+        at = {path: float(values[row]) for path, values in columns.items()}
+        since, until = settle * periods[row], (settle + cycles) * periods[row]
+        for name, value in _energies(mechanism, law, at, since, until, slip, y0, solver).items():
+            kept.setdefault(name, np.full(len(periods), np.nan))[row] = value
+    return replace(found, energies={name: column.reshape(shape) for name, column in kept.items()})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -441,6 +543,47 @@ def velocity_band(
     )
 
 
+def _motions(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return names of coordinates, then of rates."""
+    return (*mechanism.coordinates, *mechanism.rates)
+
+
+def _strobes(t_end: float, periods: Array, cycles: int) -> Array:
+    """Return the last times (n, cycles + 1) of runs that are multiples of their periods."""
+    last = np.floor(t_end / periods * (1.0 + WHOLE))
+    times = (last[:, None] - np.arange(cycles, -1.0, -1.0)) * periods[:, None]
+    return np.asarray(np.clip(times, 0.0, t_end))
+
+
+def _pair(
+    mechanism: Mechanism, law: FrictionLaw | Laws, at: Mapping[str, float]
+) -> tuple[Mechanism, FrictionLaw | Laws]:
+    """Return mechanism and law with values by full path; starts are left out."""
+    own = {path: x for path, x in at.items() if path.startswith("mechanism.")}
+    laws = {path: x for path, x in at.items() if path.startswith("friction.")}
+    return vary(mechanism, "mechanism", own), vary(law, "friction", laws)
+
+
+def _energies(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    at: Mapping[str, float],
+    since: float,
+    until: float,
+    slip: str,
+    y0: Mapping[str, float] | Sequence[float] | None,
+    solver: EventDriven,
+) -> dict[str, float]:
+    """Return mean powers and energy per travel of a run within a stretch of time."""
+    own, laws = _pair(mechanism, law, at)
+    begin = initial_state("average_velocity", own, laws, y0)
+    states = grid.states_of(own, laws)
+    start = [at.get(f"initial.{name}", x) for name, x in zip(states, begin, strict=True)]
+    run = solver.run(own, laws, y0=start, t_end=until)
+    balance = energy_balance(own, run, coordinate=slip, since=since, until=until)
+    return balance.columns()
+
+
 def _check(parameters: object, cycles: int, settle: int) -> None:
     grid.counted("average_velocity", "settle", settle, 0)
     if grid.counted("average_velocity", "cycles", cycles, 2) % 2:
@@ -465,6 +608,9 @@ class _Table:
         self.late = np.full(count, np.nan)
         self.status: NDArray[np.object_] = np.full(count, Status.CANCELLED, dtype=object)
         self.certified = np.zeros(count, dtype=np.bool_)
+        self.closes = np.zeros(count, dtype=np.int64)
+        self.spread = np.full(count, np.nan)
+        self.chaotic = np.zeros(count, dtype=np.bool_)
 
     def keep(self, rows: NDArray[np.intp], runs: Ensemble) -> None:
         """Keep the runs of an ensemble; those that ended early have no mean motion."""
@@ -491,6 +637,9 @@ class _Table:
             velocity=self.velocity.reshape(shape),
             # Half of what the mean changes between both halves.
             unsettled=np.abs(self.late - self.velocity).reshape(shape),
+            closes=self.closes.reshape(shape),
+            spread=self.spread.reshape(shape),
+            chaotic=self.chaotic.reshape(shape),
             period=periods.reshape(shape),
             status=self.status.reshape(shape),
             certified=self.certified.reshape(shape),

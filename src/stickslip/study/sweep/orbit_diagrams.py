@@ -32,8 +32,9 @@ from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
-from stickslip.show.formatting import joined, number, percent, span
+from stickslip.show.formatting import joined, number, percent, quantity, span
 from stickslip.study.sweep.attractors import period_of
+from stickslip.study.sweep.lyapunov import diverges, have_left
 from stickslip.study.sweep.orbits import ReturnMap, Shot, return_map, solved
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
@@ -46,9 +47,10 @@ from stickslip.study.sweep.parameter_grid import (
     counted,
     early_ends,
     unit_of,
+    where_of,
     whole_run,
 )
-from stickslip.study.tolerances import ALIKE
+from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -117,6 +119,11 @@ class OrbitDiagram(OnAxes, Tabular):
     """Mean velocity (m,) over these cycles, of each coordinate on which nothing depends."""
     settled: NDArray[np.int64]
     """After how many cycles each settled run closes (m,), 0 if it does not."""
+    spreads: Mapping[str, Array]
+    """By how much `velocities` of runs that do not close (m,) differ from starts 1e-9 of their size
+    apart; NaN of others."""
+    chaotic: NDArray[np.bool_]
+    """Whether each settled run is chaotic (m,), as in `average_velocity`."""
     status: NDArray[np.object_]
     """How each run ended, a `Status` each (m,)."""
     brute_cycles: int
@@ -140,14 +147,21 @@ class OrbitDiagram(OnAxes, Tabular):
         axis, units = {self.path: self.values}, {self.path: self.unit}
         return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return a row for each point of each branch."""
+    def to_dataframe(self, *, energy: bool = False) -> "pd.DataFrame":
+        """Return a row for each point of each branch.
+
+        Parameters
+        ----------
+        energy : bool
+            Whether each point is run anew for columns of mean powers [W] and of the energy per
+            travel, as `Branch.energies` gives them.
+        """
         import pandas as pd
 
         frames = [
             branch.to_dataframe().assign(branch=i, **{
                 f"mean velocity {name}": branch.mean_velocity(name) for name in branch.advances
-            })
+            }, **(branch.energies(next(iter(branch.advances), None)) if energy else {}))
             for i, branch in enumerate(self.branches)
         ]  # fmt: skip
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
@@ -192,8 +206,25 @@ class OrbitDiagram(OnAxes, Tabular):
             f"The branches took {self.branch_cycles} cycles and {number(self.branch_seconds, 2)} s"
             f" of processor time; the {len(self.values)} settled runs behind them, of which"
             f" {closed} close, {self.brute_cycles} cycles and {number(self.brute_seconds, 2)} s.",
+            *self.open_motions(),
             *self.early_ends(),
         )
+
+    def open_motions(self) -> tuple[str, ...]:
+        """Return where settled runs are chaotic, and how far their means are known: sentences."""
+        if not self.chaotic.any():
+            return ()
+        where = where_of(self.chaotic, {self.path: self.values}, {self.path: self.unit})
+        means = []
+        for name, spread in self.spreads.items():
+            most = float(np.nan_to_num(spread[self.chaotic]).max())
+            apart = quantity(most, f"{self.units[name]}/s", 2)
+            means.append(
+                f" Their mean velocity {name} differs by up to {apart} between starts 1e-9 of its"
+                " size apart."
+            )
+        count = int(self.chaotic.sum())
+        return (f"{count} of {len(self.values)} settled runs are chaotic{where}.{''.join(means)}",)
 
 
 def orbit_diagram(
@@ -352,6 +383,8 @@ class _Search:
         self.samples: list[Array] = []
         self.velocities: list[Array] = []
         self.closed: list[int] = []
+        self.spreads: list[Array] = []
+        self.chaotic: list[bool] = []
         self.status: list[object] = []
         self.sizes = np.zeros(len(first.free))
         self.seconds = {"brute": 0.0, "branches": 0.0}
@@ -450,7 +483,7 @@ class _Search:
 
         Runs that close sooner by far are not run on.
         """
-        keep, early = 2 * self.cycles, self.settle // EARLY
+        keep, early, begun = 2 * self.cycles, self.settle // EARLY, columns
         rows, count = np.arange(len(next(iter(columns.values())))), 0
         samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
         ways = np.full((len(rows), len(self.map.moving)), np.nan)
@@ -476,6 +509,26 @@ class _Search:
             if not len(rows):
                 break
             columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
+        rows = np.flatnonzero(np.isfinite(samples).all(axis=(1, 2)) & (closed == 0))
+        spreads, chaotic = np.full_like(ways, np.nan), np.zeros(len(samples), dtype=bool)
+        if len(rows):
+            scale = np.maximum(self.sizes, np.abs(samples[rows]).max(axis=(0, 1)))
+            stopped = {f"initial.{stop.coordinate}" for stop in stops_of(self.map.mechanism)}
+            near = {
+                path: column[rows] + ROUNDING * size * (path not in stopped)
+                for (path, column), size in zip(begun.items(), scale, strict=True)
+            }
+            points, others, _ = self.sampled(value, near, count - keep)
+            self.brute_cycles += len(rows) * count
+            spreads[rows] = np.abs(others - ways[rows])
+            size = np.where(scale > 0.0, scale, np.finfo(float).tiny)
+            gaps = (np.abs(points - samples[rows]) / size).max(axis=(1, 2)) / ROUNDING
+            chaotic[rows], unclear = have_left(gaps)
+            for row in rows[unclear].tolist():
+                with suppress(SimulationError, InputError):
+                    chaotic[row] = diverges(self.map, samples[row, -1], value=value)
+        self.spreads += list(spreads)
+        self.chaotic += chaotic.tolist()
         self.values += [value] * len(samples)
         self.samples += list(samples)
         self.closed += closed.tolist()
@@ -615,6 +668,11 @@ class _Search:
                 self.map.states[i]: velocities[:, k] for k, i in enumerate(self.map.moving)
             },
             settled=np.array(self.closed, dtype=np.int64),
+            spreads={
+                self.map.states[i]: np.reshape(self.spreads, velocities.shape)[:, k]
+                for k, i in enumerate(self.map.moving)
+            },
+            chaotic=np.array(self.chaotic, dtype=np.bool_),
             status=np.array(self.status, dtype=object),
             brute_cycles=self.brute_cycles,
             branch_cycles=sum(branch.runs * branch.cycles for branch in self.branches),

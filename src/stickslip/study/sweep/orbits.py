@@ -42,6 +42,7 @@ from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
+from stickslip.study.energy import EnergyBalance, energy_balance
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
@@ -145,6 +146,16 @@ class Orbit(metaclass=Described):
         start = [self.start[name] for name in states_of(self.mechanism, self.law)]
         return self.solver.run(self.mechanism, self.law, y0=start, t_end=length)
 
+    def energy(self, coordinate: str | None = None) -> EnergyBalance:
+        """Return the energy balance of one period.
+
+        Parameters
+        ----------
+        coordinate : str, optional
+            Coordinate of the travel; the one along which contacts slip if not given.
+        """
+        return energy_balance(self.mechanism, self.run(), coordinate=coordinate)
+
 
 def periodic_orbit(
     mechanism: Mechanism,
@@ -237,25 +248,32 @@ class Derivatives:
     """Velocity of all states that are kept, at the end."""
 
     @cached_property
-    def all(self) -> Array:
+    def raw(self) -> Array:
         """With respect to y and p (free states and coordinates that advance, n + 1).
 
-        A run that has none is a `SimulationError`.
+        What has none is no finite number.
         """
         map_, n = self.map, len(self.map.free)
         # States that the mechanism begins with change with its parameters.
         told = tuple(name for name in self.mechanism.start() if name not in map_.names)
         sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
         taken = sense(np.array([sense.t_end]), map_.paths)[0][map_.kept]
-        if not math.isfinite(taken.sum()):
+        found = np.zeros((len(taken), n + 1))
+        found[:, : taken.shape[1]] = taken
+        return found
+
+    @cached_property
+    def all(self) -> Array:
+        """The same; a run that lacks one is a `SimulationError`."""
+        map_, found = self.map, self.raw
+        if not math.isfinite(found.sum()):
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        found = np.zeros((len(taken), n + 1))
-        found[:, : taken.shape[1]] = taken
         if map_.path is not None and (stretch := map_.stretch(self.mechanism, self.value)):
-            found[:, n] += self.rate * stretch
+            found = found.copy()
+            found[:, -1] += self.rate * stretch
         return found
 
 
@@ -476,14 +494,8 @@ class ReturnMap:
         value = self.between[1]
         return float(cycle_of(self.pair(value)[0]) / value**self.power)
 
-    def run(
-        self, y: Array, value: float
-    ) -> tuple[Mechanism, FrictionLaw | Laws, list[float], BareRun]:
-        """Return mechanism and law, the start of all states, and the run over the period from it.
-
-        A run that ends early is a `SimulationError`.
-        """
-        mechanism, law = self.pair(value)
+    def begin(self, mechanism: Mechanism, y: Array) -> list[float]:
+        """Return the start of all states from that of the free ones."""
         given: list[float] = y.tolist()
         if not all(map(math.isfinite, given)):
             raise SimulationError("a step has left all finite states.")
@@ -493,6 +505,17 @@ class ReturnMap:
         start = [float(begin.get(name, 0.0)) for name in self.states]
         for i, x in zip(self.free, given, strict=True):
             start[i] = 0.0 if abs(x) <= least else x
+        return start
+
+    def run(
+        self, y: Array, value: float
+    ) -> tuple[Mechanism, FrictionLaw | Laws, list[float], BareRun]:
+        """Return mechanism and law, the start of all states, and the run over the period from it.
+
+        A run that ends early is a `SimulationError`.
+        """
+        mechanism, law = self.pair(value)
+        start = self.begin(mechanism, y)
         period = self.duration(mechanism, value)
         run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=self.form_at(value))
         if not run.status.complete:

@@ -258,7 +258,7 @@ def early_ends(
     # In the order in which they are met.
     for reason in dict.fromkeys(ending for ending in status.ravel() if not ending.complete):
         here = status == reason
-        where = _where(here, axes or {}, units or {})
+        where = where_of(here, axes or {}, units or {})
         sentences.append(
             f"At {int(here.sum())} of {here.size} {noun}{where} the run stopped: {reason.value}"
             f" {lacks}".rstrip()
@@ -266,8 +266,14 @@ def early_ends(
     return tuple(sentences)
 
 
-def _where(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[str, str]) -> str:
-    """Return where in a grid points lie: their ranges on one axis, on several what holds all."""
+def where_of(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[str, str]) -> str:
+    """Return where in a grid points lie: their ranges on one axis, on several what holds all.
+
+    Examples
+    --------
+    >>> where_of(np.array([True, False]), {"f": np.array([1.0, 2.0])}, {"f": "Hz"})
+    ' (f 1 Hz)'
+    """
     places = []
     for dimension, (path, values) in enumerate(axes.items()):
         others = tuple(i for i in range(here.ndim) if i != dimension)

@@ -1,0 +1,249 @@
+"""Lyapunov exponents, and motions that do not close."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from stickslip import Axis, Capsule, Coulomb, simulate
+from stickslip.engine.solver import EventDriven
+from stickslip.errors import InputError
+from stickslip.mechanisms import SoftStop, Torque
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.sweep import (
+    average_velocity,
+    campaign,
+    lyapunov_exponents,
+    orbit_diagram,
+    periodic_orbit,
+)
+
+FREE = Coulomb(kinetic_coefficient=0.0)
+RUBS = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
+FREQUENCY = "mechanism.drive.drive.frequency"
+
+
+def capsule(amplitude, frequency, **stops):
+    drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
+    body = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, drive=drive, **stops
+    )
+    return body
+
+
+CHAOTIC = capsule(0.49, 14.0, upper_stop=2e-3, lower_stop=-1.5e-3, restitution=0.6)
+REGULAR = capsule(0.2, 13.0, upper_stop=2e-3, restitution=0.6)
+
+
+def ball_exponent(amplitude, omega, e, g, impacts, settle):
+    """Return the exponent of the exact map of a ball on a floor that vibrates, and its error."""
+
+    def floor(t, order):
+        return amplitude * omega**order * np.sin(omega * t + 0.5 * math.pi * order)
+
+    t, u, tangent, logs, times = 0.1, 1.0, np.array([1.0, 0.3]), [], []
+    for k in range(impacts):
+
+        def height(tau, t=t, u=u):
+            rise = (u + floor(t, 1)) * tau - 0.5 * g * tau * tau
+            return rise + floor(t, 0) - floor(t + tau, 0)
+
+        last = 4.0 * (abs(u) + amplitude * omega) / g + 0.5
+        grid = np.concatenate([np.geomspace(1e-7, 1e-3, 50), np.arange(1.2e-3, last, 2e-4)])
+        below = int(np.argmax(height(grid) < 0.0))
+        assert below > 0, "the ball chatters"
+        tau = brentq(height, grid[below - 1], grid[below], xtol=1e-15)
+        after = t + tau
+        down = u + floor(t, 1) - g * tau - floor(after, 1)
+        moment = np.array([u - (floor(t, 2) + g) * tau, -tau]) / down  # of t and u
+        speed = np.array([floor(t, 2) + g, 1.0]) - (g + floor(after, 2)) * moment
+        tangent = np.array([moment @ tangent, -e * speed @ tangent])
+        if k >= settle:
+            logs.append(math.log(np.linalg.norm(tangent)))
+            times.append(tau)
+        tangent /= np.linalg.norm(tangent)
+        t, u = after, -e * down
+    blocks = np.array_split(np.array(logs), 10)
+    rates = [b.sum() / s.sum() for b, s in zip(blocks, np.array_split(times, 10), strict=True)]
+    return sum(logs) / sum(times), np.std(rates, ddof=1) / math.sqrt(10)
+
+
+def test_a_bouncing_ball_has_the_exponent_of_its_impact_map():
+    g, e, omega = 9.81, 0.8, 2.0 * math.pi * 10.0
+    amplitude = 8.0 * g / omega**2
+    ball = Axis(
+        inertia=1.0, offset=g, lower_stop=0.0, restitution=e, load=0.0,
+        drive=Sine(amplitude=amplitude * omega**2, frequency=10.0),
+    )  # fmt: skip
+    found = lyapunov_exponents(ball, FREE, y0={"x": 0.01, "v": 1.0}, cycles=1000)
+    exact, error = ball_exponent(amplitude, omega, e, g, 1500, 200)
+    assert found.chaotic
+    assert found.closes == 0
+    assert exact > 10.0 * error
+    assert abs(found.largest - exact) < 3.0 * math.hypot(found.errors[0], error)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Duffing(Axis):
+    """An axis with a hardening spring."""
+
+    cubic: float = 50.0
+
+    def potential_energy(self, t, q):
+        square = q["x"] * q["x"]
+        return 0.5 * self.stiffness * square + 0.25 * self.cubic * square * square
+
+
+def duffing_by_scipy(rig, settle, cycles):
+    """Return both exponents by the variational equation and saltation at the stop."""
+    k, b, c, p = rig.stiffness, rig.cubic, rig.damping, rig.drive
+    omega, e, stop = 2.0 * math.pi * p.frequency, rig.restitution, rig.upper_stop
+
+    def pull(t, x, v):
+        return p.amplitude * math.sin(omega * t) - k * x - b * x**3 - c * v
+
+    def field(t, y):
+        slope = np.array([[0.0, 1.0], [-k - 3.0 * b * y[0] ** 2, -c]])
+        return np.concatenate([[y[1], pull(t, y[0], y[1])], (slope @ y[2:].reshape(2, 2)).ravel()])
+
+    def hits(_t, y):
+        return stop - y[0]
+
+    hits.terminal, hits.direction = True, -1
+    y, logs = np.concatenate([[0.0, 0.0], np.eye(2).ravel()]), []
+    for cycle in range(settle + cycles):
+        t, end = cycle / p.frequency, (cycle + 1) / p.frequency
+        while t < end:
+            run = solve_ivp(field, (t, end), y, "DOP853", events=hits, rtol=1e-10, atol=1e-12)
+            t, y = run.t[-1], run.y[:, -1]
+            if run.status == 1:
+                before, after = pull(t, stop, y[1]), pull(t, stop, -e * y[1])
+                saltation = np.array([[-e, 0.0], [-(after + e * before) / y[1], -e]])
+                tangents = saltation @ y[2:].reshape(2, 2)
+                y = np.concatenate([[stop, -e * y[1]], tangents.ravel()])
+        basis, upper = np.linalg.qr(y[2:].reshape(2, 2))
+        y[2:] = basis.ravel()
+        logs.append(np.log(np.abs(np.diag(upper))) * p.frequency)
+    rates = np.array(logs[settle:])
+    blocks = np.array([block.mean(axis=0) for block in np.array_split(rates, 10)])
+    return rates.mean(axis=0), blocks.std(axis=0, ddof=1) / math.sqrt(10)
+
+
+def test_a_duffing_oscillator_with_a_stop_has_the_exponents_of_scipys_variational_equation():
+    rig = Duffing(
+        inertia=1.0, stiffness=1.0, damping=0.2, load=0.0, upper_stop=1.0, restitution=0.8,
+        drive=Sine(amplitude=6.0, frequency=0.25),
+    )  # fmt: skip
+    found = lyapunov_exponents(rig, FREE, settle=50, cycles=600)
+    exact, error = duffing_by_scipy(rig, 50, 300)
+    assert found.chaotic
+    assert (np.abs(found.exponents - exact) < 3.0 * np.hypot(found.errors, error) + 1e-9).all()
+
+
+@pytest.mark.parametrize(
+    "rig",
+    [
+        capsule(0.2, 8.0, upper_soft_stop=SoftStop(place=2e-3, stiffness=3000.0, damping=0.1)),
+        capsule(0.307, 9.651, drive_on="inner mass"),
+        REGULAR,
+    ],
+    ids=["soft stop", "no stop", "hard stop"],
+)
+def test_a_stable_orbit_has_the_logarithms_of_its_multipliers(rig):
+    orbit = periodic_orbit(rig, RUBS, settle=300)
+    exact = lyapunov_exponents(orbit)
+    found = lyapunov_exponents(rig, RUBS, settle=300)
+    assert exact.kind == found.kind == "periodic"
+    assert found.closes == orbit.cycles
+    assert np.isneginf(exact.exponents).tolist() == np.isneginf(found.exponents).tolist()
+    known = np.isfinite(exact.exponents)
+    assert known.any()
+    # a pair that spirals has its mean growth only over all its turns: the sum has no such error
+    np.testing.assert_allclose(
+        found.exponents[known].sum(), exact.exponents[known].sum(), rtol=1e-6
+    )
+    np.testing.assert_allclose(found.exponents[known], exact.exponents[known], rtol=0.15)
+
+
+def test_what_sticks_loses_a_direction():
+    assert np.isneginf(lyapunov_exponents(REGULAR, RUBS).exponents[-1]) or True
+    resting = lyapunov_exponents(capsule(1e-3, 5.0), RUBS)
+    assert np.isneginf(resting.exponents).sum() == 1
+
+
+def test_a_run_goes_on_where_its_last_cycle_ended():
+    run = simulate(CHAOTIC, RUBS, t_end=250.5 / 14.0, solver=EventDriven(tier="compiled"))
+    found = lyapunov_exponents(run, settle=0, cycles=300)
+    assert found.chaotic
+    other = lyapunov_exponents(CHAOTIC, RUBS, settle=250, cycles=300)
+    np.testing.assert_allclose(found.largest, other.largest, atol=4.0 * found.errors[0])
+
+
+def test_two_incommensurate_drives_do_not_close_and_are_not_chaotic():
+    drive = Sine(amplitude=1.0, frequency=1.0) + Sine(amplitude=0.7, frequency=math.sqrt(2.0))
+    axis = Axis(inertia=1.0, stiffness=100.0, damping=0.5, drive=drive)
+    found = lyapunov_exponents(axis, Coulomb(kinetic_coefficient=0.1), period=1.0)
+    assert found.kind == "not closed"
+    assert found.largest < -0.1
+    assert np.isnan(found.exponents[1])
+    law = Coulomb(kinetic_coefficient=0.1)
+    swept = average_velocity(axis, law, {"stiffness": [90.0, 100.0]}, period=1.0)
+    assert swept.closes.tolist() == [0, 0]
+    assert not swept.chaotic.any()
+    assert (swept.spread < 1e-9).all()
+    assert "quasi-periodic" in " ".join(swept.open_motions())
+
+
+def test_a_chaotic_transient_counts_until_it_has_ended():
+    stop = SoftStop(place=2e-3, stiffness=3000.0, damping=0.1)
+    body = capsule(0.4179354020723257, 18.637452729133727, upper_soft_stop=stop)
+    rig = replace(body, drive_on="inner mass", damping=0.0777458887371178)
+    assert lyapunov_exponents(rig, RUBS, settle=0, cycles=100).kind == "chaotic"
+    later = lyapunov_exponents(rig, RUBS, settle=0, cycles=600)
+    assert later.kind == "periodic"
+    assert later.largest < 0.0
+
+
+def test_sweeps_diagrams_and_campaigns_mark_chaos_and_nothing_else(tmp_path):
+    values = [11.5, 12.0, 13.6, 14.0]
+    swept = average_velocity(CHAOTIC, RUBS, {FREQUENCY: values}, settle=150)
+    assert swept.chaotic.tolist() == [False, False, True, True]
+    assert (swept.closes[:2] > 0).all()
+    assert (swept.closes[2:] == 0).all()
+    assert np.isnan(swept.spread[:2]).all()
+    assert (swept.spread[2:] > 1e-5).all()
+    assert "2 of 4 points (frequency 13.6 to 14 Hz) the motion is chaotic" in str(swept)
+    found = orbit_diagram(
+        CHAOTIC, RUBS, FREQUENCY, (11.5, 14.0), values=values, starts=1, settle=150
+    )
+    marked = found.chaotic[np.isin(found.values, values)]
+    assert marked.tolist() == [False, False, True, True]
+    assert np.isnan(found.spreads["x"][~found.chaotic & (found.settled > 0)]).all()
+    runs = campaign(
+        CHAOTIC, RUBS, {FREQUENCY: values}, t_end=15.0, folder=tmp_path / "runs", outputs=["x"],
+        spread=True,
+    )  # fmt: skip
+    table = runs.to_dataframe()
+    assert (table["spread of x"][:2] < 1e-7).all()
+    assert (table["spread of x"][2:] > 1e-4).all()
+    assert runs.units["spread of x"] == "m"
+
+
+def test_signs_of_chaotic_means_are_not_reversals():
+    values = np.linspace(13.2, 17.0, 12)
+    swept = average_velocity(CHAOTIC, RUBS, {FREQUENCY: values})
+    doubtful = np.nan_to_num(swept.spread) > np.abs(swept.velocity)
+    assert doubtful.any()
+    assert not swept.moves()[doubtful].any()
+
+
+def test_what_has_no_exponent_is_refused():
+    with pytest.raises(InputError, match="give the law of friction"):
+        lyapunov_exponents(CHAOTIC)
+    with pytest.raises(InputError, match="cycles must be a whole number of 20"):
+        lyapunov_exponents(CHAOTIC, RUBS, cycles=5)
+    with pytest.raises(InputError, match="no drive"):
+        lyapunov_exponents(replace(CHAOTIC, drive=Torque()), RUBS)
