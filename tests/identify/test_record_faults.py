@@ -405,7 +405,7 @@ def test_a_drive_that_saturates_is_found_with_its_limit() -> None:
     law = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0)
     judgement = judged(replace(moved(law, 1, limit=14.0), inertia=None))
     assert judgement.named.family == ("level", "viscous")
-    finding = {one.term: one for one in judgement.findings}["clip"]
+    finding = {one.term: one for one in judgement.findings}["limit"]
     assert finding.asserted
     problem = judgement.problem
     assert isinstance(problem, RecordProblem)
@@ -417,7 +417,7 @@ def test_a_drive_that_saturates_is_found_with_its_limit() -> None:
     rows = problem.like([moved(law, 2, limit=14.0)])
     band = judgement.reading_band(rows)
     assert np.mean((band.low <= rows.response) & (rows.response <= band.high)) > 0.9
-    assert "clip" not in [one.term for one in judged(moved(law, 1)).findings]
+    assert "limit" not in [one.term for one in judged(moved(law, 1)).findings]
 
 
 def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:

@@ -267,6 +267,7 @@ class _Readings:
         plain = model.split(node, one.random)
         at = [model.columns.index(column) for column in one.structure]
         f = (x[:, at] @ one.law).T
+        f += self.rows.response - self.other.response(MIDDLE, model.acting(node))
         beside = self.in_time(plain["zero"])
         every = {**groups, **fixed}
         z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)

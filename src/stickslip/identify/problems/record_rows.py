@@ -178,12 +178,17 @@ def continued(position: Array) -> Array:
     return np.asarray(position[0] + np.concatenate([[0.0], np.cumsum(steps)]))
 
 
+def means(x: Array, count: int) -> Array:
+    """Return means of so many samples each (n // count,)."""
+    kept = len(x) // count * count
+    return np.asarray(x[:kept].reshape(-1, count).mean(axis=1))
+
+
 def averaged(record: Record, count: int) -> Record:
     """Return means of so many samples each."""
 
     def of(x: Array) -> Array:
-        kept = len(x) // count * count
-        return np.asarray(x[:kept].reshape(-1, count).mean(axis=1))
+        return means(x, count)
 
     def or_none(x: Array | None) -> Array | None:
         return None if x is None else of(x)
@@ -299,6 +304,19 @@ def velocity_of(record: Record, filt: Filter, wider: float) -> Array:
     return filt(record.position, bent=True, slope=1, wider=wider, full=True)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Acting:
+    """How recorded forces act."""
+
+    delay: float = 0.0
+    """How much later than recorded [s]."""
+    limit: float = math.inf
+    """Force above which no more acts [N]."""
+
+
+AS_RECORDED = Acting()
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
     """A record on an even grid, and its motion."""
@@ -310,8 +328,6 @@ class Piece:
     """Middle cutoff [Hz]."""
     every: int
     """Samples from one of the finer rows to the next."""
-    delay: float = 0.0
-    """How much later forces act than recorded, as found [s]."""
     wider: float = WIDER
     """Band of the velocity over that of the rows. At a turn the acceleration jumps with the
     friction: a narrow band turns it at another time, and a wide one has noise."""
@@ -322,15 +338,28 @@ class Piece:
         return float(self.record.time[1] - self.record.time[0])
 
     @cached_property
-    def late(self) -> float:
-        """How much later a force acts than recorded: it may hold until the next sample [s]."""
-        step = float(self.given.time[1] - self.given.time[0])
-        return self.delay + 0.5 * step * self.given.held
+    def sample(self) -> float:
+        """Time from sample to sample before means were taken [s]."""
+        return float(self.given.time[1] - self.given.time[0])
+
+    @property
+    def held(self) -> float:
+        """How much later a force acts than recorded as it may hold until the next sample [s]."""
+        return 0.5 * self.sample * self.given.held
+
+    def acted(self, limit: float) -> Array:
+        """Return what acts of the forces below a limit (n,) [N]: before means are taken."""
+        return means(np.clip(self.given.force, -limit, limit), round(self.step / self.sample))
+
+    def above(self, limit: float) -> Array:
+        """Return shares of the samples whose force is above a limit, with its sign (n,)."""
+        force = self.given.force
+        return means(np.sign(force) * (np.abs(force) > limit), round(self.step / self.sample))
 
     @property
     def _fewer(self) -> float:
         """What noise falls by where means are taken."""
-        return math.sqrt(float(self.given.time[1] - self.given.time[0]) / self.step)
+        return math.sqrt(self.sample / self.step)
 
     @cached_property
     def filters(self) -> tuple[Filter, ...]:
@@ -374,6 +403,11 @@ class Piece:
     def velocity(self) -> Array:
         """Velocities (n,) [m/s]."""
         return velocity_of(self.record, self.filters[MIDDLE], self.wider)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Accelerations in the middle band (n,) [m/s^2]."""
+        return motion(self.record, self.filters[MIDDLE])[1]
 
     @cached_property
     def way(self) -> Array:
@@ -489,9 +523,10 @@ class BalanceRows:
     """Rows of all pieces at one cutoff: those in motion, or those at rest."""
 
     def __init__(
-        self, pieces: Sequence[Piece], which: int, every: int, *, rests: bool = False
-    ) -> None:
-        self.pieces, self.which = pieces, which
+        self, pieces: Sequence[Piece], which: int, every: int, acting: Acting = AS_RECORDED, *,
+        rests: bool = False,
+    ) -> None:  # fmt: skip
+        self.pieces, self.which, self.acting = pieces, which, acting
         self.picks: list[Places] = []
         """Finer rows of each piece that are taken."""
         far = []
@@ -536,7 +571,7 @@ class BalanceRows:
         for piece, pick in zip(self.pieces, self.picks, strict=True):
             band, step = piece.filters[self.which].band, piece.step
             third = np.zeros_like(piece.record.force)
-            third[1:-2] = np.diff(piece.record.force, 3) ** 2 / THIRD
+            third[1:-2] = np.diff(piece.acted(self.acting.limit), 3) ** 2 / THIRD
             width = max(round(1.0 / band / step), 1)
             here = uniform_filter1d(uniform_filter1d(third, width), width)[pick * piece.every]
             by_place = piece.record.velocity is None
@@ -560,8 +595,7 @@ class BalanceRows:
     @cached_property
     def force(self) -> Array:
         """Forces, with those of the mechanism (n,) [N]."""
-        late = [one.late for one in self.pieces]
-        found = self.seen([one.record.force for one in self.pieces], late=late)
+        found = self.driven(self.acting)
         known = [one.record.mechanism for one in self.pieces]
         if any(x is not None for x in known):
             found = found + self.seen(
@@ -571,6 +605,12 @@ class BalanceRows:
                 ]
             )
         return found
+
+    def driven(self, acting: Acting, slope: int = 0) -> Array:
+        """Return recorded forces as they act (n,) [N], derived `slope` times."""
+        forces = [one.acted(acting.limit) for one in self.pieces]
+        late = [one.held + acting.delay for one in self.pieces]
+        return self.seen(forces, slope=slope, late=late)
 
     @cached_property
     def response(self) -> Array:
