@@ -648,10 +648,7 @@ class Balance:
 
     def unknown(self, which: int, path: str) -> Array:
         """Return what a unit of a parameter that is looked for takes, at the rows (n,)."""
-        rows = self.rows(which)
-        own = [p.record.unknown[path] for p in self.pieces]  # each as its trial was set up
-        inertia = np.array([one.inertia for one in own])[rows.piece]
-        return np.asarray(inertia * rows.acceleration - rows.seen([one.force for one in own]))
+        return self.rows(which).unknown(path)
 
     @property
     def inertia(self) -> float:
@@ -702,11 +699,8 @@ class Balance:
 
         What is looked for takes its likely share.
         """
-        rows, likely, records = (
-            self.rows(which),
-            self._from._likely,
-            [p.record for p in self.pieces],
-        )
+        rows, likely = self.rows(which), self._from._likely
+        records = [one.record for one in self.pieces]
         inertia = np.array([one.inertia or 0.0 for one in records])
         for path, x in likely.items():
             inertia += x * np.array([one.unknown[path].inertia for one in records])

@@ -20,7 +20,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 import copy
 import math
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -216,8 +216,10 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
-"""Limits of the force that are looked at, over the largest, and their number."""
+LIMITS = np.geomspace(0.01, 0.95, 30)
+"""Limits of the force that are looked at, over the largest."""
+FINER = 5
+"""Times that what is looked at is refined by thirds of a step."""
 OTHERWISE = 0.05
 """Prior probability that a channel is late by more than is linear, and that a drive saturates: of
 careful experimenters one in twenty has not seen it."""
@@ -319,7 +321,9 @@ class RecordModel(Model):
         self.actings: list[Acting] = [self.balance.acting]
         """How forces may act: as recorded, or late, or up to a limit."""
         self.otherwise: list[Node] = []
-        """Sizes with which each of these does best, and its number."""
+        """Nodes at which each of these does best."""
+        self.alone: int | None = None
+        """Number of that which is searched alone, if one is."""
         self.spread: dict[tuple[int, int], float] = {}
         """Logarithm of the prior of weights that the tail of the noise takes from rows."""
         self.cutoffs: tuple[int, ...] = (MIDDLE,)
@@ -375,7 +379,9 @@ class RecordModel(Model):
             Scale(
                 name="acting",
                 values=tuple(float(k) for k in range(len(self.actings))),
-                prior=tuple(math.prod(priors_of(one)) for one in self.actings),
+                prior=tuple(
+                    odds_of(one) * (self.alone in (None, k)) for k, one in enumerate(self.actings)
+                ),
                 ordered=False,
             ),
             Scale(
@@ -591,7 +597,7 @@ class RecordModel(Model):
             z = (state * balance.load(piece))[:, None]
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
         x = np.hstack([rows.seen(curve), *(plain[name] for name in names)])
-        return squares_left(x, rows.response, far=FARTHEST)[0]
+        return capped(solved_softly(x, rows.response)[1], FARTHEST)
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
@@ -617,18 +623,13 @@ class RecordModel(Model):
 
         def look(memory: Memory) -> None:
             x = np.hstack([columns(memory), balance.delayed(MIDDLE, memory)[:, None]])
-            scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
-            x = x / scale
-            gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
-            c = np.linalg.solve(gram, x.T @ rows.response)
-            e = rows.response - x @ c
+            c, e = solved_softly(x, rows.response)
             law = np.arange(x.shape[1]) >= fixed.shape[1]
             law[len(frame.sides) - 1 : len(frame.sides) + 1] = True  # viscous friction and drag
             law[-1] = False  # the delay
-            inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
+            inertia = abs(c[fixed.shape[1] - 1])
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
-            cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
-            looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia)))
+            looked.append((capped(e), memory, e, size, float(inertia)))
 
         none = Memory()
         # along less, a bristle is nothing but the moment of a turn between samples
@@ -677,55 +678,46 @@ class RecordModel(Model):
         if self.balance.driven and not math.isfinite(now.limit):
             found.append(self._limited(columns))
         for acting, gain in found:
-            prior = math.prod(priors_of(acting)) / math.prod(priors_of(now))
-            if acting not in self.actings and KAPPA * gain + math.log(prior) > 0.0:
+            odds = math.log(odds_of(acting) / odds_of(now))
+            if acting not in self.actings and KAPPA * gain + odds > 0.0:
                 self.actings.append(acting)
                 self.balance.limit = min(self.balance.limit, acting.limit)
 
     def _delayed(self, columns: Sequence[Array]) -> tuple[Acting, float]:
-        """Return the delay with which a balance leaves least, and the logarithm of what it gains.
+        """Return the likeliest delay, and the logarithm of what it gains over what is linear.
 
-        That is by rows that all count. Up to `LINEAR` a column says as much.
+        That is by rows that all count and have the same noise.
         """
-        rows, balance = self.balance.rows(MIDDLE), self.balance
-        left, delays = list[float](), (DELAYS / balance.pieces[0].cutoff).tolist()
-        for k, delay in enumerate(delays):
-            acting = replace(balance.acting, delay=delay)
-            y = balance.response(MIDDLE, acting)
-            if not balance.driven:
-                slope = rows.driven(acting, slope=1)
-                columns = [np.column_stack([x[:, :-1], slope]) for x in columns]
-            square, more = min(squares_left(x, y) for x in columns)
-            left.append(square)
-            delays[k] = delay + more
-        least = int(np.argmin(left))
-        if abs(delays[least]) < LINEAR / balance.pieces[0].cutoff:
+        balance, count = self.balance, self.balance.rows(MIDDLE).count
+
+        def likely(delay: float, kept: int | None = -1) -> float:
+            y = balance.response(MIDDLE, replace(balance.acting, delay=delay))
+            left = min(capped(solved_softly(x[:, :kept], y)[1]) for x in columns)
+            return -0.5 * count * math.log(left + TINY)
+
+        best, most = likeliest(likely, DELAYS / balance.pieces[0].cutoff)
+        if abs(best) < LINEAR / balance.pieces[0].cutoff:
             return balance.acting, 0.0
-        gain = 0.5 * rows.count * math.log(left[len(left) // 2] / left[least])
-        return replace(balance.acting, delay=delays[least]), gain
+        return replace(balance.acting, delay=best), most - likely(0.0, None)
 
     def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
-        """Return the limit of the force that is likeliest, and the logarithm of what it gains.
+        """Return the likeliest limit of the force, and the logarithm of what it gains.
 
         As of the posterior, for rows that all count and have the same noise.
         """
         balance, count = self.balance, self.balance.rows(MIDDLE).count
 
-        def likely(limit: float) -> float:
+        def likely(logarithm: float) -> float:
+            limit = math.exp(logarithm)
             y = balance.response(MIDDLE, replace(balance.acting, limit=limit))
-            noise = math.sqrt(min(squares_left(x, y)[0] for x in columns)) + TINY
+            noise = math.sqrt(min(capped(solved_softly(x, y)[1]) for x in columns)) + TINY
             above = float(np.minimum(np.abs(balance.above(MIDDLE, limit)), 1.0).sum())
             wider = max(balance.excess(limit) / noise, 1.0)
             return -count * math.log(noise) - above * math.log(wider)
 
         largest = max(float(np.max(np.abs(one.given.force))) for one in balance.pieces)
-        limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
-        for _ in range(7):  # three times as closely each time
-            values = [likely(x) for x in limits.tolist()]
-            best = float(limits[np.argmax(values)])
-            ratio = float(limits[1] / limits[0]) ** np.array([-2 / 3, -1 / 3, 0.0, 1 / 3, 2 / 3])
-            limits = best * ratio
-        return replace(balance.acting, limit=best), max(values) - likely(math.inf)
+        best, most = likeliest(likely, np.log(LIMITS * largest))
+        return replace(balance.acting, limit=math.exp(best)), most - likely(math.log(largest))
 
     # ---- rounds
     def _rounds(self) -> Node:
@@ -735,7 +727,7 @@ class RecordModel(Model):
             if turn >= ROUNDS and self.memory(node).ratio is None:
                 break
             if turn > 0:
-                node = self._again(self._search(node), node[-3])
+                node = self._again(self._search(node))
             self._refine(self._here(node), 3.0 ** -(turn + 1))
             node = self._followed(self._here(node), node) or node
         for turn in range(ROUNDS, THIRDS):  # as finely as the records tell shapes
@@ -751,7 +743,7 @@ class RecordModel(Model):
         """Screen and search, anew where forces act otherwise; return the best node."""
         tried = list[Acting]()
         while True:
-            left, nodes = self._screen(), list[Node]()
+            left = self._screen()
             tried.append(self.balance.acting)
             begin = [
                 (*(USUAL[name] for name in self.names), k, self.first, 0)
@@ -759,28 +751,21 @@ class RecordModel(Model):
             ]
             for node in begin:
                 self._weigh(node, left, self._noise(MIDDLE, left, None))
-            for own in begin:
-                for _ in range(ROUNDS if len(begin) > 1 else 1):
-                    own = self._again(self._search(own), own[-3])
-                nodes.append(own)
-            here = self._here(*nodes)
-            values = np.array([here.value(one) for one in nodes])
-            best = nodes[int(np.argmax(values))]
+            nodes = [self._again(self._search(one)) for one in begin]
+            if len(begin) > 1:  # each with its own noise
+                nodes = [self._again(self._search(one)) for one in nodes]
+            here, self.otherwise = self._here(*nodes), nodes
+            best = max(nodes, key=here.value)
             if self.acting(best) in tried:
-                break
+                return best
             self._act(best)
-        kept = np.flatnonzero(values > values.max() - BEHIND).tolist()
-        self.actings = [self.actings[k] for k in kept]
-        self.weights = {(MIDDLE, kept.index(k)): self.weights[MIDDLE, k] for k in kept}
-        self._plain, self._grams = {}, {}
-        self.spread = {(MIDDLE, kept.index(k)): self.spread[MIDDLE, k] for k in kept}
-        self.otherwise = [(*nodes[k][:-3], kept.index(k)) for k in kept]
-        return (*best[:-3], kept.index(best[-3]), *best[-2:])
 
     def _search(self, node: Node) -> Posterior:
-        """Return the posterior of nodes at the middle cutoff, from one and usual ones."""
-        begin = [node, *self._starts(node[-3])]
-        return Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
+        """Return the posterior at the middle cutoff as forces act at a node, from it and others."""
+        begin, self.alone = [node, *self._starts(node[-3])], node[-3]
+        found = Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
+        self.alone = None
+        return found
 
     def _act(self, node: Node) -> None:
         """Take forces to act as at a node in columns and other records."""
@@ -847,10 +832,9 @@ class RecordModel(Model):
         self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
         self._designs, self._plain, self._grams = {}, {}, {}
 
-    def _again(self, search: Posterior, acting: int) -> Node:
-        """Weigh rows by what the best node of a search leaves as forces act; return that node."""
-        every = zip(search.weights.sum(axis=1).tolist(), search.nodes, strict=True)
-        node = max(one for one in every if one[1][-3] == acting)[1]
+    def _again(self, search: Posterior) -> Node:
+        """Weigh rows by what the best node of a search leaves; return that node."""
+        node = search.best
         law = search.structures[int(np.argmax(search.weights[search.nodes.index(node)]))]
         left, count = self._left(search, node, law)
         noise = self._noise(self.key(node)[0], left, self.memory(node))
@@ -1035,7 +1019,7 @@ class RecordModel(Model):
         kept += [bristle] * better
         self._keep(kept)
         node = (*node[:-2], len(kept) - 1 if better else 1, 0)
-        return self._again(self._here(node), node[-3])
+        return self._again(self._here(node))
 
     def _keep(self, memories: list[Memory]) -> None:
         """Keep some bristles, and forget what was computed of others."""
@@ -1079,15 +1063,15 @@ class RecordModel(Model):
         """Open all cutoffs; return nodes from which a search of all begins."""
         self.cutoffs = tuple(range(len(CUTOFFS)))
         usual = self.noises[MIDDLE]
-        every = [(*one, node[-2], 0) for one in self.otherwise if one[-1] != node[-3]] + [node]
-        found = [(*one[:-1], which) for which in self.cutoffs for one in every]
+        every = [(*one[:-2], *node[-2:]) for one in self.otherwise if one[-3] != node[-3]]
+        found = [(*one[:-1], which) for which in self.cutoffs for one in (*every, node)]
         for own in found:
             if (which := own[-1]) != MIDDLE:
                 rows = self.balance.rows(which)
                 size = usual.deviations[self.classes(self.balance, which, usual)]
                 self.weights[which, own[-3]] = 1.0 / (size * usual.pieces[rows.piece])
                 self.spread[which, own[-3]] = 0.0
-                self._again(self._here(own), own[-3])
+                self._again(self._here(own))
         return found
 
 
@@ -1132,33 +1116,54 @@ def _top(x: Array, y: Array) -> tuple[float, float]:
     return bend, -tilt / (2.0 * bend) if bend < 0.0 else float(x[np.argmax(y)])
 
 
-def squares_left(x: Array, y: Array, far: float = 4.0) -> tuple[float, float]:
-    """Return what columns (n, p) leave of values (n,), and the coefficient of the last.
-
-    What they leave is a mean square, in which what is `far` off counts as that many medians.
-    """
-    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+def solved_softly(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return coefficients (p,) of columns (n, p) for values (n,), and what they leave (n,)."""
+    size = np.sqrt(np.mean(x * x, axis=0)) + TINY
     x = x / size
     c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
-    e, last = np.abs(y - x @ c), float(c[-1] / size[-1])
-    return float(np.mean(np.minimum(e, far * np.median(e)) ** 2)), last
+    return c / size, y - x @ c
 
 
-def priors_of(acting: Acting) -> tuple[float, float]:
+def capped(left: Array, far: float = 4.0) -> float:
+    """Return the mean square of what is left (n,): what is `far` off counts as that many medians.
+
+    Examples
+    --------
+    >>> capped(np.array([1.0, -1.0, 1.0, 90.0, 1.0]))
+    4.0
+    """
+    size = np.abs(left)
+    return float(np.mean(np.minimum(size, far * np.median(size)) ** 2))
+
+
+def likeliest(likely: Callable[[float], float], grid: Array) -> tuple[float, float]:
+    """Return where a function is largest near an even grid (n,), and its value.
+
+    Examples
+    --------
+    >>> best, _ = likeliest(lambda x: -((x - 0.3) ** 2), np.linspace(-1.0, 1.0, 5))
+    >>> round(best, 2)
+    0.3
+    """
+    for _ in range(FINER):
+        values = [likely(x) for x in grid.tolist()]
+        best, step = float(grid[np.argmax(values)]), float(grid[1] - grid[0])
+        grid = best + step * np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) / 3.0
+    return best, max(values)
+
+
+def odds_of(acting: Acting) -> float:
     """Return prior odds of a delay and a limit that leave least of those looked at, against none.
 
     Together those looked at have that of `OTHERWISE`, of which the others count for nothing.
 
     Examples
     --------
-    >>> priors_of(Acting())
-    (1.0, 1.0)
+    >>> odds_of(Acting())
+    1.0
     """
-    odds = OTHERWISE / (1.0 - OTHERWISE)
-    return (
-        odds / len(DELAYS) if acting.delay else 1.0,
-        odds / LIMITS_LOOKED if math.isfinite(acting.limit) else 1.0,
-    )
+    each = {len(DELAYS): acting.delay != 0.0, len(LIMITS): math.isfinite(acting.limit)}
+    return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)
 
 
 def waves_of(

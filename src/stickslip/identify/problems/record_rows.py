@@ -186,25 +186,7 @@ def means(x: Array, count: int) -> Array:
 
 def averaged(record: Record, count: int) -> Record:
     """Return means of so many samples each."""
-
-    def of(x: Array) -> Array:
-        return means(x, count)
-
-    def or_none(x: Array | None) -> Array | None:
-        return None if x is None else of(x)
-
-    return replace(
-        record,
-        time=of(record.time),
-        position=of(record.position),
-        force=of(record.force),
-        velocity=or_none(record.velocity),
-        mechanism=or_none(record.mechanism),
-        load=or_none(record.load),
-        transmitted=or_none(record.transmitted),
-        inputs={name: of(x) for name, x in record.inputs.items()},
-        unknown={path: replace(x, force=of(x.force)) for path, x in record.unknown.items()},
-    )
+    return record.each(lambda x: means(x, count))
 
 
 def noise_in_motion(record: Record) -> float:
@@ -291,10 +273,14 @@ def mean_frequency(records: Sequence[Record]) -> float:
 
 def motion(record: Record, filt: Filter) -> tuple[Array, Array]:
     """Return velocities, in twice the band, and accelerations (n,)."""
-    v = velocity_of(record, filt, WIDER)
+    return velocity_of(record, filt, WIDER), acceleration_of(record, filt, full=True)
+
+
+def acceleration_of(record: Record, filt: Filter, *, full: bool = False) -> Array:
+    """Return accelerations (n,) [m/s^2], or at the rows."""
     if record.velocity is not None:
-        return v, filt(record.velocity, slope=1, full=True)
-    return v, filt(record.position, bent=True, slope=2, full=True)
+        return filt(record.velocity, slope=1, full=full)
+    return filt(record.position, bent=True, slope=2, full=full)
 
 
 def velocity_of(record: Record, filt: Filter, wider: float) -> Array:
@@ -407,7 +393,7 @@ class Piece:
     @cached_property
     def acceleration(self) -> Array:
         """Accelerations in the middle band (n,) [m/s^2]."""
-        return motion(self.record, self.filters[MIDDLE])[1]
+        return acceleration_of(self.record, self.filters[MIDDLE], full=True)
 
     @cached_property
     def way(self) -> Array:
@@ -583,26 +569,24 @@ class BalanceRows:
     @cached_property
     def acceleration(self) -> Array:
         """Accelerations (n,) [m/s^2]."""
-        found = []
-        for piece, pick in zip(self.pieces, self.picks, strict=True):
-            filt, one = piece.filters[self.which], piece.record
-            if one.velocity is None:
-                found.append(filt(one.position, bent=True, slope=2)[pick])
-            else:
-                found.append(filt(one.velocity, slope=1)[pick])
-        return np.concatenate(found)
+        each = zip(self.pieces, self.picks, strict=True)
+        return np.concatenate(
+            [acceleration_of(p.record, p.filters[self.which])[pick] for p, pick in each]
+        )
+
+    def unknown(self, path: str) -> Array:
+        """Return what a unit of a parameter that is looked for takes (n,)."""
+        own = [p.record.unknown[path] for p in self.pieces]  # each as its trial was set up
+        inertia = np.array([one.inertia for one in own])[self.piece]
+        return np.asarray(inertia * self.acceleration - self.seen([one.force for one in own]))
 
     @cached_property
     def force(self) -> Array:
         """Forces, with those of the mechanism (n,) [N]."""
-        found = self.driven(self.acting)
-        known = [one.record.mechanism for one in self.pieces]
-        if any(x is not None for x in known):
-            found = found + self.seen(
-                [
-                    0.0 * p.record.time if x is None else x
-                    for p, x in zip(self.pieces, known, strict=True)
-                ]
+        found, records = self.driven(self.acting), [one.record for one in self.pieces]
+        if any(one.mechanism is not None for one in records):
+            found += self.seen(
+                [0.0 * x.time if x.mechanism is None else x.mechanism for x in records]
             )
         return found
 

@@ -905,12 +905,11 @@ class RecordProblem(Problem):
     def _limit(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return from which force on no more of what was recorded acts, if there is one."""
         model, unit = self.model, "N m" if self.turning else "N"
-        limited = [x for x in draws if math.isfinite(model.acting(x.node).limit)]
+        split = [(model.acting(x.node).limit, model.split(x.node, x.random)) for x in draws]
+        limited = [limit - own["limit"][0] for limit, own in split if math.isfinite(limit)]
         if not limited:
             return []
-        each = [model.acting(x.node).limit - model.split(x.node, x.random)["limit"][0]
-                for x in limited]  # fmt: skip
-        limits = np.concatenate(each)
+        limits = np.concatenate(limited)
         likely = self.posterior.scale("acting") @ np.isfinite([x.limit for x in model.actings])
         low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
         what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
