@@ -368,14 +368,9 @@ class Balance:
             return names[:1] if len(names) > 1 and not unknown else ()  # nothing else has a scale
         if any(one.given for one in unknown):  # so it has where a gain of the force is sought
             return ()
-        sought = [self.unknown(MIDDLE, path) for path in self._looked_for]
+        sought = [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         sought += [self.rows(MIDDLE).acceleration] * self.finds_inertia
         return tuple(name for name, x in found.items() if is_told(x, sought))
-
-    def act(self, acting: Acting) -> None:
-        """Take forces to act otherwise."""
-        self.acting = acting
-        self.take(self.pieces)
 
     def response(self, which: int, acting: Acting) -> Array:
         """Return the response of the rows (n,) if forces acted otherwise [N]."""
@@ -454,16 +449,13 @@ class Balance:
         x = piece.record.inputs.get(name)
         return 0.0 * piece.velocity if x is None else (x - mean) / size
 
-    def _hats(self, piece: Piece) -> Array:
-        return self.frame.hats(piece.velocity)
-
     def moving(
         self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array,
     ) -> tuple[dict[str, Array], Array]:  # fmt: skip
         """Return what depends on a bristle at the samples (n, ...): by group, and of laws."""
         frame, v = self.frame, piece.velocity
         z = state * self.load(piece)
-        hats = self._hats(piece)
+        hats = frame.hats(piece.velocity)
         course = frame.course(piece.record.time)
         through = self.transmitted(piece)
         # speeds that are passed in a moment of a turn tell no shape but where bristles are seen
@@ -558,9 +550,10 @@ class Balance:
         if math.isfinite(self.limit):  # what an error of the limit changes
             found["limit"] = self.above(which, self.limit)[:, None]
         if self.given:
-            found["given"] = self.errors(which)
+            taken = self._taken(which)
+            found["given"] = np.column_stack([taken[name] for name in self.given])
         for path in pieces[0].record.unknown:
-            found[path] = self.unknown(which, path)[:, None]
+            found[path] = rows.unknown(path)[:, None]
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
@@ -580,7 +573,7 @@ class Balance:
         level = rows.seen([state * self.load(p) for state, p in states])
         x = np.column_stack(
             [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)]
-            + [self.unknown(MIDDLE, path) for path in self._looked_for]
+            + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
         return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)
@@ -637,7 +630,7 @@ class Balance:
         slope, looked = self.slope(MIDDLE), self._looked_for
         if not looked:
             return []
-        columns = np.column_stack([self.unknown(MIDDLE, path) for path in looked])
+        columns = np.column_stack([self.rows(MIDDLE).unknown(path) for path in looked])
         columns /= np.linalg.norm(columns, axis=0) + 1e-300
         shares = np.linalg.lstsq(columns, slope, rcond=SAME_SPAN**2)[0]
         size = float(np.linalg.norm(slope))
@@ -645,10 +638,6 @@ class Balance:
             return []
         each = zip(looked, shares.tolist(), strict=True)
         return [path for path, share in each if abs(share) > SAME_SPAN * size]
-
-    def unknown(self, which: int, path: str) -> Array:
-        """Return what a unit of a parameter that is looked for takes, at the rows (n,)."""
-        return self.rows(which).unknown(path)
 
     @property
     def inertia(self) -> float:
@@ -666,7 +655,7 @@ class Balance:
             return {}
         rows, slope = self.rows(MIDDLE), self.slope(MIDDLE)
         level = rows.seen([p.direction * self.load(p) for p in self.pieces])
-        known = [self.unknown(MIDDLE, path) for path in paths]
+        known = [self.rows(MIDDLE).unknown(path) for path in paths]
         x = np.column_stack([*known, level, slope, np.ones(rows.count)])
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
         c = np.linalg.lstsq(x / size, rows.response, rcond=SAME_SPAN)[0] / size
@@ -685,19 +674,11 @@ class Balance:
             parts.append(stretch / min(frame.span, frame.top * constant))
         return np.column_stack(parts)
 
-    def errors(self, which: int) -> Array:
-        """Return what is left where a share of given forces is missing, at the rows (n, p).
-
-        Of that of the inertia, that of the mechanism, or of both: then the force has another gain.
-        Of one joint of several it is that of the rigid body.
-        """
-        found = self._taken(which)
-        return np.column_stack([found[name] for name in self.given])
-
     def _taken(self, which: int) -> dict[str, Array]:
         """Return what the inertia and the mechanism take at the rows (n,), and both.
 
-        What is looked for takes its likely share.
+        Errors of what is given are in proportion to it: of both, the force has another gain. Of one
+        joint of several it is the rigid body. What is looked for takes its likely share.
         """
         rows, likely = self.rows(which), self._from._likely
         records = [one.record for one in self.pieces]

@@ -49,6 +49,7 @@ from stickslip.identify.problems.record_columns import (
     LEVELS,
     LUGRE,
     RESOLVED,
+    RIGID,
     Balance,
     Memory,
     RecordFrame,
@@ -223,8 +224,6 @@ FINER = 5
 OTHERWISE = 0.05
 """Prior probability that a channel is late by more than is linear, and that a drive saturates: of
 careful experimenters one in twenty has not seen it."""
-LINEAR = 0.08
-"""Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
 """Rows that a quantile or a median needs."""
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
@@ -374,29 +373,15 @@ class RecordModel(Model):
         ]
         lengths = tuple(one.length for one in self.memories)
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
+        acts = [odds_of(x) * (self.alone in (None, k)) for k, x in enumerate(self.actings)]
+        bristles = tuple(BRISTLE if x else 1.0 for x in lengths)
+        even = tuple(1.0 / len(bands) for _ in bands)
+        numbers = tuple(float(k) for k in range(len(acts)))
         return [
             *sizes,
-            Scale(
-                name="acting",
-                values=tuple(float(k) for k in range(len(self.actings))),
-                prior=tuple(
-                    odds_of(one) * (self.alone in (None, k)) for k, one in enumerate(self.actings)
-                ),
-                ordered=False,
-            ),
-            Scale(
-                name="bristle",
-                values=lengths,
-                prior=tuple(BRISTLE if x else 1.0 for x in lengths),
-                ordered=False,
-            ),
-            Scale(
-                name="cutoff",
-                values=bands,
-                prior=tuple(1.0 / len(bands) for _ in bands),
-                ordered=False,
-                judged=False,
-            ),
+            Scale(name="acting", values=numbers, prior=tuple(acts), ordered=False),
+            Scale(name="bristle", values=lengths, prior=bristles, ordered=False),
+            Scale(name="cutoff", values=bands, prior=even, ordered=False, judged=False),
         ]
 
     def _acts(self, name: str) -> bool:
@@ -593,7 +578,7 @@ class RecordModel(Model):
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name not in ("force", "zero")]
         curve = []
-        for piece, state in zip(balance.pieces, balance.states(Memory()), strict=True):
+        for piece, state in zip(balance.pieces, balance.states(RIGID), strict=True):
             z = (state * balance.load(piece))[:, None]
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
         x = np.hstack([rows.seen(curve), *(plain[name] for name in names)])
@@ -631,7 +616,7 @@ class RecordModel(Model):
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
             looked.append((capped(e), memory, e, size, float(inertia)))
 
-        none = Memory()
+        none = RIGID
         # along less, a bristle is nothing but the moment of a turn between samples
         shortest = max(2.0 * frame.noise, *(one.turned_in for one in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
@@ -678,8 +663,7 @@ class RecordModel(Model):
         if self.balance.driven and not math.isfinite(now.limit):
             found.append(self._limited(columns))
         for acting, gain in found:
-            odds = math.log(odds_of(acting) / odds_of(now))
-            if acting not in self.actings and KAPPA * gain + odds > 0.0:
+            if KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0:
                 self.actings.append(acting)
                 self.balance.limit = min(self.balance.limit, acting.limit)
 
@@ -696,8 +680,6 @@ class RecordModel(Model):
             return -0.5 * count * math.log(left + TINY)
 
         best, most = likeliest(likely, DELAYS / balance.pieces[0].cutoff)
-        if abs(best) < LINEAR / balance.pieces[0].cutoff:
-            return balance.acting, 0.0
         return replace(balance.acting, delay=best), most - likely(0.0, None)
 
     def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
@@ -745,10 +727,8 @@ class RecordModel(Model):
         while True:
             left = self._screen()
             tried.append(self.balance.acting)
-            begin = [
-                (*(USUAL[name] for name in self.names), k, self.first, 0)
-                for k in range(len(self.actings))
-            ]
+            usual = tuple(USUAL[name] for name in self.names)
+            begin: list[Node] = [(*usual, k, self.first, 0) for k in range(len(self.actings))]
             for node in begin:
                 self._weigh(node, left, self._noise(MIDDLE, left, None))
             nodes = [self._again(self._search(one)) for one in begin]
@@ -770,7 +750,8 @@ class RecordModel(Model):
     def _act(self, node: Node) -> None:
         """Take forces to act as at a node in columns and other records."""
         if self.acting(node) != self.balance.acting:
-            self.balance.act(self.acting(node))
+            self.balance.acting = self.acting(node)
+            self.balance.take(self.balance.pieces)
             self._designs, self._plain, self._grams, self._fixed = {}, {}, {}, {}
 
     def _starts(self, acting: int) -> list[Node]:
@@ -835,7 +816,7 @@ class RecordModel(Model):
     def _again(self, search: Posterior) -> Node:
         """Weigh rows by what the best node of a search leaves; return that node."""
         node = search.best
-        law = search.structures[int(np.argmax(search.weights[search.nodes.index(node)]))]
+        law = search.law_at(node)
         left, count = self._left(search, node, law)
         noise = self._noise(self.key(node)[0], left, self.memory(node))
         self._weigh(node, left, noise, law, count)

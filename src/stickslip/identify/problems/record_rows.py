@@ -542,11 +542,10 @@ class BalanceRows:
         self, parts: Sequence[Array], *, slope: int = 0, late: Sequence[float] | None = None
     ) -> Array:
         """Return columns of the pieces (n, ...) as the filter shows them, at the rows."""
-        found = []
-        for k, (x, pick, piece) in enumerate(zip(parts, self.picks, self.pieces, strict=True)):
-            delay = 0.0 if late is None else late[k]
-            found.append(piece.filters[self.which](x, slope=slope, late=delay)[pick])
-        return np.concatenate(found)
+        each = zip(parts, self.picks, self.pieces, late or [0.0] * len(parts), strict=True)
+        return np.concatenate(
+            [p.filters[self.which](x, slope=slope, late=delay)[pick] for x, pick, p, delay in each]
+        )
 
     def sensed(self, inertia: float) -> Array:
         """Return what the noise of sensors makes of the rows of a balance (n,) [N].

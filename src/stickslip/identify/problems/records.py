@@ -675,10 +675,7 @@ class RecordProblem(Problem):
     def _left(self) -> tuple[Array, Array]:
         """Velocities and friction (n,) of the rows, less what is no friction, at the best node."""
         model, node = self.model, self.posterior.best
-        law = self.posterior.structures[
-            int(np.argmax(self.posterior.weights[self.posterior.nodes.index(node)]))
-        ]
-        _, b = self.posterior.estimate(node, law)
+        _, b = self.posterior.estimate(node, self.posterior.law_at(node))
         which, memory = model.key(node)
         design, rows = model.design(which, memory), model.balance.rows(which)
         plain = model.plain(node, b[:, None])[:, 0]
@@ -759,21 +756,17 @@ class RecordProblem(Problem):
 
         It takes the force with its sign, beside the best law and all that is always there.
         """
-        model, posterior = self.model, self.posterior
-        node = posterior.best
+        model, node = self.model, self.posterior.best
         if "zone" not in model.names:
             return 0.0
-        law = posterior.structures[int(np.argmax(posterior.weights[posterior.nodes.index(node)]))]
-        which, memory = model.key(node)
-        design = model.design(which, memory)
-        zone, sizes = design.groups == "zone", model.deviations(node)
-        column = design.random[:, zone][:, 0]
-        at = [model.columns.index(one) for one in law]
-        beside = [design.random[:, ~zone] * sizes[~zone], COEFFICIENT * design.law[:, at]]
-        weights = math.sqrt(model.kappa) * model.weights[which, node[-3]] / model.at(node, "noise")
-        x, c = np.hstack(beside) * weights[:, None], column * weights
-        moment = x.T @ c
-        told = c @ c - moment @ np.linalg.solve(x.T @ x + np.eye(len(moment)), moment)
+        groups, system = model.design(*model.key(node)).groups, model.system(node, model.columns)
+        zone, law = int(np.argmax(groups == "zone")), self.posterior.law_at(node)
+        at = [k for k in range(len(groups)) if k != zone]
+        at += [len(groups) + model.columns.index(one) for one in law]
+        sizes = np.append(system.deviations, np.full(len(model.columns), COEFFICIENT))[at]
+        moment = sizes * system.gram[at, zone]
+        gram = sizes[:, None] * system.gram[np.ix_(at, at)] * sizes + np.eye(len(at))
+        told = system.gram[zone, zone] - moment @ np.linalg.solve(gram, moment)
         return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
@@ -913,7 +906,7 @@ class RecordProblem(Problem):
         likely = self.posterior.scale("acting") @ np.isfinite([x.limit for x in model.actings])
         low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
         what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
-        what += ": the drive saturates."
+        what = f"{what}: the drive saturates."
         return [stated("limit", "saturation of the drive", float(likely), limits / self.size, what)]
 
     def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
