@@ -663,7 +663,8 @@ class RecordModel(Model):
         if self.balance.driven and not math.isfinite(now.limit):
             found.append(self._limited(columns))
         for acting, gain in found:
-            if KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0:
+            likelier = KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0
+            if likelier and acting not in self.actings:
                 self.actings.append(acting)
                 self.balance.limit = min(self.balance.limit, acting.limit)
 

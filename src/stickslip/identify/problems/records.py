@@ -903,11 +903,12 @@ class RecordProblem(Problem):
         if not limited:
             return []
         limits = np.concatenate(limited)
-        likely = self.posterior.scale("acting") @ np.isfinite([x.limit for x in model.actings])
+        shares = self.posterior.scale("acting")[np.isfinite([x.limit for x in model.actings])]
+        likely = min(float(shares.sum()), 1.0)
         low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
         what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
         what = f"{what}: the drive saturates."
-        return [stated("limit", "saturation of the drive", float(likely), limits / self.size, what)]
+        return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
 
     def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
         """Return by how many samples the force acts late, and the half width of its interval.
