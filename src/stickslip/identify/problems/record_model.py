@@ -330,6 +330,8 @@ class RecordModel(Model):
         """What is left of the rows of each cutoff."""
         self.weights: dict[tuple[int, int], Array] = {}
         """Weights of the rows of each cutoff as forces may act (n,): what is left has size 1."""
+        self.kappas: dict[int, float] = {}
+        """Share of the rows of each cutoff that count."""
         self._designs: dict[tuple[int, int], Design] = {}
         self._plain: dict[tuple[int, int, int], Array] = {}
         self._grams: dict[tuple[int, int, int, int], Array] = {}
@@ -428,9 +430,9 @@ class RecordModel(Model):
         noise = self.at(node, "noise")
         gram = self._gram(which, memory, node[-3], node[self.names.index("length")])
         return System(
-            gram=self.kappa / noise**2 * gram,
+            gram=self.kappas[which] / noise**2 * gram,
             deviations=self.deviations(node),
-            volume=self.kappa * self._volume(node),
+            volume=self.kappas[which] * self._volume(node),
             sizes=self.design(which, memory).sizes,
         )
 
@@ -920,7 +922,7 @@ class RecordModel(Model):
         scaled = left * weights
         free = max(rows.count - count, 0.5 * rows.count)
         unit = math.sqrt(float(np.sum(scaled**2)) / free) + 1e-300
-        self.kappa = self._share(which, memory, law, scaled, weights)
+        self.kappas[which] = self._share(which, memory, law, scaled, weights)
         self.weights[which, node[-3]] = np.minimum(weights / unit, 1.0 / self._rounding(which))
         self.noises[which] = noise
         self._plain = {key: x for key, x in self._plain.items() if key[0] != which}

@@ -281,7 +281,7 @@ class RecordProblem(Problem):
 
         It is as long as a twentieth of the record.
         """
-        count = self.model.kappa * self.model.balance.rows(MIDDLE).count / STRETCHES
+        count = self.model.kappas[MIDDLE] * self.model.balance.rows(MIDDLE).count / STRETCHES
         sizes, shares = SCALES["run"]
         run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
         return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
