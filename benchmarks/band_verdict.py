@@ -90,9 +90,9 @@ def judged(rig: Rig) -> "Judged":
 
 
 ALIKE: Mapping[str, frozenset[str]] = {
-    "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance", "backlash", "clip"}),
+    "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance", "backlash", "limit"}),
     "zone": frozenset({"dead_zone"}),
-    "clip": frozenset({"clip"}),
+    "limit": frozenset({"limit"}),
     "force": frozenset({"force", "spring", "ripple", "offset_drift"}),
     "place": frozenset({"place", "level_ripple"}),
     "relaxing": frozenset({"hose", "spring"}),

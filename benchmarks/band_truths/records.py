@@ -152,7 +152,7 @@ NAMES = {"level_dir": "level_direction", "viscous_dir": "viscous_direction",
 """Terms, where `axis_records` calls them otherwise."""
 SOUND = [one for one in (*TRUTHS, *FURTHER) if one.name != "quiet"]
 ALLOWED = {
-    "delay": {"delay", "lag"}, "saturation": {"clip"}, "backlash": {"backlash"},
+    "delay": {"delay", "lag"}, "saturation": {"limit"}, "backlash": {"backlash"},
     "spring": {"spring"}, "drift": {"drift"}, "flexible": {"flexible", "resonance"},
 }  # fmt: skip
 

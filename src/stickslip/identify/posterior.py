@@ -385,6 +385,10 @@ class Posterior:
         """The node with the largest weight."""
         return self.nodes[int(np.argmax(self.weights.sum(axis=1)))]
 
+    def law_at(self, node: Node) -> Structure:
+        """Return the law with the largest weight at a node."""
+        return self.structures[int(np.argmax(self.weights[self.nodes.index(node)]))]
+
     def scale(self, name: str) -> Array:
         """Return the posterior probabilities of the values of a scale."""
         at = [one.name for one in self.model.scales].index(name)

@@ -327,14 +327,15 @@ class Projector:
         They differ from those that are known by about their size where curves do not tell them.
         """
         x = self.weights @ self.design(self._shaped(structure, shapes))
-        x = np.broadcast_to(x, (len(y), *x.shape[-2:]))
+        x = x.reshape(-1, *x.shape[-2:])  # of all draws, or of each
         norm = np.sqrt(np.mean(x * x, axis=1)) + 1e-300
         norm = np.maximum(norm, 1e-12 * norm.max(axis=1, initial=0.0, keepdims=True))
         scaled = x / norm[:, None, :]
-        gram = np.einsum("kni,knj->kij", scaled, scaled)
+        gram = scaled.swapaxes(1, 2) @ scaled
         size = gram.shape[1]
         gram[:, range(size), range(size)] *= 1.0 + 1e-10
-        moment = np.einsum("kni,kn->ki", scaled, y)
+        gram = np.repeat(gram, len(y) // len(gram), axis=0)
+        moment = (y[:, None] @ scaled)[:, 0]
         if about is not None:
             square = np.mean(about**2, axis=0)
             held = np.where(square > 0.0, 1.0 / (square + 1e-300), 0.0) / norm
@@ -343,7 +344,7 @@ class Projector:
         for k, one in known_coefficients(names_of(structure)).items():
             hold(gram, moment, k, one * norm[:, k])
         c = solved(gram, moment, self.positive)
-        return c / norm, y - np.einsum("kni,ki->kn", scaled, c)
+        return c / norm, y - (scaled @ c[..., None])[..., 0]
 
     def __call__(
         self, draws: Array, structures: Sequence[Structure], about: Array | None = None
@@ -358,12 +359,11 @@ class Projector:
         c = np.zeros((len(draws), len(self.positive)))
         for one in structures:
             own = np.array([[one[f.column][1][f.entry] for f in self.free]], dtype=float)
-            own = np.broadcast_to(own, shapes.shape)
             coefficients, left = self._solved(one, own, y, about)
             misfit = np.sum(left * left, axis=1)
             better = misfit < least
             least = np.where(better, misfit, least)
-            shapes[better], c[better] = own[better], coefficients[better]
+            shapes[better], c[better] = own, coefficients[better]
         if self.free:
             c, shapes = self._polished(structures[0], shapes, c, least, y)
         return c, self._shaped(structures[0], shapes)

@@ -46,10 +46,7 @@ def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array],
     )
     speed = rows.seen([p.velocity for p in pieces])
     rig = [np.ones(rows.count), *([rows.acceleration] if inertia else [])]
-    for path in records[0].unknown:
-        own = [p.record.unknown[path] for p in pieces]
-        taken = np.array([one.inertia for one in own])[rows.piece] * rows.acceleration
-        rig.append(taken - rows.seen([one.force for one in own]))
+    rig += [rows.unknown(path) for path in records[0].unknown]
     return rows, [direction, speed], rig
 
 

@@ -23,8 +23,10 @@ from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
 from stickslip.identify.posterior import Array, Column
 from stickslip.identify.problems.record_rows import (
+    AS_RECORDED,
     MIDDLE,
     SHORT,
+    Acting,
     BalanceRows,
     Piece,
     by_best_sensor,
@@ -97,6 +99,10 @@ class Memory:
     def lags(self) -> bool:
         """Whether levels follow it by a linear equation along the way; else they are times it."""
         return self.exponent in (1.0, LUGRE)
+
+
+RIGID = Memory()
+"""No bristle: friction turns at once."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -308,13 +314,12 @@ class Balance:
         self.pieces: list[Piece]
         self.pieces, self._every = pieces_of(records, cutoff, highest)
         if like is not None:
-            first = like.pieces[0]
-            self.pieces = [
-                replace(one, delay=first.delay, wider=min(first.wider, one.widest))
-                for one in self.pieces
-            ]
-        self.limit: float = math.inf
-        """Force above which no more of what was recorded acts [N]."""
+            wider = like.pieces[0].wider
+            self.pieces = [replace(one, wider=min(wider, one.widest)) for one in self.pieces]
+        self.acting: Acting = like.acting if like else AS_RECORDED
+        """How forces are taken to act."""
+        self.limit: float = like.limit if like else math.inf
+        """Limit of the force, whose error has a column [N]."""
         self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
@@ -329,8 +334,6 @@ class Balance:
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
-        if like is not None and math.isfinite(like.limit):
-            self.saturate(like.limit)
 
     @property
     def measured(self) -> bool:
@@ -367,24 +370,16 @@ class Balance:
             return names[:1] if len(names) > 1 and not unknown else ()  # nothing else has a scale
         if any(one.given for one in unknown):  # so it has where a gain of the force is sought
             return ()
-        paths = [path for path, one in records[0].unknown.items() if not one.doubt]
-        sought = [self.unknown(MIDDLE, path) for path in paths]
+        sought = [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         sought += [self.rows(MIDDLE).acceleration] * self.finds_inertia
         return tuple(name for name, x in found.items() if is_told(x, sought))
 
-    def delay(self, late: float) -> None:
-        """Let forces act later than recorded [s], as found along the records."""
-        self.take([replace(one, delay=late) for one in self.pieces])
-
-    def saturate(self, limit: float) -> None:
-        """Let forces above a limit not act."""
-        self.limit = limit
-        self.take(
-            [
-                replace(p, record=replace(p.record, force=np.clip(p.record.force, -limit, limit)))
-                for p in self.pieces
-            ]
-        )
+    def response(self, which: int, acting: Acting) -> Array:
+        """Return the response of the rows (n,) if forces acted otherwise [N]."""
+        rows = self.rows(which)
+        if acting == self.acting:
+            return rows.response
+        return rows.response - rows.driven(self.acting) + rows.driven(acting)
 
     def widen(self) -> bool:
         """Let velocities have the widest band, if that is wider; return whether it is."""
@@ -402,7 +397,9 @@ class Balance:
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
-            self._rows[which] = BalanceRows(self.pieces, which, self._every, rests=self._rests)
+            self._rows[which] = BalanceRows(
+                self.pieces, which, self._every, self.acting, rests=self._rests
+            )
         return self._rows[which]
 
     # ---- at the samples
@@ -454,16 +451,13 @@ class Balance:
         x = piece.record.inputs.get(name)
         return 0.0 * piece.velocity if x is None else (x - mean) / size
 
-    def _hats(self, piece: Piece) -> Array:
-        return self.frame.hats(piece.velocity)
-
     def moving(
         self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array,
     ) -> tuple[dict[str, Array], Array]:  # fmt: skip
         """Return what depends on a bristle at the samples (n, ...): by group, and of laws."""
         frame, v = self.frame, piece.velocity
         z = state * self.load(piece)
-        hats = self._hats(piece)
+        hats = frame.hats(piece.velocity)
         course = frame.course(piece.record.time)
         through = self.transmitted(piece)
         # speeds that are passed in a moment of a turn tell no shape but where bristles are seen
@@ -553,16 +547,15 @@ class Balance:
         found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
             found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
-        late = [p.late for p in pieces]
         if self.driven:
-            found["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(Memory())])
+            found["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
-            at = [np.sign(p.record.force) * (np.abs(p.record.force) >= self.limit) for p in pieces]
-            found["limit"] = rows.seen(at, late=late)[:, None]
+            found["limit"] = self.above(which, self.limit)[:, None]
         if self.given:
-            found["given"] = self.errors(which)
+            taken = self._taken(which)
+            found["given"] = np.column_stack([taken[name] for name in self.given])
         for path in pieces[0].record.unknown:
-            found[path] = self.unknown(which, path)[:, None]
+            found[path] = rows.unknown(path)[:, None]
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
@@ -592,7 +585,7 @@ class Balance:
         level = rows.seen([state * self.load(p) for state, p in states])
         x = np.column_stack(
             [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)]
-            + [self.unknown(MIDDLE, path) for path in self._looked_for]
+            + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
         return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)
@@ -610,11 +603,7 @@ class Balance:
         inertia, slope, level, constant, *sizes = self._from._plainly(memory).tolist()
         every = []
         for piece, state in zip(self.pieces, self.states(memory), strict=True):
-            filt, record = piece.filters[MIDDLE], piece.record
-            if record.velocity is None:
-                acceleration = filt(record.position, bent=True, slope=2, full=True)
-            else:
-                acceleration = filt(record.velocity, slope=1, full=True)
+            record, acceleration = piece.record, piece.acceleration
             found = inertia * acceleration + slope * piece.velocity / self.frame.top + constant
             found = found + level * state * self.load(piece)
             for path, size in zip(self._from._looked_for, sizes, strict=True):
@@ -628,25 +617,32 @@ class Balance:
         rows = self.rows(which)
         if self.driven:
             return rows.seen(self.needed(memory), slope=1)
-        late = [one.late for one in self.pieces]
-        return rows.seen([one.record.force for one in self.pieces], slope=1, late=late)
+        return rows.driven(self.acting, slope=1)
+
+    def above(self, which: int, limit: float) -> Array:
+        """Return the share of the force above a limit, with its sign, at the rows (n,)."""
+        late = [one.held + self.acting.delay for one in self.pieces]
+        return self.rows(which).seen([one.above(limit) for one in self.pieces], late=late)
+
+    def excess(self, limit: float) -> float:
+        """Return the mean of forces above a limit, less it [N]."""
+        force = np.abs(np.concatenate([one.given.force for one in self.pieces]))
+        return float(np.mean(force[force > limit])) - limit if np.any(force > limit) else 0.0
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""
         fixed, rows = self.fixed(MIDDLE), self.rows(MIDDLE)
-        looked = (path for path, one in self.pieces[0].record.unknown.items() if not one.doubt)
-        beside = [name for name in ("offset", "inertia", *looked) if name in fixed]
+        beside = [name for name in ("offset", "inertia", *self._looked_for) if name in fixed]
         level = [p.direction * self.load(p) for p in self.pieces]
         return np.hstack([*(fixed[x] for x in beside), fixed["slope"], rows.seen(level)[:, None]])
 
     @cached_property
     def dampings(self) -> list[str]:
         """Paths of what is looked for and acts, alone or together, as viscous friction does."""
-        slope = self.slope(MIDDLE)
-        looked = [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+        slope, looked = self.slope(MIDDLE), self._looked_for
         if not looked:
             return []
-        columns = np.column_stack([self.unknown(MIDDLE, path) for path in looked])
+        columns = np.column_stack([self.rows(MIDDLE).unknown(path) for path in looked])
         columns /= np.linalg.norm(columns, axis=0) + 1e-300
         shares = np.linalg.lstsq(columns, slope, rcond=SAME_SPAN**2)[0]
         size = float(np.linalg.norm(slope))
@@ -654,13 +650,6 @@ class Balance:
             return []
         each = zip(looked, shares.tolist(), strict=True)
         return [path for path, share in each if abs(share) > SAME_SPAN * size]
-
-    def unknown(self, which: int, path: str) -> Array:
-        """Return what a unit of a parameter that is looked for takes, at the rows (n,)."""
-        rows = self.rows(which)
-        own = [p.record.unknown[path] for p in self.pieces]  # each as its trial was set up
-        inertia = np.array([one.inertia for one in own])[rows.piece]
-        return np.asarray(inertia * rows.acceleration - rows.seen([one.force for one in own]))
 
     @property
     def inertia(self) -> float:
@@ -673,12 +662,12 @@ class Balance:
     def _likely(self) -> dict[str, float]:
         """Sizes of what is looked for, but for gains, by which a plain balance leaves least."""
         unknown = self.pieces[0].record.unknown
-        paths = [path for path, one in unknown.items() if not one.doubt and not one.given]
+        paths = [path for path in self._looked_for if not unknown[path].given]
         if not paths:
             return {}
         rows, slope = self.rows(MIDDLE), self.slope(MIDDLE)
         level = rows.seen([p.direction * self.load(p) for p in self.pieces])
-        known = [self.unknown(MIDDLE, path) for path in paths]
+        known = [self.rows(MIDDLE).unknown(path) for path in paths]
         x = np.column_stack([*known, level, slope, np.ones(rows.count)])
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
         c = np.linalg.lstsq(x / size, rows.response, rcond=SAME_SPAN)[0] / size
@@ -697,25 +686,14 @@ class Balance:
             parts.append(stretch / min(frame.span, frame.top * constant))
         return np.column_stack(parts)
 
-    def errors(self, which: int) -> Array:
-        """Return what is left where a share of given forces is missing, at the rows (n, p).
-
-        Of that of the inertia, that of the mechanism, or of both: then the force has another gain.
-        Of one joint of several it is that of the rigid body.
-        """
-        found = self._taken(which)
-        return np.column_stack([found[name] for name in self.given])
-
     def _taken(self, which: int) -> dict[str, Array]:
         """Return what the inertia and the mechanism take at the rows (n,), and both.
 
-        What is looked for takes its likely share.
+        Errors of what is given are in proportion to it: of both, the force has another gain. Of one
+        joint of several it is the rigid body. What is looked for takes its likely share.
         """
-        rows, likely, records = (
-            self.rows(which),
-            self._from._likely,
-            [p.record for p in self.pieces],
-        )
+        rows, likely = self.rows(which), self._from._likely
+        records = [one.record for one in self.pieces]
         inertia = np.array([one.inertia or 0.0 for one in records])
         for path, x in likely.items():
             inertia += x * np.array([one.unknown[path].inertia for one in records])

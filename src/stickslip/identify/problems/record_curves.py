@@ -108,12 +108,12 @@ def steady_column(balance: Balance, column: Column, at: SteadyRows) -> Array:
 def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
     """Return steady friction, with what is constant (draws, n).
 
-    It is that of the record fitted: midway in time, in the mean over its range of places.
+    It is that of the record fitted: in the mean over its rows in time, and its range of places.
     """
     frame, v, side = model.frame, at.velocity, np.sign(at.velocity)
     state, speed = side * at.ratio, np.abs(v) / frame.top
     hats = frame.hats(v)
-    course = frame.course(np.array([frame.start + 0.5 * frame.duration]))[0]
+    course = frame.course(model.balance.rows(MIDDLE).time).mean(axis=0)
     evenly = frame.begin + frame.span * np.linspace(0.0, 1.0, EVENLY)
     place = frame.places(evenly, model.balance.waves[1]).mean(axis=0)
     count = len(course)
@@ -267,6 +267,7 @@ class _Readings:
         plain = model.split(node, one.random)
         at = [model.columns.index(column) for column in one.structure]
         f = (x[:, at] @ one.law).T
+        f += self.rows.response - self.other.response(MIDDLE, model.acting(node))
         beside = self.in_time(plain["zero"])
         every = {**groups, **fixed}
         z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)

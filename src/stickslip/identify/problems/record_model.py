@@ -20,7 +20,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 import copy
 import math
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -49,12 +49,13 @@ from stickslip.identify.problems.record_columns import (
     LEVELS,
     LUGRE,
     RESOLVED,
+    RIGID,
     Balance,
     Memory,
     RecordFrame,
     law_column,
 )
-from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
+from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, Acting, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
 
@@ -216,19 +217,13 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-HALVED = 2.0
-"""What is left without a delay over that with it, from which it is taken: true delays that are not
-linear leave 2.7 to 500 times less, and the moments of turns up to 1.6 times."""
-LIMITS, LIMITS_LOOKED = (0.01, 0.95), 30
-"""Limits of the force that are looked at, over the largest, and their number."""
-CUT, LEAST_CUT, MOST_CUT = 0.05, 0.02, 0.4
-"""Share of a row's force above a limit from which it is cut off, and shares of rows that are."""
-LIKELY, SATURATED = 2.0, 20.0
-"""What is left of the balance, over its mean square, over that with a limit, from which a limit is
-looked at, and taken: drives that saturate leave 65 to 1,100 times less, hoses and springs, which
-bend what is left as a limit does, up to 9 times."""
-LINEAR = 0.08
-"""Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
+LIMITS = np.geomspace(0.01, 0.95, 30)
+"""Limits of the force that are looked at, over the largest."""
+FINER = 5
+"""Times that what is looked at is refined by thirds of a step."""
+OTHERWISE = 0.05
+"""Prior probability that a channel is late by more than is linear, and that a drive saturates: of
+careful experimenters one in twenty has not seen it."""
 FEW, FEWEST = 20, 5
 """Rows that a quantile or a median needs."""
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
@@ -322,19 +317,27 @@ class RecordModel(Model):
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
         self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
         self.memories: list[Memory] = []
+        self.actings: list[Acting] = [self.balance.acting]
+        """How forces may act: as recorded, or late, or up to a limit."""
+        self.otherwise: list[Node] = []
+        """Nodes at which each of these does best."""
+        self.alone: int | None = None
+        """Number of that which is searched alone, if one is."""
+        self.spread: dict[tuple[int, int], float] = {}
+        """Logarithm of the prior of weights that the tail of the noise takes from rows."""
         self.cutoffs: tuple[int, ...] = (MIDDLE,)
         self.noises: dict[int, Noise] = {}
         """What is left of the rows of each cutoff."""
-        self.weights: dict[int, Array] = {}
-        """Weights of the rows of each cutoff (n,): what is left of them has size 1."""
+        self.weights: dict[tuple[int, int], Array] = {}
+        """Weights of the rows of each cutoff as forces may act (n,): what is left has size 1."""
+        self.kappas: dict[int, float] = {}
+        """Share of the rows of each cutoff that count."""
         self._designs: dict[tuple[int, int], Design] = {}
-        self._plain: dict[tuple[int, int], Array] = {}
-        self._grams: dict[tuple[int, int, int], Array] = {}
+        self._plain: dict[tuple[int, int, int], Array] = {}
+        self._grams: dict[tuple[int, int, int, int], Array] = {}
         self._fixed: dict[int, dict[str, Array]] = {}
         self._roots: dict[int, Array] = {}
         self._choose_band()
-        left = self._screen()
-        self._weigh(MIDDLE, left, self._noise(MIDDLE, left, None))
         node = self._rounds()
         self.start = self._widen(node)
         """Nodes from which the posterior begins: one of each cutoff."""
@@ -366,27 +369,21 @@ class RecordModel(Model):
 
     @property
     def scales(self) -> Sequence[Scale]:  # type: ignore[override]
-        """The scales: sizes, then the bristle and the cutoff."""
+        """The scales: sizes, then how forces act, the bristle and the cutoff."""
         sizes = [
             Scale(name=name, values=SCALES[name][0], prior=SCALES[name][1]) for name in self.names
         ]
         lengths = tuple(one.length for one in self.memories)
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
+        acts = [odds_of(x) * (self.alone in (None, k)) for k, x in enumerate(self.actings)]
+        bristles = tuple(BRISTLE if x else 1.0 for x in lengths)
+        even = tuple(1.0 / len(bands) for _ in bands)
+        numbers = tuple(float(k) for k in range(len(acts)))
         return [
             *sizes,
-            Scale(
-                name="bristle",
-                values=lengths,
-                prior=tuple(BRISTLE if x else 1.0 for x in lengths),
-                ordered=False,
-            ),
-            Scale(
-                name="cutoff",
-                values=bands,
-                prior=tuple(1.0 / len(bands) for _ in bands),
-                ordered=False,
-                judged=False,
-            ),
+            Scale(name="acting", values=numbers, prior=tuple(acts), ordered=False),
+            Scale(name="bristle", values=lengths, prior=bristles, ordered=False),
+            Scale(name="cutoff", values=bands, prior=even, ordered=False, judged=False),
         ]
 
     def _acts(self, name: str) -> bool:
@@ -414,6 +411,14 @@ class RecordModel(Model):
         """Return the bristle of a node."""
         return self.memories[node[-2]]
 
+    def acting(self, node: Node) -> Acting:
+        """Return how forces act at a node."""
+        return self.actings[node[-3]]
+
+    def response(self, node: Node) -> Array:
+        """Return the response of the rows of a node (n,) [N]."""
+        return self.balance.response(self.key(node)[0], self.acting(node))
+
     def not_below_zero(self, structure: Structure) -> Array:
         return levels_at(structure, self.frame.top)
 
@@ -421,14 +426,28 @@ class RecordModel(Model):
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         """Return the normal equations of a node."""
         assert tuple(columns) == self.columns
-        which, memory = self.cutoffs[node[-1]], node[-2]
-        noise, count = self.at(node, "noise"), self.kappa * self.balance.rows(which).count
+        which, memory = self.key(node)
+        noise = self.at(node, "noise")
+        gram = self._gram(which, memory, node[-3], node[self.names.index("length")])
         return System(
-            gram=self._gram(which, memory, node[self.names.index("length")]) / noise**2,
+            gram=self.kappas[which] / noise**2 * gram,
             deviations=self.deviations(node),
-            volume=-count * math.log(noise),
+            volume=self.kappas[which] * self._volume(node),
             sizes=self.design(which, memory).sizes,
         )
+
+    def _volume(self, node: Node) -> float:
+        """Return the sum over the rows of the logarithm of the density of what is left none of.
+
+        Of forces above a limit nothing but the excess over it is data, which spreads by as much as
+        it is in the mean, at least by the noise. What the limit leaves counts as elsewhere.
+        """
+        limit, which = self.acting(node).limit, self.key(node)[0]
+        noise = self.at(node, "noise") / self.weights[which, node[-3]]
+        if math.isfinite(limit):
+            share = np.minimum(np.abs(self._fixed[which]["limit"][:, 0]), 1.0)
+            noise = noise * np.maximum(self.balance.excess(limit) / noise, 1.0) ** share
+        return self.spread[which, node[-3]] - float(np.sum(np.log(noise)))
 
     def design(self, which: int, memory: int) -> Design:
         """Return the columns at the rows of a cutoff with a bristle."""
@@ -476,12 +495,12 @@ class RecordModel(Model):
                 least[k] = max(least[k], math.sqrt(np.mean(np.square(steady))), rest)
         return np.asarray(self.size / (least + TINY))
 
-    def _gram(self, which: int, memory: int, length: int) -> Array:
+    def _gram(self, which: int, memory: int, acting: int, length: int) -> Array:
         """Return the products of all columns, with those of the curve of a length."""
-        key = which, memory, length
+        key = which, memory, acting, length
         if key not in self._grams:
             design = self.design(which, memory)
-            gram = self._product(which, memory).copy()
+            gram = self._product(which, memory, acting).copy()
             root = self.root(length)
             for name in CURVES:
                 at = np.flatnonzero(design.groups == name)
@@ -492,13 +511,14 @@ class RecordModel(Model):
             self._grams[key] = gram
         return self._grams[key]
 
-    def _product(self, which: int, memory: int) -> Array:
+    def _product(self, which: int, memory: int, acting: int) -> Array:
         """Return the products of all columns as they are."""
-        key = which, memory
+        key = which, memory, acting
         if key not in self._plain:
-            design, y = self.design(which, memory), self.balance.rows(which).response
+            design = self.design(which, memory)
+            y = self.balance.response(which, self.actings[acting])
             every = np.hstack([design.random, design.law, y[:, None]])
-            every *= self.weights[which][:, None]
+            every *= self.weights[which, acting][:, None]
             self._plain[key] = every.T @ every
         return self._plain[key]
 
@@ -513,7 +533,7 @@ class RecordModel(Model):
 
     def deviations(self, node: Node) -> Array:
         """Return the prior standard deviations of what is always there (m,)."""
-        which, memory = self.cutoffs[node[-1]], node[-2]
+        which, memory = self.key(node)
         design, size = self.design(which, memory), self.size
         record, bristle = self.balance.pieces[0], self.memories[memory]
         found = np.empty(len(design.groups))
@@ -531,12 +551,14 @@ class RecordModel(Model):
             elif name == "given":
                 found[at] = self.at(node, name)
             elif name == "delay":
-                found[at] = self.at(node, name) * record.step * (TIMED if self.timed else 1.0)
+                found[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
             elif name == "damping":
                 longest = max(bristle.length, self.frame.noise)
                 found[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
             elif name == "side":
                 found[at] = max(STEEP * self.at(node, "sides"), SIZES["side"]) * size
+            elif name == "limit" and not math.isfinite(self.acting(node).limit):
+                found[at] = LEAST * size
             elif name in SIZES:
                 found[at] = SIZES[name] * size
             else:
@@ -558,11 +580,11 @@ class RecordModel(Model):
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name not in ("force", "zero")]
         curve = []
-        for piece, state in zip(balance.pieces, balance.states(Memory()), strict=True):
+        for piece, state in zip(balance.pieces, balance.states(RIGID), strict=True):
             z = (state * balance.load(piece))[:, None]
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
         x = np.hstack([rows.seen(curve), *(plain[name] for name in names)])
-        return squares_left(x, rows.response, far=FARTHEST)[0]
+        return capped(solved_softly(x, rows.response)[1], FARTHEST)
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
@@ -590,20 +612,15 @@ class RecordModel(Model):
 
         def look(memory: Memory) -> None:
             x = np.hstack([columns(memory), balance.delayed(MIDDLE, memory)[:, None]])
-            scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
-            x = x / scale
-            gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
-            c = np.linalg.solve(gram, x.T @ rows.response)
-            e = rows.response - x @ c
+            c, e = solved_softly(x, rows.response)
             law = np.arange(x.shape[1]) >= fixed.shape[1]
             law[len(frame.sides) - 1 : len(frame.sides) + 1] = True  # viscous friction and drag
             law[-1] = False  # the delay
-            inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
+            inertia = abs(c[fixed.shape[1] - 1])
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
-            cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
-            looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia)))
+            looked.append((capped(e), memory, e, size, float(inertia)))
 
-        none = Memory()
+        none = RIGID
         # along less, a bristle is nothing but the moment of a turn between samples
         shortest = max(2.0 * frame.noise, *(one.turned_in for one in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
@@ -616,8 +633,7 @@ class RecordModel(Model):
         every = [
             np.hstack([columns(x), others, balance.delayed(MIDDLE, x)[:, None]]) for x in likely
         ]
-        if self._saturated(every) or self._delayed(every):
-            return self._screen()
+        self._look_otherwise(every)
         best = [one[1] for one in looked if one[1].length][:2]
         about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
         about += [replace(one, exponent=n) for one, n in product([*best, *about], EXPONENTS)]
@@ -640,83 +656,65 @@ class RecordModel(Model):
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
 
-    def _delayed(self, columns: Sequence[Array]) -> bool:
-        """Let forces act at another time if that leaves far less; return whether it does.
+    def _look_otherwise(self, columns: Sequence[Array]) -> None:
+        """Look for how forces may act otherwise: late, or up to a limit.
 
-        A delay is looked for that is not linear any more: each stands beside the columns of some
-        bristles (n, p), of which the last is for the rest.
+        Each stands beside the columns of some bristles (n, p), of which the last is for the rest
+        of a delay. What a plain balance makes likelier than its prior is left to the posterior.
         """
-        rows, balance = self.balance.rows(MIDDLE), self.balance
-        if any(one.delay for one in balance.pieces):
-            return False
-        forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
-        rest = rows.response - rows.seen(forces, late=late)
-        left, delays = list[float](), (DELAYS / balance.pieces[0].cutoff).tolist()
-        for k, delay in enumerate(delays):
-            at = [x + delay for x in late]
-            y = rest + rows.seen(forces, late=at)
-            if not balance.driven:
-                slope = rows.seen(forces, slope=1, late=at)
-                columns = [np.column_stack([x[:, :-1], slope]) for x in columns]
-            fits = [squares_left(x, y) for x in columns]
-            square, more = min(fits)
-            left.append(square)
-            delays[k] = delay + more
-        least, none = int(np.argmin(left)), len(left) // 2
-        found = delays[least]
-        if abs(found) < LINEAR / balance.pieces[0].cutoff or left[none] < HALVED * left[least]:
-            return False
-        balance.delay(found)
-        return True
+        now = self.balance.acting
+        found = [] if now.delay else [self._delayed(columns)]
+        if self.balance.driven and not math.isfinite(now.limit):
+            found.append(self._limited(columns))
+        for acting, gain in found:
+            likelier = KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0
+            if likelier and acting not in self.actings:
+                self.actings.append(acting)
+                self.balance.limit = min(self.balance.limit, acting.limit)
 
-    def _saturated(self, columns: Sequence[Array]) -> bool:
-        """Let forces above a limit not act if that leaves far less; return whether it does.
+    def _delayed(self, columns: Sequence[Array]) -> tuple[Acting, float]:
+        """Return the likeliest delay, and the logarithm of what it gains over what is linear.
 
-        Where a drive saturates, what is recorded tells only that the force is at its limit. Forces
-        that are cut off have no noise, so that rows with some count as no less than others leave,
-        and they are smaller, so that what is left counts over what there is.
+        That is by rows that all count and have the same noise.
         """
-        rows, balance = self.balance.rows(MIDDLE), self.balance
-        if not balance.driven or math.isfinite(balance.limit):
-            return False
-        forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
-        rest = rows.response - rows.seen(forces, late=late)
+        balance, count = self.balance, self.balance.rows(MIDDLE).count
 
-        def left(limit: float) -> float:
-            above = [np.asarray(1.0 * (np.abs(x) > limit)) for x in forces]
-            cut = np.abs(rows.seen(above)) > CUT
-            if not LEAST_CUT < np.mean(cut) < MOST_CUT:
-                return math.inf
-            acting = [np.asarray(np.clip(x, -limit, limit)) for x in forces]
-            y = rest + rows.seen(acting, late=late)
-            return min(squares_left(x, y, cut=cut)[0] for x in columns) / float(np.mean(y * y))
+        def likely(delay: float, kept: int | None = -1) -> float:
+            y = balance.response(MIDDLE, replace(balance.acting, delay=delay))
+            left = min(capped(solved_softly(x[:, :kept], y)[1]) for x in columns)
+            return -0.5 * count * math.log(left + TINY)
 
-        largest = float(np.max(np.abs(np.concatenate(forces))))
-        limits = np.geomspace(LIMITS[0], LIMITS[1], LIMITS_LOOKED) * largest
-        none = min(squares_left(x, rows.response)[0] for x in columns)
-        none /= float(np.mean(rows.response**2))
-        for _ in range(7):  # three times as closely each time
-            values = [left(x) for x in limits.tolist()]
-            best, least = float(limits[np.argmin(values)]), min(values)
-            if none < LIKELY * least:
-                return False
-            ratio = float(limits[1] / limits[0]) ** np.array([-2 / 3, -1 / 3, 0.0, 1 / 3, 2 / 3])
-            limits = best * ratio
-        if none < SATURATED * least:
-            return False
-        balance.saturate(best)
-        return True
+        best, most = likeliest(likely, DELAYS / balance.pieces[0].cutoff)
+        return replace(balance.acting, delay=best), most - likely(0.0, None)
+
+    def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
+        """Return the likeliest limit of the force, and the logarithm of what it gains.
+
+        As of the posterior, for rows that all count and have the same noise.
+        """
+        balance, count = self.balance, self.balance.rows(MIDDLE).count
+
+        def likely(logarithm: float) -> float:
+            limit = math.exp(logarithm)
+            y = balance.response(MIDDLE, replace(balance.acting, limit=limit))
+            noise = math.sqrt(min(capped(solved_softly(x, y)[1]) for x in columns)) + TINY
+            above = float(np.minimum(np.abs(balance.above(MIDDLE, limit)), 1.0).sum())
+            wider = max(balance.excess(limit) / noise, 1.0)
+            return -count * math.log(noise) - above * math.log(wider)
+
+        largest = max(float(np.max(np.abs(one.given.force))) for one in balance.pieces)
+        best, most = likeliest(likely, np.log(LIMITS * largest))
+        return replace(balance.acting, limit=math.exp(best)), most - likely(math.log(largest))
 
     # ---- rounds
     def _rounds(self) -> Node:
         """Search at the middle cutoff, and find noise and bristles anew; return the best node."""
-        node: Node = (*(USUAL[name] for name in self.names), self.first, 0)
+        node = self._begun()
         for turn in range(FOLLOWED):
             if turn >= ROUNDS and self.memory(node).ratio is None:
                 break
-            begin = [node, *self._starts()]
-            search = Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
-            node = self._again(search, 0)
+            if turn > 0:
+                node = self._again(self._search(node))
             self._refine(self._here(node), 3.0 ** -(turn + 1))
             node = self._followed(self._here(node), node) or node
         for turn in range(ROUNDS, THIRDS):  # as finely as the records tell shapes
@@ -724,9 +722,44 @@ class RecordModel(Model):
             if self._resolves(here):
                 break
             self._refine(here, 3.0 ** -(turn + 1))
-        return self._pruned(node)
+        node = self._pruned(node)
+        self._act(node)
+        return node
 
-    def _starts(self) -> list[Node]:
+    def _begun(self) -> Node:
+        """Screen and search, anew where forces act otherwise; return the best node."""
+        tried = list[Acting]()
+        while True:
+            left = self._screen()
+            tried.append(self.balance.acting)
+            usual = tuple(USUAL[name] for name in self.names)
+            begin: list[Node] = [(*usual, k, self.first, 0) for k in range(len(self.actings))]
+            for node in begin:
+                self._weigh(node, left, self._noise(MIDDLE, left, None))
+            nodes = [self._again(self._search(one)) for one in begin]
+            if len(begin) > 1:  # each with its own noise
+                nodes = [self._again(self._search(one)) for one in nodes]
+            here, self.otherwise = self._here(*nodes), nodes
+            best = max(nodes, key=here.value)
+            if self.acting(best) in tried:
+                return best
+            self._act(best)
+
+    def _search(self, node: Node) -> Posterior:
+        """Return the posterior at the middle cutoff as forces act at a node, from it and others."""
+        begin, self.alone = [node, *self._starts(node[-3])], node[-3]
+        found = Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
+        self.alone = None
+        return found
+
+    def _act(self, node: Node) -> None:
+        """Take forces to act as at a node in columns and other records."""
+        if self.acting(node) != self.balance.acting:
+            self.balance.acting = self.acting(node)
+            self.balance.take(self.balance.pieces)
+            self._designs, self._plain, self._grams, self._fixed = {}, {}, {}, {}
+
+    def _starts(self, acting: int) -> list[Node]:
         """Return nodes from which a search begins, too, by bristle.
 
         At some nothing changes along a record, whose noise is large: a search that begins only
@@ -737,12 +770,12 @@ class RecordModel(Model):
         found, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
         for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
-            found += [(*sizes, k, 0) for k in range(len(self.memories))]
+            found += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
         return found
 
-    def _here(self, node: Node) -> Posterior:
-        """Return the posterior of a node alone."""
-        return Posterior(self, self.structures, self.priors, begin=[node], most=0)
+    def _here(self, *nodes: Node) -> Posterior:
+        """Return the posterior of nodes alone."""
+        return Posterior(self, self.structures, self.priors, begin=nodes, most=0)
 
     def _pruned(self, node: Node) -> Node:
         """Keep only bristles that are not far behind the best; return the node."""
@@ -785,13 +818,13 @@ class RecordModel(Model):
         self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
         self._designs, self._plain, self._grams = {}, {}, {}
 
-    def _again(self, search: Posterior, cutoff: int) -> Node:
-        """Weigh the rows of a cutoff by what the best node of a search leaves; return the node."""
+    def _again(self, search: Posterior) -> Node:
+        """Weigh rows by what the best node of a search leaves; return that node."""
         node = search.best
-        law = search.structures[int(np.argmax(search.weights[search.nodes.index(node)]))]
-        which = self.cutoffs[cutoff]
+        law = search.law_at(node)
         left, count = self._left(search, node, law)
-        self._weigh(which, left, self._noise(which, left, self.memory(node)), law, node, count)
+        noise = self._noise(self.key(node)[0], left, self.memory(node))
+        self._weigh(node, left, noise, law, count)
         return node
 
     def _left(self, search: Posterior, node: Node, law: Structure) -> tuple[Array, float]:
@@ -799,10 +832,7 @@ class RecordModel(Model):
         design = self.design(*self.key(node))
         c, b = search.estimate(node, law)
         at = [self.columns.index(one) for one in law]
-        left = (
-            self.balance.rows(self.cutoffs[node[-1]]).response
-            - design.random @ self.plain(node, b[:, None])[:, 0]
-        )
+        left = self.response(node) - design.random @ self.plain(node, b[:, None])[:, 0]
         return left - design.law[:, at] @ (c / design.sizes[at]), search.effective(node, law)
 
     def plain(self, node: Node, random: Array) -> Array:
@@ -878,24 +908,24 @@ class RecordModel(Model):
         return EXACT * max(float(np.sqrt(np.mean(y * y))), self.size) + TINY
 
     def _weigh(
-        self, which: int, left: Array, noise: Noise, law: Structure = (),
-        node: Node | None = None, count: float = 0.0,
-    ) -> None:  # fmt: skip
-        """Weigh the rows of a cutoff by what is left of them."""
+        self, node: Node, left: Array, noise: Noise, law: Structure = (), count: float = 0.0
+    ) -> None:
+        """Weigh the rows of the cutoff of a node by what is left of them, as forces act there."""
+        which, memory = self.key(node)
         rows = self.balance.rows(which)
         size = noise.deviations[self.classes(self.balance, which, noise)]
         size = size * noise.pieces[rows.piece]
         z = np.abs(left / size)
         tail = math.sqrt((TAIL + 1.0) / (TAIL + FAR_OUT**2))
         kept = np.where(z > FAR_OUT, np.sqrt((TAIL + 1.0) / (TAIL + z**2)) / tail, 1.0)
+        odd = TAIL * np.log(kept) + 0.5 * TAIL * (1.0 - kept**2)
+        self.spread[which, node[-3]] = float(np.sum(odd))
         weights = kept / size
         scaled = left * weights
         free = max(rows.count - count, 0.5 * rows.count)
         unit = math.sqrt(float(np.sum(scaled**2)) / free) + 1e-300
-        memory = node[-2] if node is not None else self.first
-        self.kappa = self._share(which, memory, law, scaled, weights)
-        weights = np.minimum(weights / unit, 1.0 / self._rounding(which))
-        self.weights[which] = weights * math.sqrt(self.kappa)
+        self.kappas[which] = self._share(which, memory, law, scaled, weights)
+        self.weights[which, node[-3]] = np.minimum(weights / unit, 1.0 / self._rounding(which))
         self.noises[which] = noise
         self._plain = {key: x for key, x in self._plain.items() if key[0] != which}
         self._grams = {key: x for key, x in self._grams.items() if key[0] != which}
@@ -956,6 +986,8 @@ class RecordModel(Model):
             k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
             bend, step = _top(np.log(factors[k - 1 : k + 2]), np.array(values[k - 1 : k + 2]))
             length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
+            if look(replace(form, length=length)) < max(values):
+                length = bristle.length * float(factors[np.argmax(values)])
             width = 0.1 if bend >= 0.0 else float(np.clip(math.sqrt(-0.5 / bend), *WIDTHS))
             unknown = frame.noise / length
             if form.ratio is not None:
@@ -969,10 +1001,11 @@ class RecordModel(Model):
         new = looked[0][0]
         kept = [self.memories[0], *looked[0][1]]
         kept += [one[1][0] for one in looked[1:] if one[0] > new - 5.0]
-        kept += [bristle] if old > new - 5.0 else []
+        better = bristle.ratio is not None and old > new  # of another level, which was refined
+        kept += [bristle] * better
         self._keep(kept)
-        node = (*node[:-2], 1 if new > old else len(kept) - 1, 0)
-        return self._again(self._here(node), 0)
+        node = (*node[:-2], len(kept) - 1 if better else 1, 0)
+        return self._again(self._here(node))
 
     def _keep(self, memories: list[Memory]) -> None:
         """Keep some bristles, and forget what was computed of others."""
@@ -1015,14 +1048,16 @@ class RecordModel(Model):
     def _widen(self, node: Node) -> list[Node]:
         """Open all cutoffs; return nodes from which a search of all begins."""
         self.cutoffs = tuple(range(len(CUTOFFS)))
-        found = [(*node[:-1], k) for k in self.cutoffs]
-        usual, kappa = self.noises[MIDDLE], self.kappa
-        for own, which in zip(found, self.cutoffs, strict=True):
-            if which != MIDDLE:
+        usual = self.noises[MIDDLE]
+        every = [(*one[:-2], *node[-2:]) for one in self.otherwise if one[-3] != node[-3]]
+        found = [(*one[:-1], which) for which in self.cutoffs for one in (*every, node)]
+        for own in found:
+            if (which := own[-1]) != MIDDLE:
                 rows = self.balance.rows(which)
                 size = usual.deviations[self.classes(self.balance, which, usual)]
-                self.weights[which] = math.sqrt(kappa) / (size * usual.pieces[rows.piece])
-                self._again(self._here(own), which)
+                self.weights[which, own[-3]] = 1.0 / (size * usual.pieces[rows.piece])
+                self.spread[which, own[-3]] = 0.0
+                self._again(self._here(own))
         return found
 
 
@@ -1067,24 +1102,54 @@ def _top(x: Array, y: Array) -> tuple[float, float]:
     return bend, -tilt / (2.0 * bend) if bend < 0.0 else float(x[np.argmax(y)])
 
 
-def squares_left(
-    x: Array, y: Array, far: float = 4.0, cut: Mask | None = None
-) -> tuple[float, float]:
-    """Return what columns (n, p) leave of values (n,), and the coefficient of the last.
-
-    What they leave is a mean square, in which what is `far` off counts as that many medians, and
-    rows that are `cut` off (n,) no less than others.
-    """
-    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+def solved_softly(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return coefficients (p,) of columns (n, p) for values (n,), and what they leave (n,)."""
+    size = np.sqrt(np.mean(x * x, axis=0)) + TINY
     x = x / size
     c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
-    e, last = np.abs(y - x @ c), float(c[-1] / size[-1])
-    usual = e if cut is None else e[~cut]
-    squares = np.minimum(e, far * np.median(usual)) ** 2
-    if cut is None:
-        return float(np.mean(squares)), last
-    least = float(np.mean(squares[~cut]))
-    return least + float(np.mean(cut)) * max(float(np.mean(squares[cut])) - least, 0.0), last
+    return c / size, y - x @ c
+
+
+def capped(left: Array, far: float = 4.0) -> float:
+    """Return the mean square of what is left (n,): what is `far` off counts as that many medians.
+
+    Examples
+    --------
+    >>> capped(np.array([1.0, -1.0, 1.0, 90.0, 1.0]))
+    4.0
+    """
+    size = np.abs(left)
+    return float(np.mean(np.minimum(size, far * np.median(size)) ** 2))
+
+
+def likeliest(likely: Callable[[float], float], grid: Array) -> tuple[float, float]:
+    """Return where a function is largest near an even grid (n,), and its value.
+
+    Examples
+    --------
+    >>> best, _ = likeliest(lambda x: -((x - 0.3) ** 2), np.linspace(-1.0, 1.0, 5))
+    >>> round(best, 2)
+    0.3
+    """
+    for _ in range(FINER):
+        values = [likely(x) for x in grid.tolist()]
+        best, step = float(grid[np.argmax(values)]), float(grid[1] - grid[0])
+        grid = best + step * np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) / 3.0
+    return best, max(values)
+
+
+def odds_of(acting: Acting) -> float:
+    """Return prior odds of a delay and a limit that leave least of those looked at, against none.
+
+    Together those looked at have that of `OTHERWISE`, of which the others count for nothing.
+
+    Examples
+    --------
+    >>> odds_of(Acting())
+    1.0
+    """
+    each = {len(DELAYS): acting.delay != 0.0, len(LIMITS): math.isfinite(acting.limit)}
+    return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)
 
 
 def waves_of(

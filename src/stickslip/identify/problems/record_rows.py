@@ -178,28 +178,15 @@ def continued(position: Array) -> Array:
     return np.asarray(position[0] + np.concatenate([[0.0], np.cumsum(steps)]))
 
 
+def means(x: Array, count: int) -> Array:
+    """Return means of so many samples each (n // count,)."""
+    kept = len(x) // count * count
+    return np.asarray(x[:kept].reshape(-1, count).mean(axis=1))
+
+
 def averaged(record: Record, count: int) -> Record:
     """Return means of so many samples each."""
-
-    def of(x: Array) -> Array:
-        kept = len(x) // count * count
-        return np.asarray(x[:kept].reshape(-1, count).mean(axis=1))
-
-    def or_none(x: Array | None) -> Array | None:
-        return None if x is None else of(x)
-
-    return replace(
-        record,
-        time=of(record.time),
-        position=of(record.position),
-        force=of(record.force),
-        velocity=or_none(record.velocity),
-        mechanism=or_none(record.mechanism),
-        load=or_none(record.load),
-        transmitted=or_none(record.transmitted),
-        inputs={name: of(x) for name, x in record.inputs.items()},
-        unknown={path: replace(x, force=of(x.force)) for path, x in record.unknown.items()},
-    )
+    return record.each(lambda x: means(x, count))
 
 
 def noise_in_motion(record: Record) -> float:
@@ -286,10 +273,14 @@ def mean_frequency(records: Sequence[Record]) -> float:
 
 def motion(record: Record, filt: Filter) -> tuple[Array, Array]:
     """Return velocities, in twice the band, and accelerations (n,)."""
-    v = velocity_of(record, filt, WIDER)
+    return velocity_of(record, filt, WIDER), acceleration_of(record, filt, full=True)
+
+
+def acceleration_of(record: Record, filt: Filter, *, full: bool = False) -> Array:
+    """Return accelerations (n,) [m/s^2], or at the rows."""
     if record.velocity is not None:
-        return v, filt(record.velocity, slope=1, full=True)
-    return v, filt(record.position, bent=True, slope=2, full=True)
+        return filt(record.velocity, slope=1, full=full)
+    return filt(record.position, bent=True, slope=2, full=full)
 
 
 def velocity_of(record: Record, filt: Filter, wider: float) -> Array:
@@ -297,6 +288,19 @@ def velocity_of(record: Record, filt: Filter, wider: float) -> Array:
     if record.velocity is not None:
         return filt(record.velocity, wider=wider, full=True)
     return filt(record.position, bent=True, slope=1, wider=wider, full=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Acting:
+    """How recorded forces act."""
+
+    delay: float = 0.0
+    """How much later than recorded [s]."""
+    limit: float = math.inf
+    """Force above which no more acts [N]."""
+
+
+AS_RECORDED = Acting()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -310,8 +314,6 @@ class Piece:
     """Middle cutoff [Hz]."""
     every: int
     """Samples from one of the finer rows to the next."""
-    delay: float = 0.0
-    """How much later forces act than recorded, as found [s]."""
     wider: float = WIDER
     """Band of the velocity over that of the rows. At a turn the acceleration jumps with the
     friction: a narrow band turns it at another time, and a wide one has noise."""
@@ -322,15 +324,28 @@ class Piece:
         return float(self.record.time[1] - self.record.time[0])
 
     @cached_property
-    def late(self) -> float:
-        """How much later a force acts than recorded: it may hold until the next sample [s]."""
-        step = float(self.given.time[1] - self.given.time[0])
-        return self.delay + 0.5 * step * self.given.held
+    def sample(self) -> float:
+        """Time from sample to sample before means were taken [s]."""
+        return float(self.given.time[1] - self.given.time[0])
+
+    @property
+    def held(self) -> float:
+        """How much later a force acts than recorded as it may hold until the next sample [s]."""
+        return 0.5 * self.sample * self.given.held
+
+    def acted(self, limit: float) -> Array:
+        """Return what acts of the forces below a limit (n,) [N]: before means are taken."""
+        return means(np.clip(self.given.force, -limit, limit), round(self.step / self.sample))
+
+    def above(self, limit: float) -> Array:
+        """Return shares of the samples whose force is above a limit, with its sign (n,)."""
+        force = self.given.force
+        return means(np.sign(force) * (np.abs(force) > limit), round(self.step / self.sample))
 
     @property
     def _fewer(self) -> float:
         """What noise falls by where means are taken."""
-        return math.sqrt(float(self.given.time[1] - self.given.time[0]) / self.step)
+        return math.sqrt(self.sample / self.step)
 
     @cached_property
     def filters(self) -> tuple[Filter, ...]:
@@ -374,6 +389,11 @@ class Piece:
     def velocity(self) -> Array:
         """Velocities (n,) [m/s]."""
         return velocity_of(self.record, self.filters[MIDDLE], self.wider)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Accelerations in the middle band (n,) [m/s^2]."""
+        return acceleration_of(self.record, self.filters[MIDDLE], full=True)
 
     @cached_property
     def way(self) -> Array:
@@ -489,9 +509,10 @@ class BalanceRows:
     """Rows of all pieces at one cutoff: those in motion, or those at rest."""
 
     def __init__(
-        self, pieces: Sequence[Piece], which: int, every: int, *, rests: bool = False
-    ) -> None:
-        self.pieces, self.which = pieces, which
+        self, pieces: Sequence[Piece], which: int, every: int, acting: Acting = AS_RECORDED, *,
+        rests: bool = False,
+    ) -> None:  # fmt: skip
+        self.pieces, self.which, self.acting = pieces, which, acting
         self.picks: list[Places] = []
         """Finer rows of each piece that are taken."""
         far = []
@@ -521,11 +542,10 @@ class BalanceRows:
         self, parts: Sequence[Array], *, slope: int = 0, late: Sequence[float] | None = None
     ) -> Array:
         """Return columns of the pieces (n, ...) as the filter shows them, at the rows."""
-        found = []
-        for k, (x, pick, piece) in enumerate(zip(parts, self.picks, self.pieces, strict=True)):
-            delay = 0.0 if late is None else late[k]
-            found.append(piece.filters[self.which](x, slope=slope, late=delay)[pick])
-        return np.concatenate(found)
+        each = zip(parts, self.picks, self.pieces, late or [0.0] * len(parts), strict=True)
+        return np.concatenate(
+            [p.filters[self.which](x, slope=slope, late=delay)[pick] for x, pick, p, delay in each]
+        )
 
     def sensed(self, inertia: float) -> Array:
         """Return what the noise of sensors makes of the rows of a balance (n,) [N].
@@ -536,7 +556,7 @@ class BalanceRows:
         for piece, pick in zip(self.pieces, self.picks, strict=True):
             band, step = piece.filters[self.which].band, piece.step
             third = np.zeros_like(piece.record.force)
-            third[1:-2] = np.diff(piece.record.force, 3) ** 2 / THIRD
+            third[1:-2] = np.diff(piece.acted(self.acting.limit), 3) ** 2 / THIRD
             width = max(round(1.0 / band / step), 1)
             here = uniform_filter1d(uniform_filter1d(third, width), width)[pick * piece.every]
             by_place = piece.record.velocity is None
@@ -548,29 +568,32 @@ class BalanceRows:
     @cached_property
     def acceleration(self) -> Array:
         """Accelerations (n,) [m/s^2]."""
-        found = []
-        for piece, pick in zip(self.pieces, self.picks, strict=True):
-            filt, one = piece.filters[self.which], piece.record
-            if one.velocity is None:
-                found.append(filt(one.position, bent=True, slope=2)[pick])
-            else:
-                found.append(filt(one.velocity, slope=1)[pick])
-        return np.concatenate(found)
+        each = zip(self.pieces, self.picks, strict=True)
+        return np.concatenate(
+            [acceleration_of(p.record, p.filters[self.which])[pick] for p, pick in each]
+        )
+
+    def unknown(self, path: str) -> Array:
+        """Return what a unit of a parameter that is looked for takes (n,)."""
+        own = [p.record.unknown[path] for p in self.pieces]  # each as its trial was set up
+        inertia = np.array([one.inertia for one in own])[self.piece]
+        return np.asarray(inertia * self.acceleration - self.seen([one.force for one in own]))
 
     @cached_property
     def force(self) -> Array:
         """Forces, with those of the mechanism (n,) [N]."""
-        late = [one.late for one in self.pieces]
-        found = self.seen([one.record.force for one in self.pieces], late=late)
-        known = [one.record.mechanism for one in self.pieces]
-        if any(x is not None for x in known):
-            found = found + self.seen(
-                [
-                    0.0 * p.record.time if x is None else x
-                    for p, x in zip(self.pieces, known, strict=True)
-                ]
+        found, records = self.driven(self.acting), [one.record for one in self.pieces]
+        if any(one.mechanism is not None for one in records):
+            found += self.seen(
+                [0.0 * x.time if x.mechanism is None else x.mechanism for x in records]
             )
         return found
+
+    def driven(self, acting: Acting, slope: int = 0) -> Array:
+        """Return recorded forces as they act (n,) [N], derived `slope` times."""
+        forces = [one.acted(acting.limit) for one in self.pieces]
+        late = [one.held + acting.delay for one in self.pieces]
+        return self.seen(forces, slope=slope, late=late)
 
     @cached_property
     def response(self) -> Array:

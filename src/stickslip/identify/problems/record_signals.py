@@ -1,7 +1,7 @@
 """Records of one coordinate as balances take them: one filter for all, bristles along the way."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -91,27 +91,28 @@ class Record:
         assert self.velocity is not None
         return noise_of(self.velocity)
 
-    def on(self, time: Array) -> "Record":
-        """Return the record at other times, by straight lines."""
+    def each(self, of: Callable[[Array], Array]) -> "Record":
+        """Return the record with something else of each channel."""
 
-        def at(x: Array | None) -> Array | None:
-            return None if x is None else np.interp(time, self.time, x)
+        def or_none(x: Array | None) -> Array | None:
+            return None if x is None else of(x)
 
         return replace(
             self,
-            time=time,
-            position=np.interp(time, self.time, self.position),
-            force=np.interp(time, self.time, self.force),
-            velocity=at(self.velocity),
-            mechanism=at(self.mechanism),
-            unknown={
-                path: replace(one, force=np.interp(time, self.time, one.force))
-                for path, one in self.unknown.items()
-            },
-            load=at(self.load),
-            transmitted=at(self.transmitted),
-            inputs={name: np.interp(time, self.time, x) for name, x in self.inputs.items()},
+            time=of(self.time),
+            position=of(self.position),
+            force=of(self.force),
+            velocity=or_none(self.velocity),
+            mechanism=or_none(self.mechanism),
+            load=or_none(self.load),
+            transmitted=or_none(self.transmitted),
+            inputs={name: of(x) for name, x in self.inputs.items()},
+            unknown={path: replace(x, force=of(x.force)) for path, x in self.unknown.items()},
         )
+
+    def on(self, time: Array) -> "Record":
+        """Return the record at other times, by straight lines."""
+        return self.each(lambda x: np.interp(time, self.time, x))
 
 
 def records_of(

@@ -283,7 +283,7 @@ class RecordProblem(Problem):
 
         It is as long as a twentieth of the record.
         """
-        count = self.model.kappa * self.model.balance.rows(MIDDLE).count / STRETCHES
+        count = self.model.kappas[MIDDLE] * self.model.balance.rows(MIDDLE).count / STRETCHES
         sizes, shares = SCALES["run"]
         run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
         return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
@@ -677,15 +677,12 @@ class RecordProblem(Problem):
     def _left(self) -> tuple[Array, Array]:
         """Velocities and friction (n,) of the rows, less what is no friction, at the best node."""
         model, node = self.model, self.posterior.best
-        law = self.posterior.structures[
-            int(np.argmax(self.posterior.weights[self.posterior.nodes.index(node)]))
-        ]
-        _, b = self.posterior.estimate(node, law)
+        _, b = self.posterior.estimate(node, self.posterior.law_at(node))
         which, memory = model.key(node)
         design, rows = model.design(which, memory), model.balance.rows(which)
         plain = model.plain(node, b[:, None])[:, 0]
         friction = np.isin(design.groups, ("common", "sides", "offset", "side"))
-        y = rows.response - design.random[:, ~friction] @ plain[~friction]
+        y = model.response(node) - design.random[:, ~friction] @ plain[~friction]
         resolved = rows.far > RESOLVED
         kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
         return rows.velocity[kept], y[kept]
@@ -717,7 +714,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
-        found += self._given(draws) + self._saturation(draws)
+        found += self._given(draws) + self._limit(draws)
         inputs = [*self.model.frame.inputs]
         found += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
         for name in inputs if len(self.model.frame.sides) > 1 else ():
@@ -761,21 +758,17 @@ class RecordProblem(Problem):
 
         It takes the force with its sign, beside the best law and all that is always there.
         """
-        model, posterior = self.model, self.posterior
-        node = posterior.best
+        model, node = self.model, self.posterior.best
         if "zone" not in model.names:
             return 0.0
-        law = posterior.structures[int(np.argmax(posterior.weights[posterior.nodes.index(node)]))]
-        which, memory = model.key(node)
-        design = model.design(which, memory)
-        zone, sizes = design.groups == "zone", model.deviations(node)
-        column = design.random[:, zone][:, 0]
-        at = [model.columns.index(one) for one in law]
-        beside = [design.random[:, ~zone] * sizes[~zone], COEFFICIENT * design.law[:, at]]
-        weights = model.weights[which] / model.at(node, "noise")
-        x, c = np.hstack(beside) * weights[:, None], column * weights
-        moment = x.T @ c
-        told = c @ c - moment @ np.linalg.solve(x.T @ x + np.eye(len(moment)), moment)
+        groups, system = model.design(*model.key(node)).groups, model.system(node, model.columns)
+        zone, law = int(np.argmax(groups == "zone")), self.posterior.law_at(node)
+        at = [k for k in range(len(groups)) if k != zone]
+        at += [len(groups) + model.columns.index(one) for one in law]
+        sizes = np.append(system.deviations, np.full(len(model.columns), COEFFICIENT))[at]
+        moment = sizes * system.gram[at, zone]
+        gram = sizes[:, None] * system.gram[np.ix_(at, at)] * sizes + np.eye(len(at))
+        told = system.gram[zone, zone] - moment @ np.linalg.solve(gram, moment)
         return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
@@ -920,17 +913,20 @@ class RecordProblem(Problem):
             found.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
         return found
 
-    def _saturation(self, draws: Sequence[Draws]) -> list[Finding]:
+    def _limit(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return from which force on no more of what was recorded acts, if there is one."""
-        limit, unit = self.model.balance.limit, "N m" if self.turning else "N"
-        if not math.isfinite(limit):
+        model, unit = self.model, "N m" if self.turning else "N"
+        split = [(model.acting(x.node).limit, model.split(x.node, x.random)) for x in draws]
+        limited = [limit - own["limit"][0] for limit, own in split if math.isfinite(limit)]
+        if not limited:
             return []
-        off = [self.model.split(x.node, x.random)["limit"][0] for x in draws]
-        limits = limit - np.concatenate(off)
+        limits = np.concatenate(limited)
+        shares = self.posterior.scale("acting")[np.isfinite([x.limit for x in model.actings])]
+        likely = min(float(shares.sum()), 1.0)
         low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
         what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
-        what += ": the drive saturates."
-        return [stated("clip", "saturation of the drive", 1.0, limits / self.size, what)]
+        what = f"{what}: the drive saturates."
+        return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
 
     def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
         """Return by how many samples the force acts late, and the half width of its interval.
@@ -939,20 +935,23 @@ class RecordProblem(Problem):
         """
         if "delay" not in self.model.names:
             return math.nan, math.inf
-        step = float(np.median(np.diff(self.model.balance.pieces[0].given.time)))
-        low, middle, high = np.quantile(self._late(draws) / step, (0.025, 0.5, 0.975)).tolist()
+        late = self._late(draws) / self.model.balance.pieces[0].sample
+        low, middle, high = np.quantile(late, (0.025, 0.5, 0.975)).tolist()
         return middle, 0.5 * (high - low)
 
     def _late(self, draws: Sequence[Draws]) -> Array:
         """Return draws of how much later the force acts than recorded (n,) [s]."""
         model = self.model
-        found = [model.split(one.node, one.random)["delay"][0] for one in draws]
-        return np.asarray(np.concatenate(found) + model.balance.pieces[0].late)
+        found = [
+            model.split(one.node, one.random)["delay"][0] + model.acting(one.node).delay
+            for one in draws
+        ]
+        return np.asarray(np.concatenate(found) + model.balance.pieces[0].held)
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
         late = self._late(draws)
-        step, middle = self.model.balance.pieces[0].step, float(np.median(late))
+        step, middle = self.model.balance.pieces[0].sample, float(np.median(late))
         # from going straight to the next sample to holding until it, and half a sample beyond
         likely = float(max(np.mean(late > 1.5 * step), np.mean(late < -0.5 * step)))
         return stated(
