@@ -298,6 +298,11 @@ def run(options: CheckOptions) -> None:
     measurement = _measurement(rig, data, reading)
     vary = () if rig is None else rig.vary
     found = check(measurement, mechanism=mechanism, vary=vary, conditions=_used(measurement))
+    if found.worst != "error" and "force" in measurement.records()[0].quantities():
+        from stickslip.identify.problems.record_checks import sign_findings  # loads the judge
+
+        signs = sign_findings(measurement, mechanism, vary)
+        found = replace(found, findings=(*found.findings, *signs))
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
     content = document("check", {**found.to_dict(), **origins})
