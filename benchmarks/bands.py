@@ -10,10 +10,10 @@ Measured of a rig: whether the band holds the true steady friction point by poin
 beyond the measured speeds; its half-width over the noise; the probability of a new reading to lie
 in the bands of readings; whether the named law is the true one, or predicts as well (root mean
 square error at most 1.25 times that of the true structure fitted by least squares, or half the
-noise); whether the set holds the true family; intervals whichever law; and after the advised
+noise); whether the set holds the true family; intervals over all laws; and after the advised
 readings, drawn from the truth, whether the mean width has halved or one family is left.
 
-*False statements*: a bounded interval "whichever law" that misses its true value by more than half
+*False statements*: a bounded interval over all laws that misses its true value by more than half
 its width; a fault, and on records any property of the rig, that is named without doubt and is not
 there; a law that is alone in its set without doubt, wrong, and off by more than the noise; a band
 that misses the truth by more than two noises anywhere, unless what hides there is said to.
@@ -265,7 +265,7 @@ def summary(rows: Sequence[Row]) -> list[tuple[str, str, str, bool | None]]:
         held = [one for row in own for one in row.get("intervals", ()) if one["bounded"]]
         share = _mean(held, "any")
         put(
-            f"{kind}: intervals whichever law ({len(held)})",
+            f"{kind}: intervals over all laws ({len(held)})",
             ".93-.99",
             share,
             0.93 <= share <= 0.99,

@@ -269,7 +269,7 @@ def _off(rig: Rig, law: FrictionLaw, verdict: SimulatedVerdict) -> float:
 
 
 def _widths(verdict: SimulatedVerdict) -> float:
-    """Return the mean logarithm of the widths of levels, whichever law holds."""
+    """Return the mean logarithm of the widths of levels, over all candidate laws."""
     paths = ("friction.kinetic_coefficient", "friction.static_coefficient")
     return float(np.mean([math.log(np.ptp(pooled(verdict.fits, path))) for path in paths]))
 

@@ -301,7 +301,8 @@ def run(options: CheckOptions) -> None:
     if found.worst != "error" and "force" in measurement.records()[0].quantities():
         from stickslip.identify.problems.record_checks import sign_findings  # loads the judge
 
-        signs = sign_findings(measurement, mechanism, vary)
+        own = [path for path in vary if path.startswith("mechanism.")]
+        signs = sign_findings(measurement, mechanism, own)
         found = replace(found, findings=(*found.findings, *signs))
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}

@@ -204,7 +204,7 @@ class JointVerdict(_OfJoints, Verdict[Candidate[JointLawFit]]):
         level: float = 0.95,
         all_along: bool = False,
     ) -> PredictionBand:
-        """Return what friction of a joint is at velocities, whichever law holds.
+        """Return what friction of a joint is at velocities, over all candidate laws.
 
         Parameters
         ----------

@@ -2,8 +2,8 @@
 
 1. **Which law**: the named one, by how much of friction it is off at most at 95 % of the places and
    where it is worst, laws that are not told from it, and a shorter one that is as close.
-2. **How well friction is known**, whichever law holds; that of another specimen too.
-3. **Its parameters**, if it holds and whichever law does.
+2. **How well friction is known**, over all candidate laws; that of another specimen too.
+3. **Its parameters**, if it holds and over all candidate laws.
 4. **What stands beside it**, with its odds.
 5. **What is not told.**
 6. **What to measure next.**

@@ -73,7 +73,7 @@ def opening_section(
 
 
 def _estimates(verdict: Verdict) -> list[tuple[Estimate, Estimate]]:
-    """Return the parameters, if the named law holds and whichever does, levels and slopes first."""
+    """Return the parameters, if the named law holds and over all candidate laws, levels and slopes first."""
     return sorted(verdict.stated, key=lambda one: importance(one[0]))
 
 
@@ -153,7 +153,7 @@ def laws_section(verdict: BandVerdict) -> Section:
 
 
 def parameters_section(verdict: Verdict) -> Section | None:
-    """Return the parameters: under the named law, and whichever law has them."""
+    """Return the parameters: under the named law, and over the laws that have them."""
     if not verdict.stated:
         return None
     rows = []

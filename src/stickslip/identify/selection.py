@@ -91,7 +91,7 @@ def select_table(
     tolerance: float | None = None,
     route: str = "table",
 ) -> BandVerdict:
-    """Judge a table of friction: which law, and what friction is whichever law holds.
+    """Judge a table of friction: which law, and what friction is over all candidate laws.
 
     A law may be off by the `tolerance`, a share of friction.
     """
@@ -251,7 +251,7 @@ def select_record(
     tolerance: float | None = None,
     route: str = "balance",
 ) -> BandVerdict:
-    """Judge records of one coordinate: which law, and what friction is whichever law holds.
+    """Judge records of one coordinate: which law, and what friction is over all candidate laws.
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
     samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.

@@ -110,7 +110,7 @@ def range_of(speeds: Array, unit: str) -> str:
 def band_sentence(
     speeds: Array, band: PredictionBand, words: Words, *, offset: bool = False
 ) -> str:
-    """Return how well friction is known over the speeds, whichever law holds.
+    """Return how well friction is known over the speeds, for all candidate laws.
 
     The band holds a constant offset where there may be one.
     """
@@ -121,16 +121,16 @@ def band_sentence(
     if middle > 1.0:
         farthest = max(float(np.max(np.abs(band.low))), float(np.max(np.abs(band.high))))
         reach = quantity(farthest, words.force_unit, 2)
-        return f"{over}, {what} is within ± {reach} of zero (95 % band, whichever law holds)."
+        return f"{over}, {what} is within ± {reach} of zero (95 % band over all candidate laws)."
     said = f"{over}, {what} is known to ± {percent(middle)}"
     if share[worst] > 1.5 * middle:
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
         said += at_worst(percent(float(share[worst])), at)
-    return f"{said} (95 % band, whichever law holds)."
+    return f"{said} (95 % band over all candidate laws)."
 
 
 def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
-    """Return an interval under the named law, and whichever law of the set has the parameter."""
+    """Return an interval under the named law, and over the laws of the set that have the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
     own = interval(estimate.low, estimate.high)

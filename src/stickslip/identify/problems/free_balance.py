@@ -249,6 +249,7 @@ class FreeBalance:
         slowest, fastest = self.passed(np.array(SEEN)).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
         self.dim = self.slowest / (KNOWN_SPEED if self.goes_on else 1.0)
+        self.refuse_gain()
         self.y = np.concatenate([one.response / one.noise for one in self.each])
         ones = [1.0 / one.noise for one in self.each]
         zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]
@@ -290,6 +291,12 @@ class FreeBalance:
     def refuse_gain(self) -> None:
         """Refuse motions that gain energy, or momentum, which friction only takes."""
         for one in self.each:
+            if one.is_at_turns and not np.any(one.slope):
+                raise InputError(
+                    "the motion turns back although no spring and no weight of the mechanism pulls"
+                    " it back: something drives it. Give the force, or the stiffness or length of"
+                    " the mechanism."
+                )
             gained = float(one.response[0] - one.response[-1])
             if gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
                 what = "momentum" if self.goes_on else "energy"

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.judgement import Candidates, Problem
 from stickslip.identify.laws import (
@@ -32,6 +33,7 @@ from stickslip.identify.problems.free_balance import (
 )
 from stickslip.identify.problems.free_runs import (
     KNOTS,
+    NOT_FREE,
     ROUNDED,
     RUN_PRIOR,
     RUNS,
@@ -127,9 +129,11 @@ class FreeMotionProblem(Problem):
         if self.sought:
             inertia = next((x for x in self.sought if x not in own[0].unknown), "")
             found = balanced(own, form, inertia)
-            own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
+            try:
+                own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
+            except InputError as error:
+                raise InputError(f"{NOT_FREE} The closest balance says: {error}") from None
         self.balance = FreeBalance(own, form)
-        self.balance.refuse_gain()
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen, self.normal)

@@ -103,6 +103,12 @@ CLOSEST = 1e-5
 STRAIGHT, AGAIN = 0.1, 4
 """Error of the logarithm of the likelihood up to which runs are linear, and how often slopes are
 taken at most."""
+LEFT = 0.5
+"""Share of a motion from which a run that leaves it follows nothing: it lost the phase."""
+NOT_FREE = (
+    "no run of a law follows this free motion: check mass, length and stiffness of the mechanism,"
+    " and that nothing drives the motion."
+)
 BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDED = 1e-13
@@ -711,11 +717,10 @@ def followed(motion: FreeMotion) -> RunModel:
     """Return the readings linear about a run that follows them, from the fixed curve."""
     runs = Runs(motion)
     linear = runs.follows(np.ones(KNOTS))
-    if linear is None:
-        raise InputError(
-            "no run of a law follows this free motion: check mass, length and stiffness of the"
-            " mechanism, and that nothing drives the motion."
-        )
+    moved = [x.values - np.mean(x.values) * x.located for x in motion.motions]
+    size = np.linalg.norm(np.concatenate(moved))
+    if linear is None or np.linalg.norm(linear.residual) > LEFT * size:
+        raise InputError(NOT_FREE)
     return RunModel(runs, linear)
 
 

@@ -1,4 +1,4 @@
-r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, whichever law holds.
+r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, over all candidate laws.
 
 1. *Fits*: every law in every shape (`travel_laws`), and the measured curve over the setting,
    :math:`T = T(c) (1 + a + b u + w(u))` with :math:`T(c)` of the best law, :math:`u` the logarithm

@@ -218,7 +218,7 @@ def plan(
 ) -> Plan:
     """Plan travels that tell friction laws apart and fix their parameters.
 
-    The band of the travel over the settings, whichever law holds, is that of `select`: where it is
+    The band of the travel over the settings, for all candidate laws, is that of `select`: where it is
     widest, a reading narrows it most. What the runs will tell is what `select` makes of the travels
     that each law predicts.
 

@@ -38,7 +38,7 @@ class Separation(metaclass=Described):
     predicted: Mapping[str, float]
     """Travel [m] by law."""
     low: float
-    """Lower end of the 95 % band of the travel [m], whichever law holds, before the runs."""
+    """Lower end of the 95 % band of the travel [m] over all candidate laws, before the runs."""
     high: float
     """Its upper end [m]."""
     expected: float
