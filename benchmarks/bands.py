@@ -180,16 +180,24 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
     places = verdict.advised()
     if places is None:
         return {"advised": False}
-    try:
-        after = judged(rig.more(places, seed))
-    except Exception:  # counted as advice that did not help
-        return {"advice": False}
-    before, now = (one.band(rig.asked) for one in (verdict, after))
-    shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
-    return {
-        "asked": len(places), "expected": verdict.expected, "shrink": shrink,
-        "advice": shrink <= 0.5 or len(after.set) == 1,
-    }  # fmt: skip
+    before, found = verdict.band(rig.asked), dict[str, Any]()
+    enough = verdict.halves and verdict.advised(verdict.halves)
+    for which, some in (("advice", places), ("enough", enough)):
+        if some is None:
+            continue
+        try:
+            after = judged(rig.more(some, seed))
+        except Exception:  # counted as advice that did not help
+            found[which] = False
+            continue
+        now = after.band(rig.asked)
+        shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
+        found[which] = shrink <= 0.5 or len(after.set) == 1
+        if which == "advice":
+            found |= {"asked": len(some), "expected": verdict.expected, "shrink": shrink}
+        else:
+            found |= {"halves": len(some), "halved": shrink}
+    return found
 
 
 def _false(rig: Rig, row: Row) -> Iterator[str]:
@@ -273,6 +281,8 @@ def summary(rows: Sequence[Row]) -> list[tuple[str, str, str, bool | None]]:
         put(f"{kind}: intervals under the named law", "-", _mean(held, "law"), True)
         share = _mean(own, "advice")
         put(f"{kind}: advice decides or halves the band", ">= .70", share, share >= 0.70)
+        share = _mean(own, "enough")
+        put(f"{kind}: as many as are said to halve it do", "-", share, True)
         asked = [row["asked"] for row in own if "asked" in row]
         if asked:
             put(f"{kind}: advised readings, median", "-", float(np.median(asked)), True, "{:.0f}")

@@ -10,7 +10,7 @@ friction with a level that varies along the track. Rigs are as rigs are: springs
 along each. *Velocity steps*: records of the four usual forms of rate-and-state friction, and of two
 states and Nagata's form, with a machine that is 20 to 40 % off as given.
 
-A verdict is *right* if it names the true law or does not tell it from the one named, or if the law
+A verdict is *right* if it names the true law, or cannot distinguish it, or if the law
 that it names predicts what was not measured as well: features at half and twice the speed, or
 friction at a step that was not made, within `NEAR` or the stated error. It is a *false certainty*
 if a law is recommended without an equal or a doubt and errs there by more than `FAR` times that, or

@@ -296,7 +296,11 @@ def test_a_motion_that_only_speeds_up_is_refused():
 DRIVEN = {
     "no spring": (Axis(inertia=1.0), (), "turns back although no spring"),
     "another length": (Pendulum(mass=1.0, length=0.5), (), "no run of a law follows"),
-    "its length": (Pendulum(mass=1.0, length=0.5), ("mechanism.length",), "no run of a law follows"),
+    "its length": (
+        Pendulum(mass=1.0, length=0.5),
+        ("mechanism.length",),
+        "no run of a law follows",
+    ),
 }
 
 

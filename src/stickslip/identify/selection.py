@@ -32,7 +32,7 @@ from stickslip.identify.problems.record_signals import NotToldError, Record, rec
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import WORTH, Proposal, propose
+from stickslip.identify.propose import WORTH, Proposal, propose, within_band
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     ORDERED,
@@ -110,13 +110,13 @@ def select_table(
     asked, offered = problem.asked(), problem.offered()
     typical = problem.steady(asked, judgement.draws)
     # new readings do not take off by what runs differ, and what may drift
-    rest = np.maximum(np.var(judgement.curves(asked), axis=0) - np.var(typical, axis=0), 0.0)
+    spreads = [np.var(within_band(x), axis=0) for x in (judgement.curves(asked), typical)]
     proposal = propose(
         typical,
         problem.steady(offered, judgement.draws),
         problem.noise(offered),
         problem.table.total,
-        rest,
+        np.maximum(spreads[0] - spreads[1], 0.0),
     )
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     remarks = [ORDERED] * problem.model.is_sorted

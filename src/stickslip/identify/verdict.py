@@ -195,6 +195,8 @@ class BandVerdict(Verdict[LawCandidate]):
     """Foresees readings of another measurement."""
     shrinks: float = 1.0
     """Expected width of the band after what is proposed, over today's."""
+    halves: int | None = None
+    """Number of such readings, or stretches, expected to halve the band; None if too many."""
     places: tuple[float, ...] = ()
     """Velocities that are proposed [m/s] or [rad/s]."""
 
@@ -289,7 +291,7 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @property
     def set(self) -> tuple[Family, ...]:
-        """Families that are not told apart, the named one first."""
+        """Families that cannot be distinguished, the named one first."""
         return self.judgement.families
 
     @property
@@ -751,7 +753,7 @@ def estimates_of(
     *,
     any_law: bool,
 ) -> tuple[Estimate, ...]:
-    """Return the parameters of the named law, with intervals if it holds or over all candidate laws."""
+    """Return the parameters of the named law, with intervals if it holds or over all laws."""
     return tuple(
         _estimate(one, law, mechanism, measurement, any_law=any_law) for one in judgement.intervals
     )

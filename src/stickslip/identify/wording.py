@@ -70,9 +70,8 @@ def relative(band: PredictionBand) -> Array:
 
 def from_zero_sentence(closest: str, words: Words) -> str:
     """Return that friction may be zero, and which law is closest."""
-    these = "do" if words.measured.endswith("s") else "does"
     return (
-        f"No law is recommended: the {words.measured} {these} not tell friction from zero. Check"
+        f"No law is recommended: the {words.measured} cannot distinguish friction from zero. Check"
         f" units, gains and signs; {closest} is the closest."
     )
 
@@ -130,7 +129,7 @@ def band_sentence(
 
 
 def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
-    """Return an interval under the named law, and over the laws of the set that have the parameter."""
+    """Return an interval under the named law, and over all laws that have the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
     own = interval(estimate.low, estimate.high)
@@ -173,6 +172,8 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
+    if proposal.halves is not None and proposal.halves > len(places):
+        expected += f"; about {proposal.halves} in all, chosen so, would halve it"
     reads = words.measured == "readings"
     many = "{} readings" if reads else "{} times"
     if len(counts) <= MOST:

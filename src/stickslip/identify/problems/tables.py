@@ -23,7 +23,7 @@ from stickslip.identify.fits import (
     uncertainties_of,
 )
 from stickslip.identify.forces import load_slopes
-from stickslip.identify.judgement import Candidates, Finding, Problem, stated
+from stickslip.identify.judgement import ONE_WAY, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
 from stickslip.identify.own_laws import (
     certain_of,
@@ -670,19 +670,21 @@ class TableProblem(Problem):
     # ---- what stands beside the law ---------------------------------------------------------
 
     def untold(self) -> list[str]:
-        """Return sentences on inputs that are not told from runs, and what would tell them."""
-        frame, rows = self.model.frame, self.table.rows
+        """Return sentences on inputs that cannot be distinguished from runs, and on the cure."""
+        frame, rows, found = self.model.frame, self.table.rows, list[str]()
+        if "offset" not in self.model.groups:
+            found.append(f"{ONE_WAY} Measure in the other direction, too.")
         if not 1 < frame.runs < len(rows.run):
-            return []
+            return found
         of_runs = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
-        found = []
         for name in frame.means:
             x = rows.inputs[name]
             within = x - of_runs @ np.linalg.lstsq(of_runs, x, rcond=None)[0]
             if 1.0 - np.var(within) / np.var(x) > FOLLOWS:
                 found.append(
-                    f"An effect of the {name} is told from differences between the {frame.runs}"
-                    f" runs only as far as these are small: it hardly changes within a run. Change"
+                    f"An effect of the {name} can be distinguished from differences between the"
+                    f" {frame.runs} runs only if these are small: it hardly changes within a run."
+                    f" Change"
                     f" the {name} within a run, or repeat a run at the same {name}."
                 )
         return found

@@ -125,7 +125,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
 
     @property
     def set(self) -> tuple[tuple[str, ...], ...]:
-        """Laws that are not told apart, the named one first."""
+        """Laws that cannot be distinguished, the named one first."""
         return tuple((name,) for name in self.judgement.set)
 
     @property
