@@ -46,10 +46,7 @@ from stickslip.identify.wording import (
     Words,
     advice_sentence,
     band_sentence,
-    from_zero_sentence,
     load_sentence,
-    no_friction_sentence,
-    none_text,
     of_load_text,
     outlier_sentence,
     parameter_sentence,
@@ -121,7 +118,7 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     """Return which law to use, and how close it is, after what is `wrong` with the mechanism."""
     named = judgement.named
     if not named.structure and not judgement.is_told:
-        return no_friction_sentence(words)
+        return f"No friction stands above the noise of the {words.measured}."
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
     found = [one for one in judgement.findings if one.asserted and one.is_mistake]
     doubts = [*wrong, *(one.sentence for one in found)]
@@ -131,10 +128,13 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f" {phrase}{beside} stays within {distance_text(judgement, named, words)}."
         )
     if not judgement.is_told:
-        return from_zero_sentence(f"{phrase}{beside}", words)
+        return (
+            f"No law is recommended: the {words.measured} cannot distinguish friction from zero."
+            f" Check units, gains and signs; {phrase}{beside} is the closest."
+        )
     how = distance_text(judgement, named, words)
     if not judgement.is_explained:
-        none = none_text(restricted=judgement.problem.restricted)
+        none = "None of the laws compared" if judgement.problem.restricted else "No law"
         return (
             f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
             f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."

@@ -69,8 +69,10 @@ def propose(
         return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0) + rest)))
 
     start = width()
-    places, shrinks = list[int](), [1.0]
-    while start > 0.0 and len(places) < COUNTED and shrinks[-1] > HALF:
+    places, shrinks, most = list[int](), [1.0], min(MOST, taken)
+    while start > 0.0 and len(places) < COUNTED:
+        if shrinks[-1] <= (HALF if len(places) < most else HALVED):
+            break
         own = np.diag(covariance)[count:] + noise**2 + 1e-300
         gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
         best = int(np.argmax(gains))
@@ -78,9 +80,7 @@ def propose(
         covariance = covariance - np.outer(row, row) / own[best]
         places.append(best)
         shrinks.append(width() / start)
-        if len(places) >= min(MOST, taken) and shrinks[-1] <= HALVED:
-            break
-    count = min(MOST, taken, len(places))
+    count = min(most, len(places))
     if shrinks[count] >= WORTH:
         return Proposal(places=(), shrinks=1.0)
     halves = next((k for k, x in enumerate(shrinks) if x <= HALVED), None)

@@ -68,24 +68,6 @@ def relative(band: PredictionBand) -> Array:
     return np.asarray(0.5 * (band.high - band.low) / np.maximum(size, least))
 
 
-def from_zero_sentence(closest: str, words: Words) -> str:
-    """Return that friction may be zero, and which law is closest."""
-    return (
-        f"No law is recommended: the {words.measured} cannot distinguish friction from zero. Check"
-        f" units, gains and signs; {closest} is the closest."
-    )
-
-
-def no_friction_sentence(words: Words) -> str:
-    """Return that there is no friction to be seen."""
-    return f"No friction stands above the noise of the {words.measured}."
-
-
-def none_text(*, restricted: bool) -> str:
-    """Return that no law does something, or none of those that were compared."""
-    return "None of the laws compared" if restricted else "No law"
-
-
 def range_of(speeds: Array, unit: str) -> str:
     """Return over which velocities (n,) something is stated, each direction as it was moved in.
 

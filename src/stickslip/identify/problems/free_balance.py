@@ -291,20 +291,18 @@ class FreeBalance:
     def refuse_gain(self) -> None:
         """Refuse motions that gain energy, or momentum, which friction only takes."""
         for one in self.each:
-            if one.is_at_turns and not np.any(one.slope):
-                raise InputError(
-                    "the motion turns back although no spring and no weight of the mechanism pulls"
-                    " it back: something drives it. Give the force, or the stiffness or length of"
-                    " the mechanism."
-                )
             gained = float(one.response[0] - one.response[-1])
-            if gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
+            if one.is_at_turns and not np.any(one.slope):
+                why = "turns back although no spring and no weight of the mechanism pulls it back"
+            elif gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
                 what = "momentum" if self.goes_on else "energy"
-                raise InputError(
-                    f"the motion gains {what}, which friction only takes: something"
-                    " drives it. Give the force, or the incline of the mechanism, or leave the"
-                    " part out in which it is driven."
-                )
+                why = f"gains {what}, which friction only takes"
+            else:
+                continue
+            raise InputError(
+                f"the motion {why}: something drives it. Give the force, or the incline, stiffness"
+                " or length of the mechanism, or leave the part out in which it is driven."
+            )
 
     @cached_property
     def size(self) -> float:

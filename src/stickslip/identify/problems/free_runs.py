@@ -43,6 +43,7 @@ from numpy.typing import NDArray
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
+from stickslip.identify.judgement import DRAWS
 from stickslip.identify.own_laws import (
     Slips,
     certain_of,
@@ -103,14 +104,10 @@ CLOSEST = 1e-5
 STRAIGHT, AGAIN = 0.1, 4
 """Error of the logarithm of the likelihood up to which runs are linear, and how often slopes are
 taken at most."""
-LEFT = 0.5
-"""Share of a motion from which a run that leaves it follows nothing: it lost the phase."""
 NOT_FREE = (
     "no run of a law follows this free motion: check mass, length and stiffness of the mechanism,"
     " and that nothing drives the motion."
 )
-AVERAGED = 300
-"""Draws whose mean is that of the posterior: a fifteenth of its deviation off, and less of runs."""
 BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDED = 1e-13
@@ -702,13 +699,13 @@ class RunModel(Model):
         return np.array(found)
 
 
-def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:
-    """Return runs with a law, perhaps `alone`, and their unknowns at their means (m,).
+def begun(motion: FreeMotion, law: Candidate) -> tuple[Runs, Array]:
+    """Return runs with a law alone, and their unknowns at their means (m,).
 
     A law that is no sum of parts is a curve through the knots.
     """
     curve = is_own(law.structure)
-    runs = Runs(motion) if curve else Runs(motion, law, alone=alone)
+    runs = Runs(motion) if curve else Runs(motion, law, alone=True)
     x = runs.mean.copy()
     if curve:
         x[:KNOTS] = motion.curve(law)
@@ -720,8 +717,8 @@ def followed(motion: FreeMotion) -> RunModel:
     runs = Runs(motion)
     linear = runs.follows(np.ones(KNOTS))
     moved = [x.values - np.mean(x.values) * x.located for x in motion.motions]
-    size = np.linalg.norm(np.concatenate(moved))
-    if linear is None or np.linalg.norm(linear.residual) > LEFT * size:
+    # a run that lost the phase leaves more of the motion than it follows
+    if linear is None or 2.0 * np.sum(linear.residual**2) > np.sum(np.concatenate(moved) ** 2):
         raise InputError(NOT_FREE)
     return RunModel(runs, linear)
 
@@ -738,7 +735,7 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         laws = _refined(posterior, laws, grid, part)
         posterior = _weighed(model, laws)
     for _ in range(AGAIN):
-        runs, draws = Runs(model.motion), posterior.draws(AVERAGED)
+        runs, draws = Runs(model.motion), posterior.draws(DRAWS)
         each = [
             model.unknowns(one.node, one.structure, one.law.mean(axis=1), one.random.mean(axis=1))
             for one in draws

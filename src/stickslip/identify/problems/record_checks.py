@@ -7,6 +7,7 @@ most of what the inertia leaves gives energy to the motion, the force is that of
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -31,10 +32,6 @@ OTHER_SIGN = (
 SETTLING, STEADY = 20, 1e-4
 """Steps to where a balance that is not linear leaves least, and the share of the mean square that
 the last one gains."""
-
-
-def _is_driven(record: Record) -> bool:
-    return bool(np.any(record.force))
 
 
 def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
@@ -67,23 +64,21 @@ def sign_findings(
     Without a mechanism, nothing is known of its inertia and of a spring.
     """
     if mechanism is None:
-        mechanism = Axis(inertia=1.0)
-        unknown = ("mechanism.inertia", "mechanism.stiffness")
+        mechanism, unknown = Axis(inertia=1.0), ("mechanism.inertia", "mechanism.stiffness")
+    own = [path for path in unknown if path.startswith("mechanism.")]
     for one in measurement.records():
-        try:
-            wrong = wrong_sign(records_of(mechanism, one, unknown=unknown))
-        except InputError:  # what else is wrong with it is said elsewhere
-            continue
-        if wrong:
-            said = f"{capital(wrong)}."
-            label = one.name if measurement.trials else ""
-            yield Finding(kind="force sign", sentence=said, severity="error", record=label)
+        with suppress(InputError):  # what else is wrong with it is said elsewhere
+            records = records_of(mechanism, one, unknown=own)
+            if "force" in one.quantities() and (wrong := wrong_sign(records)):
+                said, label = f"{capital(wrong)}.", one.name if measurement.trials else ""
+                yield Finding(kind="force sign", sentence=said, severity="error", record=label)
 
 
 def wrong_sign(records: Sequence[Record]) -> str:
     """Return what is wrong with the sign of the force of records; empty if nothing is."""
     first, moving = records[0], [one for one in records if moves(one)]
-    if first.friction or not moving or free_form(moving) or not any(map(_is_driven, moving)):
+    pushed = any(np.any(one.force) for one in moving)
+    if first.friction or not pushed or free_form(moving):
         return ""
     rows, slides, rig = _plain_columns(moving)
     inertia, speed = first.inertia is None, slides[1]
