@@ -29,7 +29,11 @@ class Proposal:
 
 
 def within_band(curves: Array) -> Array:
-    """Return drawn curves (d, n) within their 95 % band at each place."""
+    """Return drawn curves (d, n) within their 95 % band at each place.
+
+    A rare one that is far off, such as a large drift, is much of the variance and nothing of the
+    width.
+    """
     return np.asarray(np.clip(curves, *np.quantile(curves, (0.025, 0.975), axis=0)))
 
 
@@ -44,8 +48,7 @@ def propose(
     variance is taken, and the next one after the update, until the expected width is `HALF` of
     today's. Of a known law as many readings as were taken leave 1/sqrt(2) of the width, however
     they are chosen: it is counted how many halve it. `rest` is the variance (n,) that no reading
-    takes off, such as that from run to run. Draws beyond the 95 % band count as at its ends: a rare
-    one that is far off, such as a large drift, is much of the variance and nothing of the width.
+    takes off, such as that from run to run.
     (Measured: the widest place shrinks the width to .71; rehearsing draws as truths gained nothing
     over it.)
 
@@ -59,7 +62,7 @@ def propose(
     >>> propose(level, level, np.ones(1), taken=1).halves  # 1 / (1 + 4) of the variance
     4
     """
-    curves = within_band(np.hstack([asked, offered]))
+    curves = np.hstack([asked, offered])
     curves = curves - curves.mean(axis=0)
     covariance = curves.T @ curves / len(curves)
     count = asked.shape[1]

@@ -108,9 +108,9 @@ def select_table(
         speed_unit=measurement.unit("velocity"),
     )
     asked = problem.asked()
-    typical = problem.steady(asked, judgement.draws)
+    typical = within_band(problem.steady(asked, judgement.draws))
     # new readings do not take off by what runs differ, and what may drift
-    spreads = [np.var(within_band(x), axis=0) for x in (judgement.curves(asked), typical)]
+    spreads = [np.var(x, axis=0) for x in (within_band(judgement.curves(asked)), typical)]
     proposal = propose(
         typical,
         typical,

@@ -154,7 +154,7 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
-    if proposal.halves is not None and proposal.halves > len(places):
+    if words.measured == "readings" and (proposal.halves or 0) > len(places):
         expected += f"; about {proposal.halves} in all, chosen so, would halve it"
     reads = words.measured == "readings"
     many = "{} readings" if reads else "{} times"
