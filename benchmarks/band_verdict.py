@@ -80,7 +80,7 @@ def offset_beside(verdict: BandVerdict) -> float:
 
 
 def told(judgement: Judgement) -> bool:
-    """Return whether friction is told from zero and a law of it is named."""
+    """Return whether friction is distinguished from zero and a law of it is named."""
     return judgement.is_told and bool(judgement.named.structure)
 
 
@@ -100,7 +100,7 @@ ALIKE: Mapping[str, frozenset[str]] = {
     "inertia_given": frozenset({"inertia_error", "force_gain", "position_scale"}),
     "mechanism_given": frozenset({"mechanism", "force_gain"}),
 }
-"""What findings are called in the truths, and what they say they are not told from."""
+"""What findings are called in the truths, and what they say they cannot be distinguished from."""
 
 
 class Judged:
@@ -190,9 +190,17 @@ class Judged:
         """Return how many motions are made: those that halve the band, if these are few."""
         return min(next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), 1), MOST_MOTIONS)
 
-    def advised(self) -> Points | None:
-        """Return where readings are proposed; of free motions the shares of the start."""
+    @property
+    def halves(self) -> int | None:
+        """Number of readings that are said to halve the band, where it is above those proposed."""
+        halves = getattr(self.verdict, "halves", None)
+        return halves if halves is not None and halves > len(self.verdict.places) else None
+
+    def advised(self, count: int | None = None) -> Points | None:
+        """Return where readings are proposed, or more; of free motions the shares of the start."""
         places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
+        if count is not None:
+            places = np.resize(places, count)
         if (further := self._further()) is not None:
             share = problem.start_of(self.verdict.judgement.draws)
             return Points(velocity=np.full(self._motions(further), share))
@@ -240,7 +248,7 @@ class Travelled(Judged):
         return np.asarray(self.verdict.judgement.named_travels(points.velocity))
 
     @override
-    def advised(self) -> Points | None:
+    def advised(self, count: int | None = None) -> Points | None:
         """Return no places: the study of travels has no further readings."""
         return None
 

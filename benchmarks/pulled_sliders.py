@@ -10,7 +10,7 @@ friction with a level that varies along the track. Rigs are as rigs are: springs
 along each. *Velocity steps*: records of the four usual forms of rate-and-state friction, and of two
 states and Nagata's form, with a machine that is 20 to 40 % off as given.
 
-A verdict is *right* if it names the true law or does not tell it from the one named, or if the law
+A verdict is *right* if it names the true law, or cannot distinguish it, or if the law
 that it names predicts what was not measured as well: features at half and twice the speed, or
 friction at a step that was not made, within `NEAR` or the stated error. It is a *false certainty*
 if a law is recommended without an equal or a doubt and errs there by more than `FAR` times that, or
@@ -269,7 +269,7 @@ def _off(rig: Rig, law: FrictionLaw, verdict: SimulatedVerdict) -> float:
 
 
 def _widths(verdict: SimulatedVerdict) -> float:
-    """Return the mean logarithm of the widths of levels, whichever law holds."""
+    """Return the mean logarithm of the widths of levels, over all candidate laws."""
     paths = ("friction.kinetic_coefficient", "friction.static_coefficient")
     return float(np.mean([math.log(np.ptp(pooled(verdict.fits, path))) for path in paths]))
 

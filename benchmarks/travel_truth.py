@@ -9,7 +9,7 @@ blocks with Coulomb friction alone, three travels each. ``--fault 0.05`` gives s
 stiffness, inertia or drive that is wrong by this share, and with ``--drift 0.1`` friction rises or
 falls by this share from the first trial to the last, in the order of the settings.
 
-A verdict is *right* if it names the true law, or says that the readings do not tell it from the one
+A verdict is *right* if it names the true law, or says that readings cannot tell it from the one
 named, or names none, or names one that predicts as well: its error on noise-free travels at
 settings that were not measured, within the measured range and up to 1.5 times beyond it, is at most
 one standard error of a reading. Friction that differs by direction is Coulomb friction where the

@@ -161,7 +161,7 @@ def tables(asked: Asked) -> Iterator[Number]:
 
 def _intervals(kind: str, rows: Rows) -> Iterator[Number]:
     every = [one for row in rows for one in row.get("intervals", ()) if one["bounded"]]
-    for key, words in (("law", "named law"), ("any", "whichever law")):
+    for key, words in (("law", "named law"), ("any", "all laws")):
         yield held(f"{kind}: intervals, {words}", _mean(every, key), f" of {len(every)}")
 
 
@@ -173,7 +173,8 @@ def _advice(kind: str, rows: Rows) -> Iterator[Number]:
     if numbers:
         came, expected = _middle(own, "shrink"), _middle(own, "expected")
         count += f"; {np.median(numbers):.0f} readings in the median, width {came:.2f}"
-        count += f" (expected {expected:.2f})"
+        count += f" (expected {expected:.2f}); as many as are said to halve it do so or decide:"
+        count += f" {_mean(rows, 'enough'):.2f} of {sum('enough' in row for row in rows)}"
     yield least(f"{kind}: advice decides or halves", 0.7, _mean(own, "advice"), count)
 
 
@@ -264,10 +265,10 @@ def special(asked: Asked) -> Iterator[Number]:
 
 
 def odds(asked: Asked) -> Iterator[Number]:
-    """Yield how often friction is told from zero, and noise is."""
+    """Yield how often friction is distinguished from zero, and noise is."""
     count = asked.count(WEAK)
     for what, made, wrong, allowed in (
-        ("weak sound tables not told from zero", study.weak, False, 0),
+        ("weak sound tables not distinguished from zero", study.weak, False, 0),
         ("frictionless tables told to have friction", study.frictionless, True, 1),
     ):
         found = [
@@ -350,7 +351,7 @@ def features(asked: Asked) -> Iterator[Number]:
         share = float(np.mean(told))
         yield held(f"features, {where}: at other settings", share, f" of {len(told)}", 0.93)
         yield least(f"features, {where}: name right or equal", 0.93, _mean(own, "right"), refused)
-    for key, words in (("lawful", "law right"), ("intervals", "whichever law")):
+    for key, words in (("lawful", "law right"), ("intervals", "all laws")):
         every = [one["held"] for row in judged for one in row[key]]
         yield held(f"features: intervals, {words}", float(np.mean(every)), f" of {len(every)}")
     doubt = [row for row in judged if row["doubt"]]

@@ -248,3 +248,13 @@ def test_memory_that_ends_is_a_sentence(run, write, monkeypatch):
     code, _, err = run(write(**good()), "--columns=time=t", "--columns=position=q")
     assert code == 2
     assert "not enough memory (Unable to allocate 41.3 GiB" in err
+
+
+@pytest.mark.parametrize(("sign", "code"), [(1.0, 0), (-1.0, 2)])
+def test_a_force_of_the_wrong_sign_is_an_error_without_a_mechanism(run, write, sign, code):
+    v, a = 0.2 * np.pi * np.cos(np.pi * TIME), -0.2 * np.pi**2 * np.sin(np.pi * TIME)
+    force = sign * (2.0 * a + 5.0 * np.sign(v) + 3.0 * v)
+    force += 0.02 * np.random.default_rng(0).normal(size=len(TIME))
+    file = write(t=TIME, q=0.2 * np.sin(np.pi * TIME), u=force)
+    found, out, _ = run(file, *COLUMNS)
+    assert (found, "friction would drive the motion" in out) == (code, sign < 0.0)

@@ -283,7 +283,9 @@ def one_sided(back):
 
 def test_a_motion_one_way_says_that_its_level_includes_a_constant_force():
     found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.0))
-    said = "a constant force (gravity, a cable, the zero of a sensor) is not told from the level"
+    said = (
+        "a constant force (gravity, a cable, the zero of a sensor) cannot be distinguished from the"
+    )
     assert any(said in sentence for sentence in found.sentences)
     known = derived(Axis(inertia=J, offset=-2.0), CoulombViscous, one_sided(0.0))
     assert known.estimate("kinetic_coefficient").value == pytest.approx(LEVEL, rel=0.01)

@@ -131,7 +131,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
     found = fit(
         axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"], route="balance"
     )
-    # without accelerations, a dead zone of the drive is not told from the level
+    # without accelerations, a dead zone of the drive cannot be distinguished from the level
     level = found.estimate("kinetic_coefficient")
     assert level.low < 30.0 < level.high
     reversed_force = Measurement(time=time, position=position, force=-force)

@@ -11,6 +11,7 @@ from stickslip.errors import InputError
 from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.propose import WORTH
+from stickslip.identify.selection import problem_of_records
 
 INERTIA, STIFFNESS, LEVEL = 0.5, 200.0, 0.4
 NOISE = 1e-3
@@ -290,3 +291,24 @@ def test_a_motion_that_only_speeds_up_is_refused():
     record = Measurement(time=t, position=0.5 * t + 0.25 * t**2 + noise)
     with pytest.raises(InputError, match="gains momentum, which friction only takes"):
         select(Axis(inertia=1.0), None, record)
+
+
+DRIVEN = {
+    "no spring": (Axis(inertia=1.0), (), "turns back although no spring"),
+    "another length": (Pendulum(mass=1.0, length=0.5), (), "no run of a law follows"),
+    "its length": (
+        Pendulum(mass=1.0, length=0.5),
+        ("mechanism.length",),
+        "no run of a law follows",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", DRIVEN)
+def test_a_driven_motion_whose_drive_is_missing_is_refused_by_the_judge_itself(case):
+    rig, sought, message = DRIVEN[case]
+    t = np.arange(0.0, 20.0, 0.01)
+    x = 0.5 * np.sin(2.0 * t) + 1e-4 * np.random.default_rng(0).normal(size=len(t))
+    motion = Measurement(time=t, position=x, turning=case != "no spring")
+    with pytest.raises(InputError, match=message):
+        problem_of_records(rig, records_of(rig, motion, unknown=sought), vary=sought)

@@ -148,7 +148,7 @@ def test_levels_that_differ_by_direction_are_told_where_the_offset_is_held():
 
 def test_with_an_unknown_offset_it_is_said_that_levels_by_direction_are_not_told_from_it():
     verdict = select(AXIS, None, moved(SIDES))
-    said = "A constant offset is not told from a level that differs by direction"
+    said = "A constant offset cannot be distinguished from a level that differs by direction"
     assert any(said in line for line in verdict.words.cannot_tell)
     found = intervals(verdict)
     assert found["forward_viscous_coefficient"].value == pytest.approx(3.0, rel=0.05)
@@ -333,7 +333,7 @@ def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(sprung):
     verdict = select(SPRING, None, sprung, vary=["friction.*", "damping"])
     assert verdict.best.name == "coulomb"
     assert_holds(verdict, {"kinetic_coefficient": 3.0, "damping": 6.0})
-    said = "damping is not told from viscous friction"
+    said = "damping cannot be distinguished from viscous friction"
     assert any(said in x for x in verdict.words.cannot_tell)
 
 
@@ -446,7 +446,7 @@ def test_constants_of_a_motor_that_act_as_viscous_friction_are_said_to():
     record = commanded("level + viscous", kinetic_coefficient=0.05, viscous_coefficient=0.02)
     paths = ["mechanism.drive.torque_constant", "mechanism.drive.resistance"]
     verdict = select(SERVO, None, record, vary=["friction.*", *paths])
-    assert "torque constant and resistance together are not told from viscous" in str(
+    assert "torque constant and resistance together cannot be distinguished from viscous" in str(
         verdict.words.cannot_tell
     )
     assert not any("viscous" in one.name for one in verdict.candidates)

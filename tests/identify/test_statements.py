@@ -183,7 +183,7 @@ def test_a_static_level_that_no_row_tells_is_said_to_be_open():
         assert not static.bounded
         assert static.value == found.law.static_coefficient
         assert static.value == pytest.approx(found.law.kinetic_coefficient)
-        assert any(said.startswith("$mu_s$ is not told") for said in found.sentences)
+        assert any(said.startswith("$mu_s$ cannot be determined") for said in found.sentences)
     given = replace(law, static_coefficient=2.5)  # an assumption stays
     assert fit(Axis(inertia=0.5), given, record).law.static_coefficient == 2.5
 
@@ -463,7 +463,7 @@ def test_a_parameter_that_is_not_identified_has_no_number():
     left = [estimate for estimate in found.estimates if not estimate.bounded]
     assert left
     assert all("not identified" in str(one) and "N" not in str(one) for one in left)
-    assert any(said.startswith("$mu_s$ is not told") for said in found.sentences)
+    assert any(said.startswith("$mu_s$ cannot be determined") for said in found.sentences)
 
 
 def test_a_spring_that_nobody_gave_is_stated_and_moves_no_inertia():

@@ -1,4 +1,4 @@
-"""Sentences of a verdict: what a reader has to tell apart is told apart."""
+"""Sentences of a verdict: what a reader has to tell apart is distinguished."""
 
 from types import SimpleNamespace
 
@@ -45,6 +45,9 @@ def test_few_places_are_listed_and_many_are_counted():
     said = advice_sentence(Proposal(places=tuple(range(10)), shrinks=0.5), many, READINGS)
     assert said.startswith("Take 10 readings at 9 velocities from 1 m/s to 9 m/s")
     assert "4 m/s (2)" in said
+    assert "halve" not in said
+    more = advice_sentence(Proposal(places=(0,), shrinks=0.7, halves=12), ["1 m/s"], READINGS)
+    assert more.endswith("70 % as wide; about 12 in all, chosen so, would halve it.")
     assert advice_sentence(proposal, ["1 m/s", "1 m/s", "2 m/s"], WORDS).startswith(
         "Move steadily at 1 m/s (2 times) and 2 m/s: "
     )
@@ -52,7 +55,7 @@ def test_few_places_are_listed_and_many_are_counted():
 
 def test_laws_that_are_not_told_apart_have_other_names(verdict):
     assert len(verdict.set) > 1
-    others = verdict.sentence.partition("tell it from ")[2]
+    others = verdict.sentence.partition("distinguish it from ")[2]
     assert others
     assert verdict.closest.title.lower() not in {text.strip(". ") for text in others.split(",")}
 

@@ -294,13 +294,16 @@ def run(options: CheckOptions) -> None:
         refuse_overwriting(output, output, force=options.force, files=(DOCUMENT,))
     files = [*options.files, *options.data]
     rig, data = _parted(files, allow_import=options.allow_import)
-    mechanism = None if rig is None else rig.mechanism
     measurement = _measurement(rig, data, reading)
-    vary = () if rig is None else rig.vary
+    mechanism, vary = (None, ()) if rig is None else (rig.mechanism, rig.vary)
     found = check(measurement, mechanism=mechanism, vary=vary, conditions=_used(measurement))
-    records = measurement.records()
-    origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
-    content = document("check", {**found.to_dict(), **origins})
+    if found.worst != "error":
+        from stickslip.identify.problems.record_checks import sign_findings  # loads the judge
+
+        signs = sign_findings(measurement, mechanism, vary)
+        found = replace(found, findings=(*found.findings, *signs))
+    origins = [{"name": r.name, "provenance": r.provenance} for r in measurement.records()]
+    content = document("check", {**found.to_dict(), "records": origins})
     if options.as_json:
         print_json(content)
     else:
@@ -411,10 +414,6 @@ def _summary(findings: Sequence[Finding]) -> str:
     return "Nothing to correct."
 
 
-def _name(measurement: Measurement, index: int, ending: str) -> str:
-    return f"overview-{index + 1}.{ending}" if measurement.trials else f"overview.{ending}"
-
-
 def _pictures(measurement: Measurement) -> dict[str, str | bytes]:
     """Return an overview of each record in both formats."""
     from stickslip.show.plots import draw_overview, overview_size, save
@@ -425,7 +424,7 @@ def _pictures(measurement: Measurement) -> dict[str, str | bytes]:
     with tempfile.TemporaryDirectory() as folder:
         for index, record in enumerate(measurement.records()):
             for ending in FORMATS:
-                name = _name(measurement, index, ending)
+                name = f"overview{f'-{index + 1}' * bool(measurement.trials)}.{ending}"
                 size = overview_size(record)
                 path = save(draw_overview(record), Path(folder, name), size=size, title=record.name)
                 files[name] = path.read_bytes()

@@ -328,7 +328,7 @@ class DemoOptions(LawsOption, ReportOptions, EnforceOption):
 class SelectOptions(MeasuredOptions, DemoOptions):
     """Compare friction laws on a measurement; write a report.
 
-    The verdict names a law and its parameters, gives a 95 % band that holds whichever law does,
+    The verdict names a law and its parameters, gives a 95 % band over all candidate laws,
     and says what to measure next.
 
     While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit

@@ -48,7 +48,7 @@ CREEPS = (
     "It never sticks: below its largest force a body creeps at the speed at which friction balances"
     " the force."
 )
-OFFSET = "A constant force is not told apart from half the difference of the levels."
+OFFSET = "A constant force cannot be distinguished from half the difference of the levels."
 DRIFTS = "Under a constant force with a ripple below break-away a body drifts instead of resting."
 
 
@@ -127,7 +127,7 @@ class CoulombViscousStatic:
 class DirectionDependent:
     """Separate levels and viscous parts for each direction: screws, cable drives, preloaded guides.
 
-    A constant force is not told apart from half the difference of the levels: give the mechanism
+    A constant force cannot be distinguished from half of their difference: give the mechanism
     an offset, or let the levels differ, not both, unless something else tells them apart.
 
     >>> law.towards(-1).title, law.towards(-1).break_away(load=1.0)

@@ -1,4 +1,4 @@
-"""The judge: which friction law, and what friction is whichever law holds."""
+"""The judge: which friction law, and what friction is over all candidate laws."""
 
 from stickslip.lazy import attach
 

@@ -121,7 +121,7 @@ class Interval:
     """95 % interval under the named law."""
     low_any: float
     high_any: float
-    """95 % interval over whichever law of the set has the parameter."""
+    """95 % interval over the laws of the set that have the parameter."""
 
 
 def quantile_band(

@@ -276,7 +276,7 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
     checks: Checks
     """What is doubtful about the measurement."""
     intervals: tuple[Estimate, ...] = ()
-    """Parameters of the closest law with their intervals whichever law of the set has them."""
+    """Parameters of the closest law with their intervals over laws that have them."""
 
     @property
     @final
@@ -301,7 +301,7 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
 
     @property
     def stated(self) -> Sequence[tuple[Estimate, Estimate]]:
-        """Parameters of the closest law: if it holds, and whichever law of the set has them."""
+        """Parameters of the closest law: if it holds, and over laws that have them."""
         fit = self.closest.fit
         return [] if fit is None else [*zip(fit.estimates, self.intervals, strict=True)]
 

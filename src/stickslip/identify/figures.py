@@ -90,7 +90,7 @@ def _draw_on(axes: "Axes", what: BandDrawing, narrow: bool) -> None:
     x = factor * what.speeds
     # a law of many terms would leave no room for the axes
     labels: dict[str, Any] = {
-        "band": "95 % band, whichever law holds", "law": textwrap.fill(what.title, LETTERS),
+        "band": "95 % band over all candidate laws", "law": textwrap.fill(what.title, LETTERS),
         "other": "95 % band of another run or specimen",
     }  # fmt: skip
     for band, law in what.by_load.values() or [(what.band, what.law)]:

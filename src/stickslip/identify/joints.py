@@ -204,7 +204,7 @@ class JointVerdict(_OfJoints, Verdict[Candidate[JointLawFit]]):
         level: float = 0.95,
         all_along: bool = False,
     ) -> PredictionBand:
-        """Return what friction of a joint is at velocities, whichever law holds.
+        """Return what friction of a joint is at velocities, over all candidate laws.
 
         Parameters
         ----------
@@ -465,7 +465,7 @@ class _JointJudge:
         return (
             *(REST.format(name) for name in self.records.resting),
             *(
-                f"{capital(one)} is not identified: the motion does not tell it from others."
+                f"{capital(one)} is not identified: the motion cannot distinguish it from others."
                 for one in lost
             ),
         )
@@ -590,7 +590,7 @@ def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[E
             Estimate(
                 path=path, quantity=q, value=value, low=max(value - half, least),
                 high=min(value + half, q.high), interval="95 %",
-                reason="" if told else "the motion does not tell it from others",
+                reason="" if told else "the motion cannot distinguish it from others",
             )
         )  # fmt: skip
     return tuple(found)

@@ -60,16 +60,22 @@ DRAWS = 600
 ASSERTED = 20.0
 """Odds from which something beside the law is asserted."""
 TOLD = 100.0
-"""Odds of friction from which it is told from zero (48 of 48 right, with noise of 9 to 100 %)."""
+"""Odds of friction from which it is no zero (48 of 48 right, with noise of 9 to 100 %)."""
 RIVAL = 100.0
-"""Odds against a law up to which it is not told from the named one."""
+"""Odds against a law up to which it cannot be distinguished from the named one."""
 SHOWN = 6
 """Laws of the ladder that are shown."""
 AT_END = 0.01
 """Part of a shape from the end of its range within which it counts as there."""
 MAY_HOLD = 0.05
 """Probability from which a law may hold, however far noise moves the curve from it."""
-OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "spring", "zone")
+ONE_WAY = (
+    "All motion is in one direction, in which a constant force (gravity, a cable, the zero of a"
+    " sensor) cannot be distinguished from the level of friction: the level holds it, and its"
+    " interval does not allow for it."
+)
+"""What is not distinguished where the posterior has no offset beside a level."""
+OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "zone")
 """Findings whose sizes are shares of friction, where there is some."""
 UNSEEN = 0.5
 """Friction over the scatter about its law below which nothing is seen of it."""
@@ -120,6 +126,11 @@ class Finding:
         """Whether it is stated: at `ASSERTED`, and where its interval does not hold zero."""
         odds = self.probability / max(1.0 - self.probability, 1e-12)
         return odds >= ASSERTED and not self.low <= 0.0 <= self.high
+
+    @property
+    def is_mistake(self) -> bool:
+        """Whether it is a mistake rather than a small error: the more probable is stated."""
+        return self.mistaken > 1.0 - self.mistaken
 
 
 def stated(
@@ -449,7 +460,7 @@ class Judgement:
     def ladder(self) -> tuple[Rung, ...]:
         """Laws that a user may weigh, by their parameters: the closest of each number, and rivals.
 
-        A longer law stands only if it is closer, or is not told from the named one.
+        A longer law stands only if it is closer, or cannot be distinguished from the named one.
         """
         found: list[Rung] = []
         for one in self.rungs:
@@ -472,7 +483,7 @@ class Judgement:
 
     @cached_property
     def set(self) -> tuple[Rung, ...]:
-        """Laws that are not told apart, the named one first."""
+        """Laws that cannot be distinguished, the named one first."""
         rivals = [one for one in self.rungs if self._is_rival(one) and not self._is_named(one)]
         return (self.named, *sorted(rivals, key=lambda one: -one.adequate))
 
@@ -500,7 +511,7 @@ class Judgement:
 
     @property
     def is_told(self) -> bool:
-        """Whether friction is told from zero."""
+        """Whether friction is distinguished from zero."""
         return self.odds >= TOLD
 
     @property
@@ -512,7 +523,7 @@ class Judgement:
 
     @property
     def beside(self) -> frozenset[str]:
-        """What stands beside a law that is not told from the named one."""
+        """What stands beside a law that cannot be distinguished from the named one."""
         return frozenset(name for one in self.set for name in self.beside_of(one))
 
     def beside_of(self, rung: Rung) -> tuple[str, ...]:
@@ -527,7 +538,7 @@ class Judgement:
 
     @property
     def families(self) -> tuple[Family, ...]:
-        """Families that are not told apart, the named one first."""
+        """Families that cannot be distinguished, the named one first."""
         return tuple(one.family for one in self.set)
 
     def measured(self) -> MeasuredPoints:
@@ -704,8 +715,8 @@ class Judgement:
     def intervals(self) -> tuple[Interval, ...]:
         """Intervals of the parameters of the named law.
 
-        Whichever law holds, laws that are not told from the named one and have the parameter count
-        by the root of their odds: what is not told apart must not be left out.
+        Over all laws, those that cannot be distinguished from the named one count by the root of
+        their odds: what cannot be distinguished must not be left out.
         """
         tails, found = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)), []
         flow = self.composition.flow

@@ -1,9 +1,9 @@
 """The verdict that a posterior gives: a law of the ladder, the band, and what stands beside.
 
 1. **Which law**: the named one, by how much of friction it is off at most at 95 % of the places and
-   where it is worst, laws that are not told from it, and a shorter one that is as close.
-2. **How well friction is known**, whichever law holds; that of another specimen too.
-3. **Its parameters**, if it holds and whichever law does.
+   where it is worst, laws that cannot be distinguished from it, and a shorter one that is as close.
+2. **How well friction is known**, over all candidate laws; that of another specimen too.
+3. **Its parameters**, if it holds and over all candidate laws.
 4. **What stands beside it**, with its odds.
 5. **What is not told.**
 6. **What to measure next.**
@@ -46,10 +46,7 @@ from stickslip.identify.wording import (
     Words,
     advice_sentence,
     band_sentence,
-    from_zero_sentence,
     load_sentence,
-    no_friction_sentence,
-    none_text,
     of_load_text,
     outlier_sentence,
     parameter_sentence,
@@ -121,9 +118,9 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     """Return which law to use, and how close it is, after what is `wrong` with the mechanism."""
     named = judgement.named
     if not named.structure and not judgement.is_told:
-        return no_friction_sentence(words)
+        return f"No friction stands above the noise of the {words.measured}."
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
-    found = [one for one in judgement.findings if one.asserted and one.mistaken > 0.5]
+    found = [one for one in judgement.findings if one.asserted and one.is_mistake]
     doubts = [*wrong, *(one.sentence for one in found)]
     if doubts and judgement.is_told:
         return (
@@ -131,10 +128,13 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f" {phrase}{beside} stays within {distance_text(judgement, named, words)}."
         )
     if not judgement.is_told:
-        return from_zero_sentence(f"{phrase}{beside}", words)
+        return (
+            f"No law is recommended: the {words.measured} cannot distinguish friction from zero."
+            f" Check units, gains and signs; {phrase}{beside} is the closest."
+        )
     how = distance_text(judgement, named, words)
     if not judgement.is_explained:
-        none = none_text(restricted=judgement.problem.restricted)
+        none = "None of the laws compared" if judgement.problem.restricted else "No law"
         return (
             f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
             f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
@@ -159,14 +159,13 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     others = [_other(judgement, one) for one in judgement.set[1:]]
     if others:
         more = others if len(others) < MOST else [others[0], f"{len(others) - 1} more"]
-        plural = words.measured.endswith("s")
-        those = f"these {words.measured} do" if plural else f"this {words.measured} does"
-        said += f"; {those} not tell it from {joined(more)}"
+        these = "these" if words.measured.endswith("s") else "this"
+        said += f"; {these} {words.measured} cannot distinguish it from {joined(more)}"
     return f"{said}."
 
 
 def _other(judgement: Judgement, rung: Rung) -> str:
-    """Return a law that is not told apart, with what stands beside it where that is other."""
+    """Return a law that cannot be distinguished, with what stands beside it where that is other."""
     own, beside = beside_of(judgement, judgement.named), beside_of(judgement, rung)
     title = in_sentence(title_of(judgement, rung))
     if title == in_sentence(title_of(judgement, judgement.named)):  # a part more, or less
@@ -260,10 +259,8 @@ def untold_of_law(judgement: Judgement, fit: LawFit) -> Iterator[str]:
     yield from unvaried(own.law, inputs)
     symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.bounded]
     if symbols:
-        are = "is" if len(symbols) == 1 else "are"
         yield (
-            f"{joined(symbols)} {are} not told: what was measured would be the same with other"
-            " values."
+            f"{joined(symbols)} cannot be determined: other values explain the measurement as well."
         )
 
 
@@ -325,7 +322,7 @@ def ladder_verdict(
         judgement = replace(judgement, offset=True)
     rows = judgement.problem.asked()
     band = judgement.band(rows)
-    # laws that are not told apart stand with those of the ladder
+    # laws that cannot be distinguished stand with those of the ladder
     shown = {one.family: one for one in (judgement.named, *judgement.set, *judgement.ladder)}
     candidates = tuple(
         candidate_of(judgement, one, mechanism, measurement, largest_speed)
@@ -395,6 +392,7 @@ def ladder_verdict(
         foreseen=foreseen,
         foreseer=foreseer,
         shrinks=proposal.shrinks,
+        halves=proposal.halves,
         places=tuple(places),
         intervals=every,
     )

@@ -73,7 +73,7 @@ def opening_section(
 
 
 def _estimates(verdict: Verdict) -> list[tuple[Estimate, Estimate]]:
-    """Return the parameters, if the named law holds and whichever does, levels and slopes first."""
+    """Return the parameters, if the named law holds and over all laws, levels and slopes first."""
     return sorted(verdict.stated, key=lambda one: importance(one[0]))
 
 
@@ -148,12 +148,12 @@ def laws_section(verdict: BandVerdict) -> Section:
     count = len(verdict.set)
     heading = "Laws by their number of parameters"
     if count > 1:
-        heading = f"{count} laws are not told apart by these readings"
+        heading = f"{count} laws cannot be distinguished by these readings"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
 def parameters_section(verdict: Verdict) -> Section | None:
-    """Return the parameters: under the named law, and whichever law has them."""
+    """Return the parameters: under the named law, and over the laws that have them."""
     if not verdict.stated:
         return None
     rows = []

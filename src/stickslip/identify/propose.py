@@ -10,8 +10,10 @@ HALF = 0.3
 """Expected width over today's at which enough is measured: less than half is, mostly."""
 WORTH = 0.95
 """Expected width over today's from which no readings are proposed."""
-MOST = 60
-"""Readings that are proposed at most: no more than were taken, and than anybody takes."""
+MOST, COUNTED, HALVED = 60, 150, 0.45
+"""Readings that are proposed at most: no more than were taken, and than anybody takes; and those
+up to which it is counted how many halve the band, which are those to an expected width a little
+below: what comes scatters about it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +24,17 @@ class Proposal:
     """Offered places, in the order of their gain; one may stand for several readings."""
     shrinks: float
     """Expected width of the band after them, over today's."""
+    halves: int | None = None
+    """Readings, chosen so, by which the band is expected to halve; None if too many."""
+
+
+def within_band(curves: Array) -> Array:
+    """Return drawn curves (d, n) within their 95 % band at each place.
+
+    A rare one that is far off, such as a large drift, is much of the variance and nothing of the
+    width.
+    """
+    return np.asarray(np.clip(curves, *np.quantile(curves, (0.025, 0.975), axis=0)))
 
 
 def propose(
@@ -33,7 +46,9 @@ def propose(
     at place :math:`j` with noise :math:`s_j` takes off :math:`K_{ij}^2 / (K_{jj} + s_j^2)` of the
     variance at place :math:`i` (linear Gaussian update); the place that takes off most of the mean
     variance is taken, and the next one after the update, until the expected width is `HALF` of
-    today's. `rest` is the variance (n,) that no reading takes off, such as that from run to run.
+    today's. Of a known law as many readings as were taken leave 1/sqrt(2) of the width, however
+    they are chosen: it is counted how many halve it. `rest` is the variance (n,) that no reading
+    takes off, such as that from run to run.
     (Measured: the widest place shrinks the width to .71; rehearsing draws as truths gained nothing
     over it.)
 
@@ -44,6 +59,8 @@ def propose(
     >>> v = np.array([[0.0, 0.5, 1.0]])
     >>> propose(level + 5.0 * slope * v, level + 5.0 * slope * v, np.full(3, 0.1)).places[0]
     2
+    >>> propose(level, level, np.ones(1), taken=1).halves  # 1 / (1 + 4) of the variance
+    4
     """
     curves = np.hstack([asked, offered])
     curves = curves - curves.mean(axis=0)
@@ -55,15 +72,19 @@ def propose(
         return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0) + rest)))
 
     start = width()
-    places: list[int] = []
-    while start > 0.0 and len(places) < min(MOST, taken) and width() > HALF * start:
+    places, shrinks, most = list[int](), [1.0], min(MOST, taken)
+    while start > 0.0 and len(places) < COUNTED:
+        if shrinks[-1] <= (HALF if len(places) < most else HALVED):
+            break
         own = np.diag(covariance)[count:] + noise**2 + 1e-300
         gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
         best = int(np.argmax(gains))
         row = covariance[:, count + best]
         covariance = covariance - np.outer(row, row) / own[best]
         places.append(best)
-    shrinks = width() / start if start > 0.0 else 1.0
-    if shrinks >= WORTH:
+        shrinks.append(width() / start)
+    count = min(most, len(places))
+    if shrinks[count] >= WORTH:
         return Proposal(places=(), shrinks=1.0)
-    return Proposal(places=tuple(places), shrinks=shrinks)
+    halves = next((k for k, x in enumerate(shrinks) if x <= HALVED), None)
+    return Proposal(places=tuple(places[:count]), shrinks=shrinks[count], halves=halves)

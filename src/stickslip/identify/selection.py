@@ -22,17 +22,17 @@ from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
-from stickslip.identify.judgement import Judgement
+from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.free_balance import free_form, goes_on
-from stickslip.identify.problems.free_motion import MIDDLE, FreeMotionProblem
+from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import WORTH, Proposal, propose
+from stickslip.identify.propose import WORTH, Proposal, propose, within_band
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     ORDERED,
@@ -91,7 +91,7 @@ def select_table(
     tolerance: float | None = None,
     route: str = "table",
 ) -> BandVerdict:
-    """Judge a table of friction: which law, and what friction is whichever law holds.
+    """Judge a table of friction: which law, and what friction is over all candidate laws.
 
     A law may be off by the `tolerance`, a share of friction.
     """
@@ -107,16 +107,16 @@ def select_table(
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
-    asked, offered = problem.asked(), problem.offered()
-    typical = problem.steady(asked, judgement.draws)
+    asked = problem.asked()
+    typical = within_band(problem.steady(asked, judgement.draws))
     # new readings do not take off by what runs differ, and what may drift
-    rest = np.maximum(np.var(judgement.curves(asked), axis=0) - np.var(typical, axis=0), 0.0)
+    spreads = [np.var(x, axis=0) for x in (within_band(judgement.curves(asked)), typical)]
     proposal = propose(
         typical,
-        problem.steady(offered, judgement.draws),
-        problem.noise(offered),
+        typical,
+        problem.noise(asked),
         problem.table.total,
-        rest,
+        np.maximum(spreads[0] - spreads[1], 0.0),
     )
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     remarks = [ORDERED] * problem.model.is_sorted
@@ -129,7 +129,7 @@ def select_table(
         words,
         checks=checks,
         proposal=proposal,
-        places=tuple(float(offered.velocity[k]) for k in proposal.places),
+        places=tuple(float(asked.velocity[k]) for k in proposal.places),
         largest_speed=problem.model.frame.fastest,
         route=route,
         foreseer=foreseer,
@@ -251,7 +251,7 @@ def select_record(
     tolerance: float | None = None,
     route: str = "balance",
 ) -> BandVerdict:
-    """Judge records of one coordinate: which law, and what friction is whichever law holds.
+    """Judge records of one coordinate: which law, and what friction is over all candidate laws.
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
     samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
@@ -296,7 +296,7 @@ def select_record(
 def _refuse_outside(problem: RecordProblem) -> None:
     """Refuse parameters that end outside their range: with them nothing has a scale."""
     unknown = problem.records[0].unknown
-    for path, x in problem.rig(problem.posterior.draws(MIDDLE)).items():
+    for path, x in problem.rig(problem.posterior.draws(DRAWS)).items():
         one, middle = unknown.get(path), float(np.median(x))
         if one is None or not one.bent or one.limits[0] <= middle - one.given <= one.limits[1]:
             continue
@@ -316,7 +316,7 @@ def _values_of(problem: RecordProblem) -> dict[str, float]:
     if not problem.model.frame.transmitted:
         return {}
     unknown, values = problem.records[0].unknown, dict[str, float]()
-    for path, x in problem.rig(problem.posterior.draws(MIDDLE)).items():
+    for path, x in problem.rig(problem.posterior.draws(DRAWS)).items():
         one, middle = unknown.get(path), float(np.median(x))
         inside = one is None or one.limits[0] < middle - one.given < one.limits[1]
         if "." in path and inside and not (one is not None and one.bent):

@@ -29,7 +29,7 @@ class Thresholds:
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
     odds: float = 100.0
-    """Odds against a family up to which it is not told apart from the named one."""
+    """Odds against a family up to which it cannot be distinguished from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
     explained: float = 0.5

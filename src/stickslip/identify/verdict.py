@@ -1,4 +1,4 @@
-"""The verdict: a law, a band that holds whichever law does, and what would narrow it."""
+"""The verdict: a law, a band over all candidate laws, and what would narrow it."""
 
 import json
 import math
@@ -175,7 +175,7 @@ class LawCandidate(Candidate[LawFit]):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BandVerdict(Verdict[LawCandidate]):
-    """Which law to use, and what friction is whichever law holds."""
+    """Which law to use, and what friction is over all candidate laws."""
 
     judgement: Judgement
     """What the verdict is read from."""
@@ -195,6 +195,8 @@ class BandVerdict(Verdict[LawCandidate]):
     """Foresees readings of another measurement."""
     shrinks: float = 1.0
     """Expected width of the band after what is proposed, over today's."""
+    halves: int | None = None
+    """Number of such readings, or stretches, expected to halve the band; None if too many."""
     places: tuple[float, ...] = ()
     """Velocities that are proposed [m/s] or [rad/s]."""
 
@@ -289,12 +291,12 @@ class BandVerdict(Verdict[LawCandidate]):
 
     @property
     def set(self) -> tuple[Family, ...]:
-        """Families that are not told apart, the named one first."""
+        """Families that cannot be distinguished, the named one first."""
         return self.judgement.families
 
     @property
     def parameters(self) -> tuple[Interval, ...]:
-        """Intervals of the parameters: under the named law, and whichever law of the set holds."""
+        """Intervals of the parameters: under the named law, and over the laws of the set."""
         return self.judgement.intervals
 
     @property
@@ -326,7 +328,7 @@ class BandVerdict(Verdict[LawCandidate]):
         level: float = 0.95,
         all_along: bool = False,
     ) -> PredictionBand:
-        """Return what friction is at velocities, whichever law holds.
+        """Return what friction is at velocities, over all candidate laws.
 
         Parameters
         ----------
@@ -754,7 +756,7 @@ def estimates_of(
     *,
     any_law: bool,
 ) -> tuple[Estimate, ...]:
-    """Return the parameters of the named law, with intervals if it holds or whichever law does."""
+    """Return the parameters of the named law, with intervals if it holds or over all laws."""
     return tuple(
         _estimate(one, law, mechanism, measurement, any_law=any_law) for one in judgement.intervals
     )

@@ -68,25 +68,6 @@ def relative(band: PredictionBand) -> Array:
     return np.asarray(0.5 * (band.high - band.low) / np.maximum(size, least))
 
 
-def from_zero_sentence(closest: str, words: Words) -> str:
-    """Return that friction may be zero, and which law is closest."""
-    these = "do" if words.measured.endswith("s") else "does"
-    return (
-        f"No law is recommended: the {words.measured} {these} not tell friction from zero. Check"
-        f" units, gains and signs; {closest} is the closest."
-    )
-
-
-def no_friction_sentence(words: Words) -> str:
-    """Return that there is no friction to be seen."""
-    return f"No friction stands above the noise of the {words.measured}."
-
-
-def none_text(*, restricted: bool) -> str:
-    """Return that no law does something, or none of those that were compared."""
-    return "None of the laws compared" if restricted else "No law"
-
-
 def range_of(speeds: Array, unit: str) -> str:
     """Return over which velocities (n,) something is stated, each direction as it was moved in.
 
@@ -110,7 +91,7 @@ def range_of(speeds: Array, unit: str) -> str:
 def band_sentence(
     speeds: Array, band: PredictionBand, words: Words, *, offset: bool = False
 ) -> str:
-    """Return how well friction is known over the speeds, whichever law holds.
+    """Return how well friction is known over the speeds, for all candidate laws.
 
     The band holds a constant offset where there may be one.
     """
@@ -121,16 +102,16 @@ def band_sentence(
     if middle > 1.0:
         farthest = max(float(np.max(np.abs(band.low))), float(np.max(np.abs(band.high))))
         reach = quantity(farthest, words.force_unit, 2)
-        return f"{over}, {what} is within ± {reach} of zero (95 % band, whichever law holds)."
+        return f"{over}, {what} is within ± {reach} of zero (95 % band over all candidate laws)."
     said = f"{over}, {what} is known to ± {percent(middle)}"
     if share[worst] > 1.5 * middle:
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
         said += at_worst(percent(float(share[worst])), at)
-    return f"{said} (95 % band, whichever law holds)."
+    return f"{said} (95 % band over all candidate laws)."
 
 
 def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
-    """Return an interval under the named law, and whichever law of the set has the parameter."""
+    """Return an interval under the named law, and over all laws that have the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
     own = interval(estimate.low, estimate.high)
@@ -173,6 +154,8 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
+    if words.measured == "readings" and (proposal.halves or 0) > len(places):
+        expected += f"; about {proposal.halves} in all, chosen so, would halve it"
     reads = words.measured == "readings"
     many = "{} readings" if reads else "{} times"
     if len(counts) <= MOST:

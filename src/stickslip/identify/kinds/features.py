@@ -2,7 +2,7 @@
 
 The rows are frequency, mean and scatter of the force (`stickslip.identify.problems.stick_slip`).
 What to measure next is what tells most of what is asked. That is which law holds, where some are
-not told apart: draws of each, as many of one as of another, are run at other settings, and by
+not distinguished: draws of each, as many of one as of another, are run at other settings, and by
 linear regression of which law a draw is of on logarithms of its features, with what differs from
 run to run, a share 1 - R^2 of the variance is left. Else it is the parameters of the law.
 """

@@ -5,8 +5,8 @@ and its figures. One posterior weighs all laws (`stickslip.identify.simulated`),
 is said is read from its draws:
 
 * the most probable law is *named*, unless it contradicts what was measured (`SimulatedKind.fault`);
-* laws within 100 : 1 of it are not told apart, and those that contain it may hold as well;
-* parameters have the quantiles of their draws, under the named law and whichever of these holds.
+* laws within 100 : 1 of it cannot be distinguished, and those that contain it may hold as well;
+* parameters have the quantiles of their draws, under the named law and over these laws.
 
 A fit is the selection in which no other law is compared.
 """
@@ -196,7 +196,7 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
     kind: "SimulatedKind" = field(repr=False)
     """The kind of measurement."""
     near: tuple[str, ...]
-    """Names of laws that are not told from the named one, or contain it; the named one first."""
+    """Laws that cannot be distinguished from the named one, or contain it; that one first."""
     rivals: tuple[str, ...]
     """Names of those of them that may hold instead of it."""
     advised: tuple[Any, ...] = ()
@@ -222,7 +222,7 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
         return [*zip(fit.estimates, self.intervals, strict=True), *derived]
 
     def predict(self, setting: Any) -> PredictionBand:
-        """Return the 95 % band of another record, whichever of the laws holds that are near.
+        """Return the 95 % band of another record, over the laws that are near.
 
         Parameters
         ----------
@@ -256,13 +256,13 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
 
 
 def pooled(fits: Sequence[AnyFit], path: str) -> tuple[float, float]:
-    """Return between which values a parameter lies, whichever of the laws holds that have it."""
+    """Return between which values a parameter lies, over the laws that have it."""
     ends = [np.quantile(one.draws[path], ENDS) for one in fits if path in one.draws]
     return min(float(low) for low, _ in ends), max(float(high) for _, high in ends)
 
 
 def over_all(fits: Sequence[AnyFit], one: Estimate) -> Estimate:
-    """Return an estimate with its interval whichever of the laws holds that have the parameter."""
+    """Return an estimate with its interval over the laws that have the parameter."""
     low, high = pooled(fits, one.path)
     return replace(one, low=min(low, one.low), high=max(high, one.high))
 
@@ -370,7 +370,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     def advice(
         self, fit: AnyFit, others: Sequence[AnyFit], advised: Sequence[Any]
     ) -> Iterable[str]:
-        """Return what to measure next, given which laws are not told apart, in sentences."""
+        """Return what to measure next, given which laws cannot be distinguished, in sentences."""
         return ()
 
     # further numbers and figures
@@ -659,5 +659,5 @@ def laws_section(verdict: SimulatedVerdict) -> Section:
     )
     heading = f"{count(len(verdict.candidates), 'law')} by probability"
     if verdict.rivals:
-        heading = f"{len(verdict.near)} laws are not told apart by {verdict.kind.these}"
+        heading = f"{len(verdict.near)} laws cannot be distinguished by {verdict.kind.these}"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))

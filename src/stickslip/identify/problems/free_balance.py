@@ -249,6 +249,7 @@ class FreeBalance:
         slowest, fastest = self.passed(np.array(SEEN)).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
         self.dim = self.slowest / (KNOWN_SPEED if self.goes_on else 1.0)
+        self.refuse_gain()
         self.y = np.concatenate([one.response / one.noise for one in self.each])
         ones = [1.0 / one.noise for one in self.each]
         zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]
@@ -291,13 +292,17 @@ class FreeBalance:
         """Refuse motions that gain energy, or momentum, which friction only takes."""
         for one in self.each:
             gained = float(one.response[0] - one.response[-1])
-            if gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
+            if one.is_at_turns and not np.any(one.slope):
+                why = "turns back although no spring and no weight of the mechanism pulls it back"
+            elif gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
                 what = "momentum" if self.goes_on else "energy"
-                raise InputError(
-                    f"the motion gains {what}, which friction only takes: something"
-                    " drives it. Give the force, or the incline of the mechanism, or leave the"
-                    " part out in which it is driven."
-                )
+                why = f"gains {what}, which friction only takes"
+            else:
+                continue
+            raise InputError(
+                f"the motion {why}: something drives it. Give the force, or the incline, stiffness"
+                " or length of the mechanism, or leave the part out in which it is driven."
+            )
 
     @cached_property
     def size(self) -> float:

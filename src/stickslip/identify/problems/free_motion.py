@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.identify.bands import MeasuredPoints
-from stickslip.identify.judgement import Candidates, Problem
+from stickslip.identify.judgement import DRAWS, Candidates, Problem
 from stickslip.identify.laws import (
     FLOWS,
     POINTS,
@@ -32,6 +33,7 @@ from stickslip.identify.problems.free_balance import (
 )
 from stickslip.identify.problems.free_runs import (
     KNOTS,
+    NOT_FREE,
     ROUNDED,
     RUN_PRIOR,
     RUNS,
@@ -54,8 +56,6 @@ PLACES, ASKED = 25, 40
 """Speeds at which laws are compared, and at which the band is stated; points of a figure."""
 FOLLOWED = 100
 """Draws by which another motion is run."""
-MIDDLE = 200
-"""Draws in whose middle a law stands that is none of them."""
 STARTS = (1.0, 0.5, 0.25)
 """Shares of a start from which a further motion may begin: slower ones tell slower speeds."""
 AGAIN = 8
@@ -127,9 +127,11 @@ class FreeMotionProblem(Problem):
         if self.sought:
             inertia = next((x for x in self.sought if x not in own[0].unknown), "")
             found = balanced(own, form, inertia)
-            own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
+            try:
+                own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
+            except InputError as error:
+                raise InputError(f"{NOT_FREE} The closest balance says: {error}") from None
         self.balance = FreeBalance(own, form)
-        self.balance.refuse_gain()
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen, self.normal)
@@ -300,7 +302,7 @@ class FreeMotionProblem(Problem):
 
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
         """Return the normal forces (k, 1) of draws, or that in the middle of all."""
-        own = self.posterior.draws(MIDDLE, seed=13) if draws is None else draws
+        own = self.posterior.draws(DRAWS, seed=13) if draws is None else draws
         normal = np.full(sum(one.random.shape[1] for one in own), self.normal)
         rig = self.rig(own)
         for path, (slope, given) in (self.load_slopes or {}).items():
@@ -387,7 +389,7 @@ class FreeMotionProblem(Problem):
         How the motion starts and what no balance sees of the mechanism are free in it.
         """
         model, law = self.model, Candidate(structure=rung.structure, coefficients=rung.coefficients)
-        runs, x = begun(model.motion, law, alone=True)
+        runs, x = begun(model.motion, law)
         x[KNOTS:] = model.linear.x[KNOTS:]
         left = runs.beside(x)
         residual = np.full(1, np.inf) if left is None else left.residual

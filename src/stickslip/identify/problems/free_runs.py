@@ -27,7 +27,7 @@ Newton's polynomial through values at `KNOTS` speeds.
    tells it: what is small at speeds that were seen need not be small there.
 4. **Readings are not independent** where something that nothing says is left: the Gram matrix is
    multiplied by the sum of the squared scores of rows over that of their sums over `BLOCKS` blocks.
-5. The slopes are taken again about the most likely curve, until the run there leaves what the
+5. The slopes are taken again about the mean of the posterior, until the run there leaves what the
    linear ones do.
 """
 
@@ -43,6 +43,7 @@ from numpy.typing import NDArray
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
+from stickslip.identify.judgement import DRAWS
 from stickslip.identify.own_laws import (
     Slips,
     certain_of,
@@ -103,6 +104,10 @@ CLOSEST = 1e-5
 STRAIGHT, AGAIN = 0.1, 4
 """Error of the logarithm of the likelihood up to which runs are linear, and how often slopes are
 taken at most."""
+NOT_FREE = (
+    "no run of a law follows this free motion: check mass, length and stiffness of the mechanism,"
+    " and that nothing drives the motion."
+)
 BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDED = 1e-13
@@ -694,13 +699,13 @@ class RunModel(Model):
         return np.array(found)
 
 
-def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:
-    """Return runs with a law, perhaps `alone`, and their unknowns at their means (m,).
+def begun(motion: FreeMotion, law: Candidate) -> tuple[Runs, Array]:
+    """Return runs with a law alone, and their unknowns at their means (m,).
 
     A law that is no sum of parts is a curve through the knots.
     """
     curve = is_own(law.structure)
-    runs = Runs(motion) if curve else Runs(motion, law, alone=alone)
+    runs = Runs(motion) if curve else Runs(motion, law, alone=True)
     x = runs.mean.copy()
     if curve:
         x[:KNOTS] = motion.curve(law)
@@ -711,11 +716,10 @@ def followed(motion: FreeMotion) -> RunModel:
     """Return the readings linear about a run that follows them, from the fixed curve."""
     runs = Runs(motion)
     linear = runs.follows(np.ones(KNOTS))
-    if linear is None:
-        raise InputError(
-            "no run of a law follows this free motion: check mass, length and stiffness of the"
-            " mechanism, and that nothing drives the motion."
-        )
+    moved = [x.values - np.mean(x.values) * x.located for x in motion.motions]
+    # a run that lost the phase leaves more of the motion than it follows
+    if linear is None or 2.0 * np.sum(linear.residual**2) > np.sum(np.concatenate(moved) ** 2):
+        raise InputError(NOT_FREE)
     return RunModel(runs, linear)
 
 
@@ -731,13 +735,14 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         laws = _refined(posterior, laws, grid, part)
         posterior = _weighed(model, laws)
     for _ in range(AGAIN):
-        k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
-        node, structure = posterior.nodes[k], posterior.structures[s]
-        law, random = posterior.estimate(node, structure)
-        runs, x = begun(model.motion, Candidate(structure=structure, coefficients=law))
-        x += random
-        x[:KNOTS] += model.root(node) @ random[:KNOTS] - random[:KNOTS]
-        there = runs.linear(x)
+        runs, draws = Runs(model.motion), posterior.draws(DRAWS)
+        each = [
+            model.unknowns(one.node, one.structure, one.law.mean(axis=1), one.random.mean(axis=1))
+            for one in draws
+        ]
+        # that of one law would be another by rounding where several are as likely
+        counts = [one.random.shape[1] for one in draws]
+        there = runs.linear(np.average(each, axis=0, weights=counts))
         if there is None:
             break
         follower = RunModel(runs, there, model)

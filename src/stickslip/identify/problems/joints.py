@@ -89,7 +89,7 @@ joint is judged were among them."""
 ROUNDS = 4
 """Times that noise is taken again from what parameters leave."""
 SAME = math.sqrt(np.finfo(float).eps)
-"""Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
+"""Eigenvalue of scaled slopes, over the largest, below which parameters cannot be distinguished."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

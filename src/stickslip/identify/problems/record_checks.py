@@ -6,11 +6,12 @@ as it is, it changes there; in all of them, it is the other one. Where the frict
 most of what the inertia leaves gives energy to the motion, the force is that of the other sign.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
-from stickslip.data import Measurement
+from stickslip.data import Finding, Measurement
 from stickslip.errors import InputError
 from stickslip.identify.forces import Unknown
 from stickslip.identify.posterior import Array
@@ -18,23 +19,19 @@ from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.record_columns import is_told
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows, moves, pieces_of
 from stickslip.identify.problems.record_signals import STRETCHES, Record, records_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Axis, Mechanism
 from stickslip.quantities import vary
-from stickslip.show.formatting import percent
+from stickslip.show.formatting import capital, percent
 
 EXPLAINED = 0.5
 """Part of what a plain balance leaves that another sign takes off, at least."""
 OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
-    " (its gain, -1), or that of the position."
+    " (its gain, -1), or that of the position"
 )
 SETTLING, STEADY = 20, 1e-4
 """Steps to where a balance that is not linear leaves least, and the share of the mean square that
 the last one gains."""
-
-
-def _is_driven(record: Record) -> bool:
-    return bool(np.any(record.force))
 
 
 def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
@@ -52,9 +49,34 @@ def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array],
 
 def refuse_wrong_signs(records: Sequence[Record]) -> None:
     """Refuse records whose force has the other sign, or one that changes."""
+    if wrong := wrong_sign(records):
+        raise InputError(f"{wrong}.")
+
+
+def sign_findings(
+    measurement: Measurement, mechanism: Mechanism | None = None, unknown: Sequence[str] = ()
+) -> Iterator[Finding]:
+    """Yield that the force of a record has a wrong sign, or one that changes, as `select` refuses.
+
+    Without a mechanism, nothing is known of its inertia and of a spring.
+    """
+    if mechanism is None:
+        mechanism, unknown = Axis(inertia=1.0), ("mechanism.inertia", "mechanism.stiffness")
+    own = [path for path in unknown if path.startswith("mechanism.")]
+    for one in measurement.records():
+        with suppress(InputError):  # what else is wrong with it is said elsewhere
+            records = records_of(mechanism, one, unknown=own)
+            if "force" in one.quantities() and (wrong := wrong_sign(records)):
+                said, label = f"{capital(wrong)}.", one.name if measurement.trials else ""
+                yield Finding(kind="force sign", sentence=said, severity="error", record=label)
+
+
+def wrong_sign(records: Sequence[Record]) -> str:
+    """Return what is wrong with the sign of the force of records; empty if nothing is."""
     first, moving = records[0], [one for one in records if moves(one)]
-    if first.friction or not moving or free_form(moving) or not any(map(_is_driven, moving)):
-        return
+    pushed = any(np.any(one.force) for one in moving)
+    if first.friction or not pushed or free_form(moving):
+        return ""
     rows, slides, rig = _plain_columns(moving)
     inertia, speed = first.inertia is None, slides[1]
     response = rows.response
@@ -62,7 +84,7 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
     # of a motion in one direction a level is an offset, and damping may be sought: these may drive
     laws = [one for one in slides if is_told(one, rig)]
     if not laws:
-        return
+        return ""
     n = len(laws)
     x = np.column_stack([*laws, *rig])
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
@@ -82,19 +104,19 @@ def refuse_wrong_signs(records: Sequence[Record]) -> None:
     most = 1.0 - EXPLAINED
     if left[best] < most * left[0]:
         if left[count] <= left[best]:
-            raise InputError(OTHER_SIGN)
+            return OTHER_SIGN
         begin = int(np.argmax(stretches == best))
-        raise InputError(
+        return (
             f"the sign of the force changes at about t = {rows.time[begin]:.3g} s: turned before"
             f" it, the force leaves {percent(left[best] / left[0])} of the squared error of a plain"
-            " balance. Give the force the sign of the position all along."
+            " balance. Give the force the sign of the position all along"
         )
     c = np.linalg.solve(gram, x.T @ response)
     without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     inertial = float(c[n + 1]) < 0.0 if inertia else True
-    if wrong and inertial and left[0] < most * float(without @ without):
-        raise InputError(OTHER_SIGN)
+    turned = wrong and inertial and left[0] < most * float(without @ without)
+    return OTHER_SIGN if turned else ""
 
 
 def settled(

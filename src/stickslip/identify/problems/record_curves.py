@@ -40,8 +40,8 @@ COURSES = ("drift", "stretch", "zero")
 BY_PLACE = {"place": "drift", "force": "zero"}
 """What was learned of places, and what as a course in time that looks alike."""
 GOES_ON = 0.5
-"""Share of draws in which a course goes on in a record that follows: warming does, but what another
-joint did, or an edge of a fit, does not."""
+"""Prior probability that a course goes on in a record that follows: warming does, but what another
+joint did, or an edge of a fit, does not, and nothing in one record says which it is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -231,7 +231,7 @@ STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
 BESIDE_LEVELS = ("power", "saturating", "tanh")
 """Flows that fall off, and so may stand for a level, and a level as smooth as with bristles."""
 FLOWING = frozenset({"viscous", "power", "saturating"})
-"""Flows that are near to viscous friction, which is not told from a damping that is looked for."""
+"""Flows that are near to viscous friction, not distinguished from a damping that is looked for."""
 ALONG = ("drift", "place", "force", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
 PUSHED = {"push": 2, "input": 2}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.forces import TRANSMITTED
-from stickslip.identify.judgement import Candidates, Finding, Problem, stated
+from stickslip.identify.judgement import ONE_WAY, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import (
     CHANGING,
     DIRECTIONS,
@@ -728,28 +728,24 @@ class RecordProblem(Problem):
         found, balance = list[str](), self.model.balance
         if "offset" in self.beside and self.offset and self.model.frame.load == 1.0:
             found.append(
-                "A constant offset is not told from a level that differs by direction: a record"
-                " under another load would tell them, or what the sensor shows without a force."
+                "A constant offset cannot be distinguished from a level that differs by direction:"
+                " a record under another load would tell them, or what the sensor shows without a"
+                " force."
             )
         if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
-            found.append(
-                "All motion is in one direction, in which a constant force (gravity, a cable, the"
-                " zero of a sensor) is not told from the level of friction: the level holds it, and"
-                " its interval does not allow for it. Move in the other direction too, or hold the"
-                " offset (fixed)."
-            )
+            found.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
         if not balance.measured and self._spread_of_dead_zone() > NEGLIGIBLE:
             found.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
-                " is not told from the level of friction, which is stated without one: a record"
-                " with added mass or larger accelerations would tell them."
+                " cannot be distinguished from the level of friction, which is stated without one:"
+                " a record with added mass or larger accelerations would tell them."
             )
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
-            are, them = ("is", "it") if len(names) == 1 else ("together are", "them")
+            them = "it" if len(names) == 1 else "them"
             found.append(
-                f"The {joined(names)} {are} not told from viscous friction: what is stated of"
-                f" {them} has both, and no law with viscous friction is compared."
+                f"The {joined(names)} cannot be distinguished from viscous friction: what is stated"
+                f" of {them} has both, and no law with viscous friction is compared."
             )
         return found
 

@@ -23,7 +23,7 @@ from stickslip.identify.fits import (
     uncertainties_of,
 )
 from stickslip.identify.forces import load_slopes
-from stickslip.identify.judgement import Candidates, Finding, Problem, stated
+from stickslip.identify.judgement import DRAWS, ONE_WAY, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
 from stickslip.identify.own_laws import (
     certain_of,
@@ -80,8 +80,6 @@ from stickslip.show.formatting import joined, percent, quantity
 
 STEADY = 0.1
 """Range of the logarithm of the speed within which most runs are steps at a speed each."""
-FEW_DRAWS = 100
-"""Draws whose median stands for the curve."""
 FEWEST = 5
 """Readings that a table must have."""
 ASKED = 40
@@ -168,16 +166,13 @@ class TableProblem(Problem):
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow):
-            kept = np.ones(len(table.friction), dtype=bool)
-            kept[slow] = False
-            if _moves(table.where(kept).rows):
-                other = fitted(table.where(kept), known)
-                size = np.abs(np.median(np.abs(table.friction[kept])))
+            moving = table.where(~np.isin(np.arange(len(table.friction)), slow))
+            if _moves(moving.rows):
+                other = fitted(moving, known)
+                size = np.abs(np.median(np.abs(moving.friction)))
                 rest_prior = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
                 if other.posterior.evidence + rest_prior > fit.posterior.evidence:
-                    resting = table.rows.velocity[slow]
-                    kept_table = table.where(kept)
-                    table, fit, rests = kept_table, other, resting
+                    rests, table, fit = table.rows.velocity[slow], moving, other
         unsure = load_error_of(mechanism, measurement)
         return cls(table, fit, turning=turning, rests=rests, families=families, load_error=unsure)
 
@@ -188,7 +183,7 @@ class TableProblem(Problem):
         posterior = Posterior(
             model, [*before.structures, *own], priors, begin=before.nodes, most=MOST
         )
-        fit = replace(self.fit, model=model, posterior=posterior, draws={})
+        fit = replace(self.fit, model=model, posterior=posterior)
         return replace(self, fit=fit, families=(*families, *map(family_of, own)))
 
     def slips(self, rows: Rows) -> Rows:
@@ -365,26 +360,16 @@ class TableProblem(Problem):
         own = next((name.own for name in family if is_slope(name)), None)
         if own is not None and own.holds_constant(self.places()):
             sides = [()]
-        inputs = [
-            tuple(f"{part}*{name}" for part in parts)
-            for name in frame.means
-            for parts in (("level",), ("viscous",), ("level", "viscous"))
-            if {*parts} <= {*family}
-        ]
-        by_input = [(), *inputs] if len(frame.means) < 2 else self._products(family)
-        return [(*side, *of) for side, of in itertools.product(sides, by_input)]
-
-    def _products(self, family: Family) -> list[tuple[str, ...]]:
-        """Return the effects of several inputs together."""
-        each = [
+        by_input = [
             [
                 tuple(f"{part}*{name}" for part in parts)
                 for parts in ((), ("level",), ("viscous",), ("level", "viscous"))
                 if {*parts} <= {*family}
             ]
-            for name in self.model.frame.means
+            for name in frame.means
         ]
-        return [tuple(itertools.chain(*one)) for one in itertools.product(*each)]
+        every = itertools.product(sides, *by_input)
+        return [tuple(itertools.chain(*one)) for one in every]
 
     @staticmethod
     def _beside(structure: Structure, beside: Sequence[str]) -> Structure:
@@ -587,7 +572,7 @@ class TableProblem(Problem):
     def _far_ends(self) -> list[tuple[int, float]]:
         """Readings alone at an end that are far from the others, and by how much [N]."""
         rows, found = self.table.rows, list[tuple[int, float]]()
-        draws = self.posterior.draws(FEW_DRAWS, seed=3)
+        draws = self.posterior.draws(DRAWS, seed=3)
         for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)):
             alike = (rows.direction == rows.direction[row]) & (
                 np.abs(np.log(rows.speed / rows.speed[row])) < NEAR
@@ -670,19 +655,21 @@ class TableProblem(Problem):
     # ---- what stands beside the law ---------------------------------------------------------
 
     def untold(self) -> list[str]:
-        """Return sentences on inputs that are not told from runs, and what would tell them."""
-        frame, rows = self.model.frame, self.table.rows
+        """Return sentences on inputs that cannot be distinguished from runs, and on the cure."""
+        frame, rows, found = self.model.frame, self.table.rows, list[str]()
+        if "offset" not in self.model.groups:
+            found.append(f"{ONE_WAY} Measure in the other direction, too.")
         if not 1 < frame.runs < len(rows.run):
-            return []
+            return found
         of_runs = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
-        found = []
         for name in frame.means:
             x = rows.inputs[name]
             within = x - of_runs @ np.linalg.lstsq(of_runs, x, rcond=None)[0]
             if 1.0 - np.var(within) / np.var(x) > FOLLOWS:
                 found.append(
-                    f"An effect of the {name} is told from differences between the {frame.runs}"
-                    f" runs only as far as these are small: it hardly changes within a run. Change"
+                    f"An effect of the {name} can be distinguished from differences between the"
+                    f" {frame.runs} runs only if these are small: it hardly changes within a run."
+                    f" Change"
                     f" the {name} within a run, or repeat a run at the same {name}."
                 )
         return found
@@ -732,10 +719,6 @@ class TableProblem(Problem):
         frame = self.model.frame
         side = 1.0 if (self.table.rows.velocity > 0.0).any() else -1.0
         return self.at(side * np.geomspace(frame.slowest, frame.fastest, POINTS))
-
-    def offered(self) -> Rows:
-        """Return the readings that may be proposed: at the asked speeds."""
-        return self.asked()
 
     def noise(self, rows: Rows) -> Array:
         """Return the standard deviation of a reading of another block and run at rows (n,)."""

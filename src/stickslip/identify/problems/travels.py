@@ -1,4 +1,4 @@
-r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, whichever law holds.
+r"""Travels: laws fitted, weighed and drawn; the travel at a setting over all laws.
 
 1. *Fits*: every law in every shape (`travel_laws`), and the measured curve over the setting,
    :math:`T = T(c) (1 + a + b u + w(u))` with :math:`T(c)` of the best law, :math:`u` the logarithm
@@ -421,7 +421,7 @@ class TravelJudgement:
 
     @cached_property
     def set(self) -> list[str]:
-        """Laws that are not told apart, the named one first."""
+        """Laws that cannot be distinguished, the named one first."""
         least = self.evidence[self.named] - math.log(THRESHOLDS.odds)
         return [name for name, value in self.evidence.items() if value >= least]
 

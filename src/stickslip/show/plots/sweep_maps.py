@@ -152,7 +152,7 @@ def draw_velocity_band(
         axes = figure.add_subplot()
         low, median, high = result.low, result.median, result.high
         factor, unit = scale_of(median[np.isfinite(median)], result.velocity_unit)
-        label = f"{percent(result.level)} band, whichever law holds"
+        label = f"{percent(result.level)} band over all candidate laws"
         axes.fill_between(
             result.values,
             factor * low,

@@ -467,7 +467,7 @@ def velocity_band(
     solver: EventDriven | None = None,
     progress: Progress | None = None,
 ) -> VelocityBand:
-    """Return the band of the mean velocity over one parameter, whichever of some laws holds.
+    """Return the band of the mean velocity over one parameter, for some candidate laws.
 
     Parameters
     ----------

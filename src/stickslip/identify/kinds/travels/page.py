@@ -96,9 +96,9 @@ def laws_section(verdict: TravelVerdict) -> Section:
         chosen=lambda one: one is verdict.best,
         caption=(
             "The law with the most evidence is named: it fits with few and usual parts. Laws within"
-            f" {math.log(THRESHOLDS.odds):.1f} of it are not told apart. Shares of the band follow"
-            " from how well laws predict held-out settings, whatever their parts: another law than"
-            " the named one may have more."
+            f" {math.log(THRESHOLDS.odds):.1f} of it cannot be distinguished. Shares of the band"
+            " follow from how well laws predict held-out settings, whatever their parts: another"
+            " law than the named one may have more."
             + (
                 f" The {TITLES['curve']} has {percent(verdict.curve_share)}."
                 if verdict.curve_share
@@ -108,7 +108,9 @@ def laws_section(verdict: TravelVerdict) -> Section:
     )
     number = len(verdict.set)
     heading = (
-        "One law is left" if number == 1 else f"{number} laws are not told apart by these travels"
+        "One law is left"
+        if number == 1
+        else f"{number} laws cannot be distinguished by these travels"
     )
     if not verdict.explained:
         heading = "No law explains these travels"

@@ -60,7 +60,7 @@ def select_travels(
     t_end: float = 10.0,
     progress: Watch | None = None,
 ) -> TravelVerdict:
-    """Fit laws to measured travels, and say which to use and what holds whichever law does.
+    """Fit laws to measured travels, and say which to use and what holds for all candidate laws.
 
     Examples
     --------

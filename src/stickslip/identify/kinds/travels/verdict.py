@@ -89,7 +89,7 @@ class TravelCandidate(Candidate[TravelFit]):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelVerdict(Verdict[TravelCandidate]):
-    """Which law to use, and what the travel is at a setting whichever law holds."""
+    """Which law to use, and what the travel is at a setting over all candidate laws."""
 
     judgement: TravelJudgement
     """What the verdict is read from."""
@@ -100,7 +100,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
     checks: Checks
     """What is doubtful about the readings."""
     intervals: tuple[Estimate, ...]
-    """Parameters of the named law with their intervals whichever law has them."""
+    """Parameters of the named law with their intervals over the laws that have them."""
     places: tuple[float, ...] = ()
     """Settings of readings that are proposed [SI], one a reading."""
     shrinks: float = 1.0
@@ -125,7 +125,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
 
     @property
     def set(self) -> tuple[tuple[str, ...], ...]:
-        """Laws that are not told apart, the named one first."""
+        """Laws that cannot be distinguished, the named one first."""
         return tuple((name,) for name in self.judgement.set)
 
     @property
@@ -164,7 +164,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
         self, settings: Array | Sequence[float] | float, *, level: float = 0.95,
         all_along: bool = False,
     ) -> PredictionBand:  # fmt: skip
-        """Return what the travel is at settings, whichever law holds.
+        """Return what the travel is at settings, over all candidate laws.
 
         Parameters
         ----------

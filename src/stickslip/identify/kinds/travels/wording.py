@@ -158,7 +158,7 @@ def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | No
     rests = float(np.max(np.abs(ends[:, last]))) < THRESHOLDS.negligible * float(np.max(sizes))
     far = "the body stays where it is" if rests else f"it is {range_at(last)}"
     place = _setting(judgement, float(settings[last]))
-    return f"{said}; with {place} {far} (95 % band, whichever law holds)."
+    return f"{said}; with {place} {far} (95 % band over all candidate laws)."
 
 
 def _open(

@@ -2,9 +2,9 @@
 
 1. *Now*: the judge of `select` takes the travels that were measured, or one that the first law
    makes as the rig stands, and draws laws; the quantiles of their travels over the settings are the
-   band whichever law holds.
+   band over all candidate laws.
 2. *Law by law*: the judge takes the travels that this law makes at the settings, with the errors to
-   be expected. A law that then leaves the set is told apart; intervals and the band are those that
+   be expected. A law that then leaves the set is excluded; intervals and the band are those that
    the runs will give.
 3. *The rig*: a parameter moves travels, and with them the level, in proportion to its uncertainty.
 """
@@ -218,7 +218,7 @@ def plan(
 ) -> Plan:
     """Plan travels that tell friction laws apart and fix their parameters.
 
-    The band of the travel over the settings, whichever law holds, is that of `select`: where it is
+    The band of the travel over the settings and all laws is that of `select`: where it is
     widest, a reading narrows it most. What the runs will tell is what `select` makes of the travels
     that each law predicts.
 

@@ -38,7 +38,7 @@ class Separation(metaclass=Described):
     predicted: Mapping[str, float]
     """Travel [m] by law."""
     low: float
-    """Lower end of the 95 % band of the travel [m], whichever law holds, before the runs."""
+    """Lower end of the 95 % band of the travel [m] over all candidate laws, before the runs."""
     high: float
     """Its upper end [m]."""
     expected: float
@@ -240,8 +240,8 @@ class Plan(Tabular):
         one = self.widest
         before, after = (quantity(x, "m", 2) for x in (one.half, one.expected))
         return (
-            f"The travel is known least with the {self.knob} {one.text}: ± {before} whichever law"
-            f" holds, and ± {after} expected after the runs."
+            f"The travel is known least with the {self.knob} {one.text}: ± {before} over all"
+            f" candidate laws, and ± {after} expected after the runs."
         )
 
     def csv(self) -> str:

@@ -115,7 +115,7 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
         else "Each law gives the same travel with the rig as described."
     )
     band = (
-        "The last rows are half the width of the 95 % band of the travel whichever law holds: now,"
+        "The last rows are half the width of the 95 % band of the travel over all laws: now,"
         " and as these runs will leave it in the worst case."
     )
     known = quantity(plan.uncertainty, "m", 2)
