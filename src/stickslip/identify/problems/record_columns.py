@@ -573,7 +573,7 @@ class Balance:
         if not self.driven or self.pieces[0].record.joint:
             return False
         spring = self.rows(MIDDLE).seen([self.spring(p.record.position) for p in self.pieces])
-        return is_told(spring, [self.unknown(MIDDLE, path) for path in self._looked_for])
+        return is_told(spring, [self.rows(MIDDLE).unknown(path) for path in self._looked_for])
 
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.
