@@ -172,7 +172,8 @@ class RecordProblem(Problem):
 
     def slips(self, rows: SteadyRows) -> Slips:
         balance = self.model.balance
-        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record)
+        through = np.asarray(rows.transmitted) * rows.ratio
+        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record, through)
         return Slips(velocity=rows.velocity, load=rows.load, inputs=inputs)
 
     # ---- rows -------------------------------------------------------------------------------
