@@ -33,6 +33,7 @@ from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import WORTH, Proposal, propose
+from stickslip.identify.refinement import Refined, refined
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     ORDERED,
@@ -172,6 +173,13 @@ def _records_again(
     return made(rig, with_gear(rig, measurement))
 
 
+def _known_by_runs(
+    runs: Refined, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
+) -> list[Record]:
+    """Return records of a mechanism that runs told."""
+    return runs.known(made(rig, measurement, linear=False))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
@@ -267,7 +275,11 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    rig = settled(mechanism, measurement, vary, offset=offset)
+    runs = refined(mechanism, measurement, vary, hold=hold)
+    if runs is None:
+        rig = settled(mechanism, measurement, vary, offset=offset)
+    else:
+        rig, made = runs.on(mechanism), partial(_known_by_runs, runs, made)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     asked = laws_for(laws, records, load_of(rig))

@@ -21,6 +21,8 @@ from stickslip.identify.fits.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identify.fits.estimation.jackknife import effective_size as effective_size
 from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
 from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch
+from stickslip.identify.fits.estimation.levenberg_marquardt import improve as improve
+from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.estimation.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.estimation.parameters import Sizes as Sizes
 from stickslip.identify.fits.estimation.parameters import refuse_open as refuse_open
@@ -29,6 +31,7 @@ from stickslip.identify.fits.estimation.parameters import starting_law as starti
 from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
+from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
 from stickslip.identify.fits.force_map.force_balance import mean_frequency as mean_frequency
 from stickslip.identify.fits.force_map.force_balance import positive_noise as positive_noise
@@ -42,7 +45,9 @@ from stickslip.identify.fits.records.fit import Score as Score
 from stickslip.identify.fits.records.fitting import RouteName as RouteName
 from stickslip.identify.fits.records.fitting import fit_records as fit_records
 from stickslip.identify.fits.records.fitting import route_of as route_of
+from stickslip.identify.fits.records.problems import RouteChoice as RouteChoice
 from stickslip.identify.fits.records.problems import refuse_overrides as refuse_overrides
+from stickslip.identify.fits.records.problems import simulated as simulated
 from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
 from stickslip.identify.fits.results import Estimate as Estimate
 from stickslip.identify.fits.results import Fit as Fit
@@ -64,12 +69,14 @@ from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as 
 from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identify.fits.series.inverse_dynamics import positions_of as positions_of
 from stickslip.identify.fits.series.start_values import MOST as MOST
+from stickslip.identify.fits.settings import Hold as Hold
 from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
 from stickslip.identify.fits.settings import SETTLED as SETTLED
 from stickslip.identify.fits.settings import SURE as SURE
 from stickslip.identify.fits.settings import TAKES_PART as TAKES_PART
+from stickslip.identify.fits.shooting.multiple_shooting import Shooting as Shooting
 from stickslip.identify.fits.signals import play as play
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel

@@ -1,0 +1,170 @@
+r"""What only runs tell of a mechanism, found before its force balance is judged.
+
+A balance is blind where forces are not linear in what is looked for, as in the resistance of a
+motor that a voltage drives: noise of the velocity, the steps of an encoder and friction that the
+plain balance lacks all move it. Runs are not. With the parameters :math:`\theta` of a wide law and
+of the mechanism, readings :math:`y` and what segments with free starts :math:`s` predict of them,
+
+.. math::
+    \min_{\theta, s}\ \frac{\kappa}{\sigma^2} \lVert y - f(\theta, s) \rVert^2
+        + \sum_i \frac{(\log \theta_i - \log \theta_{0i})^2}{\tau^2} ,
+
+1. shooting takes the first term down alone, from values of its own;
+2. steps of Gauss and Newton along the sensitivities of the engine take down both, where
+   :math:`\theta_0` is what was given and :math:`\tau` is `PRIOR`;
+3. the curvature there is the precision of :math:`\theta`. Readings are not independent:
+   :math:`\kappa` is the sum of squared scores of rows over that of their sums in `BLOCKS` blocks.
+
+The balance then has the mechanism about these values, with that covariance.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip.data import Measurement
+from stickslip.friction import BamM4
+from stickslip.identify.fits import (
+    FreeParameters,
+    Hold,
+    Parameters,
+    RecordSettings,
+    ResidualJacobian,
+    RouteChoice,
+    Shooting,
+    improve,
+    simulated,
+)
+from stickslip.identify.posterior import Array
+from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.quantities import parameters, vary
+
+PRIOR = 0.5
+"""Standard deviation of the logarithm of a parameter about the value that was given of it."""
+BLOCKS = 100
+"""Blocks of rows, over all records, whose scores count as independent."""
+ROUNDS = 3
+"""Times that the deviation of readings is taken again."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refined:
+    """Parameters of a mechanism by runs."""
+
+    values: Mapping[str, float]
+    """By path."""
+    covariance: Array
+    """Of the values, in their order (p, p)."""
+
+    def on(self, mechanism: Mechanism) -> Mechanism:
+        """Return a mechanism with the values."""
+        return vary(mechanism, "mechanism", self.values)
+
+    def known(self, records: Sequence[Record]) -> list[Record]:
+        """Return records whose parameters count from the values, with the covariance as prior.
+
+        Of its root :math:`L` each column is what one of them, and others with it, changes by.
+        """
+        paths, root = [*self.values], np.linalg.cholesky(self.covariance)
+        found = []
+        for record in records:
+            own = dict(record.unknown)
+            for j, path in enumerate(paths):
+                parts = [(root[i, j], record.unknown[other]) for i, other in enumerate(paths)]
+                own[path] = replace(
+                    record.unknown[path],
+                    force=np.sum([share * one.force for share, one in parts], axis=0),
+                    inertia=float(sum(share * one.inertia for share, one in parts)),
+                    along=dict(zip(paths, root[:, j].tolist(), strict=True)),
+                )
+            found.append(replace(record, unknown=own))
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _WithPrior:
+    """Residuals of runs, and rows of what is known before."""
+
+    runs: Shooting
+    given: Array
+    """Values that were given (p,)."""
+    sizes: Array
+    """Deviations of their logarithms (p,); infinite of those without."""
+    deviation: float
+    """Deviation of a reading that would be independent of others."""
+
+    @property
+    def free_parameters(self) -> FreeParameters:
+        """What is looked for."""
+        return self.runs.free_parameters
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals at values (p,), with one row for each that was given."""
+        seen = self.runs.linearise(values, near)
+        told = np.flatnonzero(np.isfinite(self.sizes))
+        off = np.log(self.given[told] / values[told]) / self.sizes[told]
+        slopes = np.zeros((len(told), len(values)))
+        slopes[np.arange(len(told)), told] = 1.0 / values[told] / self.sizes[told]
+        return ResidualJacobian(
+            values=values,
+            residual=np.concatenate([seen.residual, self.deviation * off]),
+            slopes=lambda: np.vstack([seen.slopes, self.deviation * slopes]),
+            segment=np.concatenate([seen.segment, np.full(len(told), -1)]),
+            memory=seen.memory,
+        )
+
+
+def refined(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    *,
+    hold: Hold | None = None,
+) -> Refined | None:
+    """Return what runs tell of a motor and what it turns; None where a balance tells as much.
+
+    That is so where no motor is driven by a voltage, or forces are linear in what is looked for.
+    """
+    if not unknown or motor_of(mechanism) is None:
+        return None
+    records = records_of(mechanism, measurement, unknown=unknown)
+    if not any(one.bent for one in records[0].unknown.values()):
+        return None
+    wanted = Parameters(
+        mechanism=mechanism, law=BamM4, known={"fading_exponent": 1.0}, unknown=tuple(unknown)
+    )
+    choice = RouteChoice.of(mechanism, measurement, RecordSettings(hold=hold))
+    problem = simulated(choice, wanted, measurement, {}).problem
+    free = problem.free_parameters
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    looked = [k for k, one in enumerate(free.items) if one.path in unknown]
+    given = np.array([values.get(path, 1.0) for path in free.paths])
+    sizes = np.full(len(free), math.inf)
+    sizes[[k for k in looked if free.items[k].log]] = PRIOR
+    best, worth = problem.linearise(free.start), 1.0
+    for _ in range(ROUNDS):
+        deviation = best.rms / math.sqrt(worth)
+        prior = _WithPrior(runs=problem, given=given, sizes=sizes, deviation=deviation)
+        end, _ = improve(prior, best.values)
+        best = problem.linearise(end.values, end)
+        worth = independent(best)
+    table = end.slopes / deviation
+    covariance = np.linalg.pinv(table.T @ table, hermitian=True)
+    return Refined(
+        values={free.paths[k]: float(end.values[k]) for k in looked},
+        covariance=covariance[np.ix_(looked, looked)],
+    )
+
+
+def independent(seen: ResidualJacobian) -> float:
+    """Return which share of readings counts as independent."""
+    size = np.linalg.norm(seen.slopes, axis=0)
+    table = seen.slopes[:, size > 0.0] / size[size > 0.0]
+    scores = np.linalg.svd(table, full_matrices=False)[0] * seen.residual[:, None]
+    blocks = np.arange(len(scores)) * BLOCKS // len(scores)
+    sums = np.zeros((BLOCKS, scores.shape[1]))
+    np.add.at(sums, blocks, scores)
+    return float(min(np.sum(scores**2) / (np.sum(sums**2) + 1e-300), 1.0))
