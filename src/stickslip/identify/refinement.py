@@ -38,12 +38,18 @@ from stickslip.identify.fits import (
     simulated,
 )
 from stickslip.identify.posterior import Array
+from stickslip.identify.problems.record_model import KAPPA
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import parameters, vary
+from stickslip.show.formatting import joined
 
 PRIOR = 0.5
 """Standard deviation of the logarithm of a parameter about the value that was given of it."""
+TOLD = 0.5
+"""Deviation after the runs over that before, beyond which they tell next to nothing."""
+ROUNDED = 1e-12
+"""Least eigenvalue of a covariance of unit diagonal: what is below is rounding."""
 BLOCKS = 100
 """Blocks of rows, over all records, whose scores count as independent."""
 ROUNDS = 3
@@ -58,6 +64,15 @@ class Refined:
     """By path."""
     covariance: Array
     """Of the values, in their order (p, p)."""
+
+    @property
+    def sentence(self) -> str:
+        """What is said of the values."""
+        names = joined([path.removeprefix("mechanism.") for path in self.values])
+        return (
+            f"Runs of the mechanism with friction of a gear determine {names}; the force balance"
+            " determines friction with these values."
+        )
 
     def on(self, mechanism: Mechanism) -> Mechanism:
         """Return a mechanism with the values."""
@@ -126,7 +141,9 @@ def refined(
 ) -> Refined | None:
     """Return what runs tell of a motor and what it turns; None where a balance tells as much.
 
-    That is so where no motor is driven by a voltage, or forces are linear in what is looked for.
+    That is so where there is no motor, where forces are linear in what is looked for, and where
+    runs do not tell parameters apart either, as resistance and torque constant are not under
+    friction that is the same at any torque.
     """
     if not unknown or motor_of(mechanism) is None:
         return None
@@ -139,9 +156,9 @@ def refined(
     choice = RouteChoice.of(mechanism, measurement, RecordSettings(hold=hold))
     problem = simulated(choice, wanted, measurement, {}).problem
     free = problem.free_parameters
-    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     looked = [k for k, one in enumerate(free.items) if one.path in unknown]
-    given = np.array([values.get(path, 1.0) for path in free.paths])
+    given = np.array([known.get(path, 1.0) for path in free.paths])
     sizes = np.full(len(free), math.inf)
     sizes[[k for k in looked if free.items[k].log]] = PRIOR
     best, worth = problem.linearise(free.start), 1.0
@@ -152,19 +169,26 @@ def refined(
         best = problem.linearise(end.values, end)
         worth = independent(best)
     table = end.slopes / deviation
-    covariance = np.linalg.pinv(table.T @ table, hermitian=True)
-    return Refined(
-        values={free.paths[k]: float(end.values[k]) for k in looked},
-        covariance=covariance[np.ix_(looked, looked)],
-    )
+    covariance = np.linalg.pinv(table.T @ table, hermitian=True)[np.ix_(looked, looked)]
+    least = TOLD * sizes[looked] * np.abs(end.values[looked])
+    if np.any(np.sqrt(np.diag(covariance)) > least) or not is_positive(covariance):
+        return None
+    values = {free.paths[k]: float(end.values[k]) for k in looked}
+    return Refined(values=values, covariance=covariance)
+
+
+def is_positive(covariance: Array) -> bool:
+    """Return whether a covariance (p, p) is one of values that all are open."""
+    size = np.sqrt(np.diag(covariance)) + 1e-300
+    return bool(np.linalg.eigvalsh(covariance / np.outer(size, size))[0] > ROUNDED)
 
 
 def independent(seen: ResidualJacobian) -> float:
-    """Return which share of readings counts as independent."""
+    """Return which share of readings counts as independent, at most as of a balance."""
     size = np.linalg.norm(seen.slopes, axis=0)
     table = seen.slopes[:, size > 0.0] / size[size > 0.0]
     scores = np.linalg.svd(table, full_matrices=False)[0] * seen.residual[:, None]
     blocks = np.arange(len(scores)) * BLOCKS // len(scores)
     sums = np.zeros((BLOCKS, scores.shape[1]))
     np.add.at(sums, blocks, scores)
-    return float(min(np.sum(scores**2) / (np.sum(sums**2) + 1e-300), 1.0))
+    return float(min(np.sum(scores**2) / (np.sum(sums**2) + 1e-300), KAPPA))

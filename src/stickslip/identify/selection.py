@@ -301,7 +301,7 @@ def select_record(
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),
-        remarks=map(str, checks.of("outliers")),
+        remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
     )
 
 

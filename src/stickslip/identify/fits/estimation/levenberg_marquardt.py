@@ -73,22 +73,20 @@ def search(
     *,
     starts: int = 1,
     seed: int = 0,
-    start_values: Sequence[Array] = (),
     watch: Watch | None = None,
 ) -> OptimizeResult:
     """Return the least cost over several starts.
 
-    The first is that of the problem, then come given values (p,), then as many jittered ones as
-    make `starts` of them.
+    The first is that of the problem, the others are jittered.
     """
     counter, random = Counter(watch), np.random.default_rng(seed)
     ends: list[ResidualJacobian] = []
     costs: list[float] = []
     cancelled = False
-    for place in range(max(starts, 1 + len(start_values))):
+    for place in range(starts):
         if cancelled:
             break
-        values = _start(problem.free_parameters, place, start_values, random)
+        values = _start(problem.free_parameters, place, random)
         try:
             end, cancelled = improve(problem, values, counter=counter)
             gains = True
@@ -123,17 +121,13 @@ def _agreeing(costs: Sequence[float]) -> int:
 def _start(
     free_parameters: FreeParameters,
     number: int,
-    tried: Sequence[Array],
     random: np.random.Generator,
 ) -> Array:
-    """Return the values of a start: the first one, those tried, then jittered ones."""
+    """Return the values of a start: the first one, then jittered ones."""
     if number == 0:
         return free_parameters.start
-    if number <= len(tried):
-        return tried[number - 1]
     factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(free_parameters)))
-    base = tried[(number - 1) % len(tried)] if tried else free_parameters.start
-    return free_parameters.values(free_parameters.coordinates(base * factors))
+    return free_parameters.values(free_parameters.coordinates(free_parameters.start * factors))
 
 
 def improve(

@@ -1,13 +1,11 @@
-"""A record as residuals that depend on unknowns: what every route gives to the optimiser."""
+"""Residuals that depend on unknowns: what the optimiser is given."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from typing import Any, Protocol, Self
+from collections.abc import Callable
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.engine.trajectory import Trajectory
 from stickslip.identify.fits.estimation.parameters import FreeParameters
 
 Array = NDArray[np.float64]
@@ -89,77 +87,3 @@ class LeastSquaresProblem(Protocol):
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at values (p,), from an answer for near values if any."""
-
-
-class Problem(ABC):
-    """Residuals of one or several records as a function of unknowns, segment by segment."""
-
-    free_parameters: FreeParameters
-    """What is looked for."""
-
-    @property
-    @abstractmethod
-    def spans(self) -> Array:
-        """Record, first and last time of each segment (segments, 3)."""
-
-    @property
-    @abstractmethod
-    def quantity(self) -> str:
-        """Name of what the residuals are of, as in `QUANTITIES`."""
-
-    @property
-    @abstractmethod
-    def times(self) -> Array:
-        """Time of each row (n,) [s]."""
-
-    @abstractmethod
-    def linearise(
-        self,
-        values: Array,
-        near: ResidualJacobian | None = None,
-        *,
-        only: Sequence[int] | None = None,
-        slopes: bool = True,
-    ) -> ResidualJacobian:
-        """Return what predictions with values (p,) leave, and their slopes; of some segments.
-
-        Slopes are not looked at where they are not asked for.
-        """
-
-
-class RecordProblem(Problem):
-    """A problem whose rows are samples of a record, which predictions stand beside."""
-
-    @property
-    @abstractmethod
-    def measured(self) -> Array:
-        """What was measured of the quantity compared, of each row (n,)."""
-
-    @property
-    @abstractmethod
-    def variation(self) -> float:
-        """Sum of squares of what a law is to explain: of what was measured, less what is free."""
-
-    @property
-    def simulates(self) -> bool:
-        """Whether motion is predicted from its start; else friction along the measured motion."""
-        return False
-
-    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
-        """Return the segments simulated again from their fitted states, each with its certificate.
-
-        Times of a run count from the start of its segment. There are none along measured motion.
-        """
-        return ()
-
-    @abstractmethod
-    def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
-        """Return the same with other bounds or start values of the unknowns."""
-
-    @abstractmethod
-    def carried(self, seen: ResidualJacobian) -> Array:
-        """Return the residuals (n,) at the values, and from the local states, of an answer.
-
-        The answer may be that of the same record with another mechanism: the local states stay
-        where they are, so that the difference of the residuals is smooth in what was changed.
-        """
