@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, fit
 from stickslip.identify.fits.estimation.jackknife import block_sums, effective_size, infer
-from stickslip.identify.fits.estimation.problem import ResidualJacobian
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
 
 
 def autoregression(count, decay, random):

@@ -5,9 +5,15 @@ import pytest
 from tests.linear import Linear
 
 from stickslip.errors import ConvergenceError
-from stickslip.identify.fits.estimation.levenberg_marquardt import JITTER, improve, search, step_of
+from stickslip.identify.fits.estimation.levenberg_marquardt import (
+    JITTER,
+    LeastSquaresProblem,
+    ResidualJacobian,
+    improve,
+    search,
+    step_of,
+)
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.problem import LeastSquaresProblem, ResidualJacobian
 from stickslip.quantities import Quantity
 
 RANDOM = np.random.default_rng(3)

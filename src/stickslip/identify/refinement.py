@@ -9,13 +9,14 @@ of the mechanism, readings :math:`y` and what segments with free starts :math:`s
     \min_{\theta, s}\ \frac{\kappa}{\sigma^2} \lVert y - f(\theta, s) \rVert^2
         + \sum_i \frac{(\log \theta_i - \log \theta_{0i})^2}{\tau^2} ,
 
-1. shooting takes the first term down alone, from values of its own;
-2. steps of Gauss and Newton along the sensitivities of the engine take down both, where
-   :math:`\theta_0` is what was given and :math:`\tau` is `PRIOR`;
-3. the curvature there is the precision of :math:`\theta`. Readings are not independent:
-   :math:`\kappa` is the sum of squared scores of rows over that of their sums in `BLOCKS` blocks.
+where :math:`\theta_0` is what was given and :math:`\tau` is `PRIOR`.
 
-The balance then has the mechanism about these values, with that covariance.
+1. Steps of Levenberg and Marquardt along the sensitivities of the engine lead there.
+2. The deviation :math:`\sigma` of a reading, and the share :math:`\kappa` of readings that count as
+   independent (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times.
+3. The curvature there is the precision of :math:`\theta`, about which the balance is then judged.
+
+Where this leaves a parameter nearly as open as it was, runs tell no more than a balance does.
 """
 
 import math
@@ -34,10 +35,12 @@ from stickslip.identify.fits import (
     ResidualJacobian,
     RouteChoice,
     Shooting,
+    Wanted,
     improve,
     simulated,
 )
 from stickslip.identify.posterior import Array
+from stickslip.identify.problems.free_runs import ROUNDED, worth
 from stickslip.identify.problems.record_model import KAPPA
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.mechanisms import Mechanism, motor_of
@@ -48,10 +51,6 @@ PRIOR = 0.5
 """Standard deviation of the logarithm of a parameter about the value that was given of it."""
 TOLD = 0.5
 """Deviation after the runs over that before, beyond which they tell next to nothing."""
-ROUNDED = 1e-12
-"""Least eigenvalue of a covariance of unit diagonal: what is below is rounding."""
-BLOCKS = 100
-"""Blocks of rows, over all records, whose scores count as independent."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
 
@@ -116,18 +115,28 @@ class _WithPrior:
         """What is looked for."""
         return self.runs.free_parameters
 
+    def _slopes(self, values: Array) -> Array:
+        """Return how many deviations a unit of each value is, of those that were given (k, p)."""
+        told = np.isfinite(self.sizes)
+        scale = np.ones(len(values))
+        scale[told] = self.sizes[told] * values[told]
+        return np.asarray(np.eye(len(values))[told] / scale)
+
+    def precision(self, values: Array) -> Array:
+        """Return what is known before, as a precision about values (p, p)."""
+        slopes = self._slopes(values)
+        return np.asarray(slopes.T @ slopes)
+
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals at values (p,), with one row for each that was given."""
         seen = self.runs.linearise(values, near)
-        told = np.flatnonzero(np.isfinite(self.sizes))
+        slopes, told = self._slopes(values), np.isfinite(self.sizes)
         off = np.log(self.given[told] / values[told]) / self.sizes[told]
-        slopes = np.zeros((len(told), len(values)))
-        slopes[np.arange(len(told)), told] = 1.0 / values[told] / self.sizes[told]
         return ResidualJacobian(
             values=values,
             residual=np.concatenate([seen.residual, self.deviation * off]),
             slopes=lambda: np.vstack([seen.slopes, self.deviation * slopes]),
-            segment=np.concatenate([seen.segment, np.full(len(told), -1)]),
+            segment=np.concatenate([seen.segment, np.full(len(off), -1)]),
             memory=seen.memory,
         )
 
@@ -150,7 +159,7 @@ def refined(
     records = records_of(mechanism, measurement, unknown=unknown)
     if not any(one.bent for one in records[0].unknown.values()):
         return None
-    wanted = Parameters(
+    wanted: Wanted = Parameters(
         mechanism=mechanism, law=BamM4, known={"fading_exponent": 1.0}, unknown=tuple(unknown)
     )
     choice = RouteChoice.of(mechanism, measurement, RecordSettings(hold=hold))
@@ -161,15 +170,18 @@ def refined(
     given = np.array([known.get(path, 1.0) for path in free.paths])
     sizes = np.full(len(free), math.inf)
     sizes[[k for k in looked if free.items[k].log]] = PRIOR
-    best, worth = problem.linearise(free.start), 1.0
+    best, share = problem.linearise(free.start), 1.0
     for _ in range(ROUNDS):
-        deviation = best.rms / math.sqrt(worth)
+        deviation = best.rms / math.sqrt(share)
         prior = _WithPrior(runs=problem, given=given, sizes=sizes, deviation=deviation)
         end, _ = improve(prior, best.values)
         best = problem.linearise(end.values, end)
-        worth = independent(best)
+        share = min(
+            worth(best.slopes / best.rms, best.residual, prior.precision(end.values)), KAPPA
+        )
     table = end.slopes / deviation
-    covariance = np.linalg.pinv(table.T @ table, hermitian=True)[np.ix_(looked, looked)]
+    every: Array = np.linalg.pinv(table.T @ table, hermitian=True).astype(float)
+    covariance = every[np.ix_(looked, looked)]
     least = TOLD * sizes[looked] * np.abs(end.values[looked])
     if np.any(np.sqrt(np.diag(covariance)) > least) or not is_positive(covariance):
         return None
@@ -181,14 +193,3 @@ def is_positive(covariance: Array) -> bool:
     """Return whether a covariance (p, p) is one of values that all are open."""
     size = np.sqrt(np.diag(covariance)) + 1e-300
     return bool(np.linalg.eigvalsh(covariance / np.outer(size, size))[0] > ROUNDED)
-
-
-def independent(seen: ResidualJacobian) -> float:
-    """Return which share of readings counts as independent, at most as of a balance."""
-    size = np.linalg.norm(seen.slopes, axis=0)
-    table = seen.slopes[:, size > 0.0] / size[size > 0.0]
-    scores = np.linalg.svd(table, full_matrices=False)[0] * seen.residual[:, None]
-    blocks = np.arange(len(scores)) * BLOCKS // len(scores)
-    sums = np.zeros((BLOCKS, scores.shape[1]))
-    np.add.at(sums, blocks, scores)
-    return float(min(np.sum(scores**2) / (np.sum(sums**2) + 1e-300), KAPPA))

@@ -20,6 +20,7 @@ from stickslip.identify.fits.estimation.estimates import offset_left_out as offs
 from stickslip.identify.fits.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identify.fits.estimation.jackknife import effective_size as effective_size
 from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch
 from stickslip.identify.fits.estimation.levenberg_marquardt import improve as improve
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
@@ -31,7 +32,6 @@ from stickslip.identify.fits.estimation.parameters import starting_law as starti
 from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.estimation.parameters import with_known as with_known
 from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
-from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
 from stickslip.identify.fits.force_map.force_balance import mean_frequency as mean_frequency
 from stickslip.identify.fits.force_map.force_balance import positive_noise as positive_noise
@@ -46,6 +46,7 @@ from stickslip.identify.fits.records.fitting import RouteName as RouteName
 from stickslip.identify.fits.records.fitting import fit_records as fit_records
 from stickslip.identify.fits.records.fitting import route_of as route_of
 from stickslip.identify.fits.records.problems import RouteChoice as RouteChoice
+from stickslip.identify.fits.records.problems import Wanted as Wanted
 from stickslip.identify.fits.records.problems import refuse_overrides as refuse_overrides
 from stickslip.identify.fits.records.problems import simulated as simulated
 from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
@@ -65,10 +66,10 @@ from stickslip.identify.fits.series.applied_force import inside as inside
 from stickslip.identify.fits.series.inverse_dynamics import HARMONICS as HARMONICS
 from stickslip.identify.fits.series.inverse_dynamics import HIGHEST as HIGHEST
 from stickslip.identify.fits.series.inverse_dynamics import InverseDynamics as InverseDynamics
+from stickslip.identify.fits.series.inverse_dynamics import MOST as MOST
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identify.fits.series.inverse_dynamics import positions_of as positions_of
-from stickslip.identify.fits.series.start_values import MOST as MOST
 from stickslip.identify.fits.settings import Hold as Hold
 from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING

@@ -42,7 +42,7 @@ from stickslip.identify.fits import (
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.trials import compared
 from stickslip.identify.problems.records import RecordProblem
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import turned
 from stickslip.show import formatting
 from stickslip.show.formatting import joined, percent
@@ -197,6 +197,8 @@ class RecordKind(BandKind):
         Those of a law with other states are of LuGre friction, whose parameters they share. And by
         how many samples the force acts late, with the half width of its interval.
         """
+        if motor_of(request.mechanism) is not None:  # no balance tells what a voltage hides
+            return {}, None
         plain = replace(request, settings=None, tolerance=None)
         for law in (request.law, LuGre):
             with suppress(InputError, ConvergenceError):

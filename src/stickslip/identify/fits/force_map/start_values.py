@@ -18,8 +18,7 @@ from stickslip.identify.fits.estimation.parameters import (
     with_ranges,
 )
 from stickslip.identify.fits.force_map.force_balance import SLOW, MotionSegment
-from stickslip.identify.fits.series.inverse_dynamics import HUBER
-from stickslip.identify.fits.series.start_values import LITTLE, MOST
+from stickslip.identify.fits.series.inverse_dynamics import HUBER, LITTLE, MOST
 from stickslip.identify.fits.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters

@@ -23,10 +23,9 @@ from stickslip.data import (
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
-from stickslip.identify.fits.estimation.jackknife import Displaced, Inference
-from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult
+from stickslip.identify.fits.estimation.jackknife import Inference
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, ResidualJacobian
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
-from stickslip.identify.fits.estimation.problem import ResidualJacobian
 from stickslip.identify.fits.force_map.holds import HoldFinding
 from stickslip.identify.fits.force_map.start_values import MECHANISM, SENSOR
 from stickslip.identify.fits.records.problems import ShootingBuilder
@@ -187,8 +186,6 @@ class RecordFit(Fit[AnyLaw_co]):
     """How the recorded force runs between its samples, as given or estimated from the record."""
     first: OptimizeResult | None = None
     """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
-    displaced: tuple[Displaced, ...] = ()
-    """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
     left_out: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Times [s] of samples far off those beside, which were replaced before the fit, by column."""
 

@@ -37,12 +37,12 @@ from stickslip.identify.fits.estimation.jackknife import NORMAL_95, Displaced, I
 from stickslip.identify.fits.estimation.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
+    ResidualJacobian,
     Watch,
     search,
     step_of,
 )
 from stickslip.identify.fits.estimation.parameters import told
-from stickslip.identify.fits.estimation.problem import ResidualJacobian
 from stickslip.identify.fits.force_map.holds import HoldFinding
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
 from stickslip.identify.fits.records.problems import (
@@ -345,7 +345,6 @@ def finished(
         optimum=found,
         first=None if first is found else first,
         inference=inference,
-        displaced=moved,
         at_bounds=at_bounds,
         cancelled=found.cancelled,
         sentences=(),

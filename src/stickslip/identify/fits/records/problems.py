@@ -26,8 +26,9 @@ from stickslip.identify.fits.records.scanning import (
     surplus_starts,
 )
 from stickslip.identify.fits.series.applied_force import drives_itself
-from stickslip.identify.fits.series.inverse_dynamics import is_mass, mass_of
-from stickslip.identify.fits.series.start_values import (
+from stickslip.identify.fits.series.inverse_dynamics import (
+    is_mass,
+    mass_of,
     mechanism_unknown,
     regressed,
 )
