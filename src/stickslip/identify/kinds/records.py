@@ -147,6 +147,8 @@ class RecordKind(BandKind):
     def _route(self, request: Request) -> str:
         """Return how records are fitted."""
         law: Any = None if request.law is None else self.owner(request.law)
+        if law is not None and request.route is None and _voltage_hides(request, law):
+            return SHOOTING
         return route_of(request.mechanism, request.measurement, law, asked=request.route)
 
     def why_unused(self, name: str, request: Request) -> str:
@@ -253,6 +255,20 @@ class RecordKind(BandKind):
             open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
         )
+
+
+def _voltage_hides(request: Request, law: Any) -> bool:
+    """Return whether constants of a motor are looked for that a voltage alone drives.
+
+    Runs then know friction of the gear several times better than a balance does.
+    """
+    if motor_of(request.mechanism) is None:
+        return False
+    chosen: Parameters[Any] = Parameters.of(
+        request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
+    )
+    looked = any(path.startswith("mechanism.drive.") for path in chosen.unknown)
+    return looked and all(command_of(x) == "voltage" for x in request.measurement.records())
 
 
 def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:

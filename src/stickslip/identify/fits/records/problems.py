@@ -3,7 +3,6 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -12,11 +11,9 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.contact_inputs import as_loaded, loaded
+from stickslip.identify.fits.contact_inputs import as_loaded, load_of, loaded
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.force_map.force_balance import (
-    balanced,
-)
+from stickslip.identify.fits.force_map.force_balance import motions_of
 from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
 from stickslip.identify.fits.force_map.start_values import MECHANISM, StartEstimate, constant_of
 from stickslip.identify.fits.records.scanning import (
@@ -30,6 +27,7 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     is_mass,
     mass_of,
     mechanism_unknown,
+    positions_of,
     regressed,
 )
 from stickslip.identify.fits.settings import Hold, RecordSettings
@@ -141,17 +139,10 @@ class ShootingBuilder:
         if not self.law.states or drives_itself(self.mechanism, record):
             return ()
         try:
-            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=SOME)
+            found = motions_of(self.mechanism, record, hold=self.settings.holding, samples=SOME)
         except InputError:
             return ()
-        return tuple(
-            RecordedMotion(
-                record=one.record,
-                path=one.path,
-                held=float(one.held[0]),
-            )
-            for one in found
-        )
+        return tuple(RecordedMotion(record=k, path=path, held=held) for k, path, held in found)
 
     def held_otherwise(self) -> "ShootingBuilder":
         """Return what takes the other hold of a force between samples."""
@@ -190,15 +181,15 @@ def simulated(
     if alone:
         inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
     else:
-        inertia = regressed(mechanism, under_load, wanted.unknown)
-        derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
-        stretches = derive(slipping=True, samples=SOME)
-        rough = StartEstimate.of(stretches)
+        found = regressed(mechanism, under_load, wanted.unknown)
+        inertia = found["inertia"] if "inertia" in found.names else mass_of(mechanism)
+        sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
+        rough = StartEstimate.of(found, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
     sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
     if not (sought or alone):
-        rough = StartEstimate.of(stretches, offset=constant.value)
+        rough = StartEstimate.of(found, **sizes, offset=constant.value)
     start, free = rough.unknowns(
         wanted.law,
         free=wanted.free,
@@ -223,6 +214,12 @@ def simulated(
         tried += near_stops
     problem = problem.with_free_parameters(free.starting_at(least_of(problem, tried)))
     return FitSetup(mechanism, start, problem, build)
+
+
+def _stroke(measurement: Measurement) -> float:
+    """Return the range of positions [m], of the record that has the largest."""
+    records = [one for one in measurement.records() if one.time is not None]
+    return max((float(np.ptp(positions_of(one))) for one in records), default=0.0)
 
 
 def _mechanism_unknowns(

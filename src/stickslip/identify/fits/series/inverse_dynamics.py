@@ -408,15 +408,17 @@ def _deviations(table: Array, residual: Array, weights: Array) -> Array:
     return deviations
 
 
-def regressed(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()) -> float:
-    """Return the mass that regression of forces finds, or the given one if it is not looked for.
+def regressed(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
+) -> InverseDynamics:
+    """Return the regression of forces, with the mass if that is looked for.
 
     A force against the motion that it should cause is refused.
     """
     free = ["inertia"] if any(path.endswith(("inertia", "mass")) for path in unknown) else []
     found = inverse_dynamics(mechanism, measurement, vary=free, robust=True)
     check_signs(found, driven=is_driven(measurement))
-    return found["inertia"] if free else mass_of(mechanism)
+    return found
 
 
 def check_signs(found: InverseDynamics, *, driven: bool) -> None:
