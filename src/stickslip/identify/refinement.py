@@ -156,9 +156,10 @@ def refined(
     """
     if not unknown or motor_of(mechanism) is None:
         return None
-    records = records_of(mechanism, measurement, unknown=unknown)
-    if not any(one.bent for one in records[0].unknown.values()):
+    columns = records_of(mechanism, measurement, unknown=unknown)[0].unknown
+    if not any(one.bent for one in columns.values()):
         return None
+    unknown = [path for path in unknown if path in columns]  # a constant force is always sought
     wanted: Wanted = Parameters(
         mechanism=mechanism, law=BamM4, known={"fading_exponent": 1.0}, unknown=tuple(unknown)
     )
@@ -182,8 +183,8 @@ def refined(
     table = end.slopes / deviation
     every: Array = np.linalg.pinv(table.T @ table, hermitian=True).astype(float)
     covariance = every[np.ix_(looked, looked)]
-    least = TOLD * sizes[looked] * np.abs(end.values[looked])
-    if np.any(np.sqrt(np.diag(covariance)) > least) or not is_positive(covariance):
+    left = np.sqrt(np.diag(prior.precision(end.values)) * np.diag(every))
+    if np.any(left > TOLD) or not is_positive(covariance):
         return None
     values = {free.paths[k]: float(end.values[k]) for k in looked}
     return Refined(values=values, covariance=covariance)
