@@ -69,6 +69,11 @@ class Unknown:
     """Whether forces are not linear in what is looked for: the column is their slope where it
     counts from."""
 
+    @property
+    def is_open(self) -> bool:
+        """Whether nothing but the balance tells it."""
+        return not self.doubt and not self.along
+
     def within(self, step: float) -> float:
         """Return a step that stays in the range, and neither halves nor doubles what is counted."""
         low, high = self.limits

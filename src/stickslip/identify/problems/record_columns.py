@@ -355,7 +355,7 @@ class Balance:
     @cached_property
     def _given(self) -> tuple[str, ...]:
         records = [one.record for one in self.pieces]
-        unknown = [records[0].unknown[path] for path in self._looked_for]
+        unknown = [one for one in records[0].unknown.values() if not one.doubt]
         if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
@@ -591,8 +591,8 @@ class Balance:
 
     @property
     def _looked_for(self) -> list[str]:
-        """Paths of what is looked for and is given with no error."""
-        return [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+        """Paths of what is looked for in the balance alone."""
+        return [path for path, one in self.pieces[0].record.unknown.items() if one.is_open]
 
     def needed(self, memory: Memory) -> list[Array]:
         """Return the force that the motion needs, about, at the samples of the pieces [N].
@@ -634,8 +634,7 @@ class Balance:
     @cached_property
     def dampings(self) -> list[str]:
         """Paths of what is looked for and acts, alone or together, as viscous friction does."""
-        slope = self.slope(MIDDLE)
-        looked = [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+        slope, looked = self.slope(MIDDLE), self._looked_for
         if not looked:
             return []
         columns = np.column_stack([self.unknown(MIDDLE, path) for path in looked])
