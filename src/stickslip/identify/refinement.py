@@ -192,5 +192,5 @@ def refined(
 
 def is_positive(covariance: Array) -> bool:
     """Return whether a covariance (p, p) is one of values that all are open."""
-    size = np.sqrt(np.diag(covariance)) + 1e-300
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     return bool(np.linalg.eigvalsh(covariance / np.outer(size, size))[0] > ROUNDED)

@@ -782,7 +782,7 @@ def worth(slopes: Array, residual: Array, precision: Array) -> float:
     Slopes (n, m) are over the deviation of a reading.
     """
     gram = slopes.T @ slopes + precision
-    size = np.sqrt(np.diag(gram)) + 1e-300
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
     scores = slopes / size @ (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1])))
     scores = scores * residual[:, None]
