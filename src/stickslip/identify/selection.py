@@ -20,7 +20,7 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import goes_straight, inside, load_of
+from stickslip.identify.fits import Hold, goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
@@ -254,7 +254,7 @@ def select_record(
     laws: Any = None,
     vary: Sequence[str] = (),
     offset: bool = True,
-    hold: str | None = None,
+    hold: Hold | None = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
     route: str = "balance",
