@@ -5,17 +5,16 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.problem import Problem, ResidualJacobian
 from stickslip.quantities import Quantity
 
 Array = NDArray[np.float64]
 
 
 @final
-class Linear(Problem):
+class Linear:
     """Measured less table times values, with rows in four segments."""
 
     def __init__(
@@ -43,26 +42,9 @@ class Linear(Problem):
         )
 
     @property
-    @override
     def free_parameters(self) -> FreeParameters:
         return self._unknowns
 
-    @property
-    @override
-    def spans(self) -> Array:
-        return np.array([[0.0, k, k + 1.0] for k in range(4)])
-
-    @property
-    @override
-    def quantity(self) -> str:
-        return "position"
-
-    @property
-    @override
-    def times(self) -> Array:
-        return np.linspace(0.0, 4.0, len(self.measured))
-
-    @override
     def linearise(
         self,
         values: Array,

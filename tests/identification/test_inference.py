@@ -7,9 +7,9 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from stickslip import Axis, Measurement, Stribeck, fit
+from stickslip import Axis, Measurement, fit
 from stickslip.identify.fits.estimation.jackknife import block_sums, effective_size, infer
-from stickslip.identify.fits.estimation.problem import ResidualJacobian
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
 
 
 def autoregression(count, decay, random):
@@ -139,43 +139,6 @@ def test_an_autoregression_has_the_effective_size_of_the_textbook():
     assert effective_size(mean_of(np.ones(30)).residual) == 30.0
 
 
-def table_of(residual, velocity):
-    """A table sorted by velocity whose only unknown acts at low speeds, its rows dealt out."""
-    slopes = np.exp(-velocity / 0.1)[:, None]
-    residual = residual - slopes[:, 0] * float(slopes[:, 0] @ residual / np.sum(slopes**2))
-    return ResidualJacobian(
-        values=np.zeros(1), residual=residual, slopes=slopes, segment=np.arange(len(velocity)) % 8
-    )
-
-
-def test_blocks_of_a_sorted_table_each_see_all_speeds():
-    v = np.linspace(0.01, 1.0, 160)
-    seen = table_of(np.random.default_rng(11).normal(size=160), v)
-    found = infer(seen, np.eye(1))
-    # some 25 rows see it; blocks of neighbours would have hardly one degree of freedom
-    assert 15.0 < found.freedom[0] < 40.0
-    assert found.errors[0] == pytest.approx(math.sqrt(found.naive[0, 0]), rel=0.3)
-
-
-def test_rows_of_a_table_that_follow_from_each_other_stay_together():
-    v = np.linspace(0.01, 1.0, 160)
-    seen = table_of(autoregression(160, 0.97, np.random.default_rng(12)), v)
-    assert effective_size(seen.residual) < 80.0
-    assert infer(seen, np.eye(1)).freedom[0] < 2.0
-
-
-def test_sorted_tables_of_friction_tell_a_step_of_ten_standard_deviations():
-    v = np.linspace(0.01, 1.0, 60)
-    curve = 3.0 + 2.0 * np.exp(-((v / 0.15) ** 2)) + v
-    unsaid = 0
-    for seed in range(10):
-        noise = 0.2 * np.random.default_rng(seed).normal(size=60)
-        found = fit(Axis(inertia=1.0), Stribeck, Measurement(velocity=v, friction=curve + noise))
-        unsaid += any("The step from" in line for line in found.sentences)
-    # blocks of neighbouring speeds told it in hardly any of them
-    assert unsaid <= 1
-
-
 def left_out_errors(rows, columns, blocks=8):
     """Return jackknife errors by fits to the rows that are left, columns scaled by hand."""
     size = np.linalg.norm(columns, axis=0)
@@ -258,72 +221,3 @@ def test_what_one_block_alone_shows_has_no_bounded_error():
     columns[120, 1] = 1e-3
     wide = infer(line_of(rows, columns), np.eye(3))
     assert 3.0 < wide.errors[1] < math.inf
-
-
-def dealt(residual, columns):
-    """A table of independent rows, which are dealt out to segments in turn."""
-    count = len(residual)
-    return ResidualJacobian(
-        values=np.zeros(columns.shape[1]),
-        residual=residual - columns @ np.linalg.lstsq(columns, residual, rcond=None)[0],
-        slopes=columns,
-        segment=np.arange(count) % min(8, count // 2),
-    )
-
-
-def test_errors_of_a_table_are_those_of_independent_rows():
-    random = np.random.default_rng(17)
-    columns = np.column_stack([np.ones(12), np.linspace(0.1, 1.0, 12)])
-    seen = dealt(random.normal(size=12), columns)
-    found = infer(seen, np.eye(2))
-    # HC2 by its definition, and Satterthwaite's degrees of freedom by the whole matrices
-    solve = np.linalg.pinv(columns)
-    hat = columns @ solve
-    weights = solve**2 / (1.0 - np.diag(hat))
-    np.testing.assert_allclose(found.errors**2, weights @ seen.residual**2, rtol=1e-9)
-    for i in range(2):
-        root = np.sqrt(weights[i])[:, None] * (np.eye(12) - hat)
-        form = root @ root.T
-        degrees = np.trace(form) ** 2 / np.trace(form @ form)
-        assert found.freedom[i] == pytest.approx(degrees, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    "count", [8, *(pytest.param(n, marks=pytest.mark.slow) for n in (10, 15)), 40]
-)
-@pytest.mark.parametrize("scatter", ["alike", "with-speed", "at-rest"])
-def test_intervals_of_small_tables_cover_and_are_not_wide(count, scatter):
-    random = np.random.default_rng(count)
-    v = np.concatenate([-np.linspace(0.05, 1.0, count // 2), np.linspace(0.05, 1.0, count // 2)])
-    v = v if len(v) == count else np.append(v, 0.5)
-    size = {"alike": 1.0 + 0.0 * v, "with-speed": 1.0 + 3.0 * abs(v), "at-rest": 1 / (0.1 + abs(v))}
-    columns = np.column_stack([np.sign(v), v, np.ones(count)])
-    solve = np.linalg.pinv(columns)
-    hits, wider = [], []
-    for _ in range(300):
-        noise = size[scatter] * random.normal(size=count)
-        seen, off = dealt(noise, columns), solve @ noise
-        found = infer(seen, np.eye(3))
-        plain = stats.t.ppf(0.975, count - 3) * np.sqrt(np.diag(found.naive))
-        hits += (np.abs(off) <= found.half_widths).tolist()
-        wider += (found.half_widths / plain).tolist()
-    # 900 intervals, three of which go together, know 95 % to 1
-    assert 0.90 <= np.mean(hits) <= 0.995
-    # least squares with one variance covers 87 % where friction scatters most at rest
-    assert np.median(wider) < (1.15 if scatter != "at-rest" else 1.6)
-
-
-def test_neighbours_that_go_together_are_told_from_independent_ones():
-    random = np.random.default_rng(18)
-    v = np.linspace(0.01, 1.0, 40)
-    columns = np.column_stack([np.ones(40), v])
-    freedoms = {
-        decay: [
-            infer(dealt(autoregression(40, decay, random), columns), np.eye(2)).freedom[0]
-            for _ in range(200)
-        ]
-        for decay in (0.0, 0.8)
-    }
-    # blocks have at most seven degrees of freedom; the test is wrong of independent rows in 5 %
-    assert np.mean(np.array(freedoms[0.0]) < 7.0) < 0.09
-    assert np.mean(np.array(freedoms[0.8]) < 7.0) > 0.9

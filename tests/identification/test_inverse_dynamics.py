@@ -8,8 +8,7 @@ import pytest
 from stickslip import Axis, Measurement
 from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError
-from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
-from stickslip.identify.fits.series.start_values import regressed
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics, regressed
 
 T = np.arange(0.0, 20.0, 1e-3)
 J, F_V, F_C, OFFSET = 4.0, 6.0, 2.0, -0.5

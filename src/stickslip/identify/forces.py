@@ -14,7 +14,7 @@ moves these to where the balance leaves least.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,9 +62,17 @@ class Unknown:
     """Range of what is counted."""
     doubt: float = 0.0
     """Standard uncertainty, where that is stated and the parameter is not looked for."""
+    along: Mapping[str, float] = field(default_factory=dict)
+    """What a unit of it changes, by path: that of one standard deviation where runs told it; none
+    of a parameter that changes alone, by its unit."""
     bent: bool = False
     """Whether forces are not linear in what is looked for: the column is their slope where it
     counts from."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether nothing but the balance tells it."""
+        return not self.doubt and not self.along
 
     def within(self, step: float) -> float:
         """Return a step that stays in the range, and neither halves nor doubles what is counted."""

@@ -146,7 +146,8 @@ class Projection:
         positive = np.array([not is_signed(name) for name in names])
         gram = np.einsum("sni,snj->sij", weighted, weighted)
         size = gram.shape[1]
-        gram[:, range(size), range(size)] *= 1.0 + 1e-9
+        own = np.einsum("sii->si", gram)
+        gram[:, range(size), range(size)] = np.where(own > 0.0, (1.0 + 1e-9) * own, 1.0)
         moment = np.einsum("sni,n->si", weighted, y)
         for k, x_k in known_coefficients(names).items():
             hold(gram, moment, k, x_k * norm[:, k])

@@ -20,7 +20,7 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import goes_straight, inside, load_of
+from stickslip.identify.fits import Hold, goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
@@ -33,6 +33,7 @@ from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import WORTH, Proposal, propose, within_band
+from stickslip.identify.refinement import Refined, refined
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     ORDERED,
@@ -172,6 +173,13 @@ def _records_again(
     return made(rig, with_gear(rig, measurement))
 
 
+def _known_by_runs(
+    runs: Refined, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
+) -> list[Record]:
+    """Return records of a mechanism that runs told."""
+    return runs.known(made(rig, measurement, linear=False))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
@@ -246,7 +254,7 @@ def select_record(
     laws: Any = None,
     vary: Sequence[str] = (),
     offset: bool = True,
-    hold: str | None = None,
+    hold: Hold | None = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
     route: str = "balance",
@@ -267,7 +275,11 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    rig = settled(mechanism, measurement, vary, offset=offset)
+    runs = refined(mechanism, measurement, vary, hold=hold)
+    if runs is None:
+        rig = settled(mechanism, measurement, vary, offset=offset)
+    else:
+        rig, made = runs.on(mechanism), partial(_known_by_runs, runs, made)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     asked = laws_for(laws, records, load_of(rig))
@@ -289,7 +301,7 @@ def select_record(
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),
-        remarks=map(str, checks.of("outliers")),
+        remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
     )
 
 

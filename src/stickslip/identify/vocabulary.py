@@ -139,10 +139,6 @@ class Grid:
                 moves.append([shape])
         yield from (list(one) for one in itertools.product(*moves))
 
-    def refined(self, family: Family) -> int:
-        """Return how many entries of a family's shapes are refined."""
-        return sum(name in NARROW or name == "power" for name in family)
-
 
 def flow_direction(family: Collection[str]) -> str:
     """Return the term by which the flow of a family differs by direction.

@@ -42,7 +42,7 @@ from stickslip.identify.fits import (
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.trials import compared
 from stickslip.identify.problems.records import RecordProblem
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import turned
 from stickslip.show import formatting
 from stickslip.show.formatting import joined, percent
@@ -147,6 +147,8 @@ class RecordKind(BandKind):
     def _route(self, request: Request) -> str:
         """Return how records are fitted."""
         law: Any = None if request.law is None else self.owner(request.law)
+        if law is not None and request.route is None and _voltage_hides(request, law):
+            return SHOOTING
         return route_of(request.mechanism, request.measurement, law, asked=request.route)
 
     def why_unused(self, name: str, request: Request) -> str:
@@ -197,6 +199,8 @@ class RecordKind(BandKind):
         Those of a law with other states are of LuGre friction, whose parameters they share. And by
         how many samples the force acts late, with the half width of its interval.
         """
+        if motor_of(request.mechanism) is not None:  # no balance tells what a voltage hides
+            return {}, None
         plain = replace(request, settings=None, tolerance=None)
         for law in (request.law, LuGre):
             with suppress(InputError, ConvergenceError):
@@ -251,6 +255,20 @@ class RecordKind(BandKind):
             open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
         )
+
+
+def _voltage_hides(request: Request, law: Any) -> bool:
+    """Return whether constants of a motor are looked for that a voltage alone drives.
+
+    Runs then know friction of the gear several times better than a balance does.
+    """
+    if motor_of(request.mechanism) is None:
+        return False
+    chosen: Parameters[Any] = Parameters.of(
+        request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
+    )
+    looked = any(path.startswith("mechanism.drive.") for path in chosen.unknown)
+    return looked and all(command_of(x) == "voltage" for x in request.measurement.records())
 
 
 def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:

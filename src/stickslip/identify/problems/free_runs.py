@@ -580,7 +580,8 @@ class RunModel(Model):
         sigma = runs.scatter(linear)
         self.sigma: float = closest.sigma if closest else sigma
         """Standard deviation of the readings about the closest run."""
-        self.kappa: float = closest.kappa if closest else worth(linear, runs.precision, sigma)
+        of_row = worth(linear.slopes / sigma, linear.residual, runs.precision)
+        self.kappa: float = closest.kappa if closest else of_row
         """What a reading is worth, over one whose error is its own."""
         self.x = linear.x.copy()
         """The unknowns of that run, its law in the curve."""
@@ -780,14 +781,16 @@ def _refined(
     return found
 
 
-def worth(linear: Linear, precision: Array, sigma: float) -> float:
-    """Return what a reading is worth: squared scores of rows over those of blocks of rows."""
-    slopes = linear.slopes / sigma
+def worth(slopes: Array, residual: Array, precision: Array) -> float:
+    """Return what a reading is worth: squared scores of rows over those of blocks of rows.
+
+    Slopes (n, m) are over the deviation of a reading.
+    """
     gram = slopes.T @ slopes + precision
-    size = np.sqrt(np.diag(gram))
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
     scores = slopes / size @ (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1])))
-    scores = scores * (linear.residual / sigma)[:, None]
+    scores = scores * residual[:, None]
     blocks = np.arange(len(scores)) * BLOCKS // len(scores)
     sums = np.zeros((BLOCKS, scores.shape[1]))
     np.add.at(sums, blocks, scores)

@@ -13,6 +13,7 @@ import numpy as np
 
 from stickslip.data import Finding, Measurement
 from stickslip.errors import InputError
+from stickslip.identify.fits import SETTLED
 from stickslip.identify.forces import Unknown
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_balance import free_form
@@ -29,9 +30,8 @@ OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
     " (its gain, -1), or that of the position"
 )
-SETTLING, STEADY = 20, 1e-4
-"""Steps to where a balance that is not linear leaves least, and the share of the mean square that
-the last one gains."""
+SETTLING = 20
+"""Steps to where a balance that is not linear leaves least."""
 
 
 def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
@@ -172,6 +172,6 @@ def settled(
             break
         gained, mechanism = 1.0 - found[0] / least, nearer
         least, looked, steps = found
-        if gained < STEADY:
+        if gained < SETTLED:
             break
     return mechanism

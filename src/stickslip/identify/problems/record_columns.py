@@ -149,10 +149,12 @@ class RecordFrame:
         waves = [np.cos(math.pi * k * x) / k for k in range(2, COURSE + 1)]
         return np.column_stack([2.0 * x - 1.0, *waves])
 
-    def raw(self, inputs: Mapping[str, Array], like: Record) -> dict[str, Array]:
+    def raw(
+        self, inputs: Mapping[str, Array], like: Record, transmitted: Array | float
+    ) -> dict[str, Array]:
         """Return inputs as laws take them, of those from their means over their deviations.
 
-        What does not change is as in a record.
+        What does not change is as in a record; what a gear transmits [N] is as given.
         """
         still = {
             name: np.asarray(np.mean(x))
@@ -160,7 +162,8 @@ class RecordFrame:
             if name not in self.inputs
         }
         of = {name: mean + size * inputs[name] for name, (mean, size) in self.inputs.items()}
-        return {**still, **of}
+        through = {TRANSMITTED: np.asarray(transmitted)} if self.transmitted else {}
+        return {**still, **of, **through}
 
     def places(self, position: Array, waves: Sequence[float]) -> Array:
         """Return the basis of what changes with the place (n, p)."""
@@ -357,7 +360,7 @@ class Balance:
     @cached_property
     def _given(self) -> tuple[str, ...]:
         records = [one.record for one in self.pieces]
-        unknown = [records[0].unknown[path] for path in self._looked_for]
+        unknown = [one for one in records[0].unknown.values() if not one.doubt]
         if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
@@ -501,10 +504,11 @@ class Balance:
         assert isinstance(name, Slope)
         side = np.sign(state) if is_dry(name) else np.sign(v)
         given = {name: self.input(piece, name) for name in self.frame.inputs}
+        load = self.load(piece) * np.ones(len(v))
         rows = Slips(
             velocity=side * np.maximum(np.abs(v), self.frame.least),
-            load=name.own.load * np.ones(len(v)) * self.load(piece),
-            inputs=self.frame.raw(given, piece.record),
+            load=name.own.load * load,
+            inputs=self.frame.raw(given, piece.record, self.transmitted(piece) * load),
         )
         return slope_column(column, rows) * (np.abs(state) if is_dry(name) else 1.0)
 
@@ -592,8 +596,8 @@ class Balance:
 
     @property
     def _looked_for(self) -> list[str]:
-        """Paths of what is looked for and is given with no error."""
-        return [path for path, one in self.pieces[0].record.unknown.items() if not one.doubt]
+        """Paths of what is looked for in the balance alone."""
+        return [path for path, one in self.pieces[0].record.unknown.items() if one.is_open]
 
     def needed(self, memory: Memory) -> list[Array]:
         """Return the force that the motion needs, about, at the samples of the pieces [N].

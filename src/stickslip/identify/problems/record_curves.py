@@ -100,7 +100,8 @@ class RestRows(OtherRows):
 def steady_column(balance: Balance, column: Column, at: SteadyRows) -> Array:
     """Return the column of a term of a law in steady sliding (n,); (k, n) for shapes of k draws."""
     if is_slope(column[0]):
-        inputs = balance.frame.raw(at.inputs, balance.pieces[0].record)
+        through = np.asarray(at.transmitted) * at.ratio
+        inputs = balance.frame.raw(at.inputs, balance.pieces[0].record, through)
         return slope_column(column, Slips(velocity=at.velocity, load=at.load, inputs=inputs))
     return law_column(column, at.velocity, np.sign(at.velocity) * at.ratio, 0.0, at.transmitted)
 

@@ -544,7 +544,9 @@ class RecordModel(Model):
                 unknown = record.record.unknown.get(name)
                 usual = of_force / design.least[at]
                 found[at] = (unknown.doubt if unknown else 0.0) or LOOKED_FOR * usual
-                if unknown is not None and unknown.bent:
+                if unknown is not None and unknown.along:
+                    found[at] = 1.0
+                elif unknown is not None and unknown.bent:
                     positive = unknown.given > 0.0 and unknown.given + unknown.limits[0] >= 0.0
                     far = unknown.given if positive else np.maximum(abs(unknown.given), usual)
                     found[at] = SETTLED * far

@@ -174,7 +174,8 @@ class RecordProblem(Problem):
 
     def slips(self, rows: SteadyRows) -> Slips:
         balance = self.model.balance
-        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record)
+        through = np.asarray(rows.transmitted) * rows.ratio
+        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record, through)
         return Slips(velocity=rows.velocity, load=rows.load, inputs=inputs)
 
     # ---- rows -------------------------------------------------------------------------------
@@ -668,7 +669,10 @@ class RecordProblem(Problem):
             plain = self.model.split(one.node, one.random)
             for name, path in paths.items():
                 given = unknown[name].given if name in unknown else 0.0
-                found.setdefault(path, []).append(given + plain[name][0])
+                parts = {other: x.along.get(name, 0.0) for other, x in unknown.items()}
+                parts = {k: x for k, x in parts.items() if x} or {name: 1.0}
+                change = sum(share * plain[other][0] for other, share in parts.items())
+                found.setdefault(path, []).append(given + change)
         return {path: np.concatenate(x) for path, x in found.items()}
 
     # ---- figures and findings ---------------------------------------------------------------

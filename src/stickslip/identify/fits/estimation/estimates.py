@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identify.fits.estimation.jackknife import Inference
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
 from stickslip.identify.fits.estimation.parameters import WIDE, FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.problem import ResidualJacobian
 from stickslip.identify.fits.results import READINGS, Estimate
 from stickslip.identify.fits.settings import NEGLIGIBLE, TAKES_PART
 from stickslip.mechanisms import Mechanism

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.identify.fits.estimation.problem import ResidualJacobian
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
 from stickslip.identify.fits.settings import CHANCE, NEGLIGIBLE, TAKES_PART
 
 Array = NDArray[np.float64]
@@ -224,66 +224,24 @@ def block_sums(
     return np.array(squares), np.array(slopes)
 
 
-def _dependent(residual: Array, columns: Array) -> bool:
-    """Whether neighbouring residuals of a least-squares fit go together: a one-sided test.
-
-    The first autocorrelation against its mean and variance where errors are independent, which
-    follow from the orthonormal regressors (n, r) exactly: a fit makes neighbours differ.
-
-    Source: J. Durbin, G. S. Watson, "Testing for serial correlation in least squares regression",
-    1950-1971; the distribution is taken as normal.
-    """
-    n, size = len(residual), float(residual @ residual)
-    if size == 0.0:
-        return False
-    shifted = _neighbours(columns)
-    seen = columns.T @ shifted
-    # of the quadratic form r A r / r r, A with halves beside the diagonal
-    freedom = n - columns.shape[1]
-    if freedom < 2:
-        return False
-    trace = -float(np.trace(seen))
-    square = 0.5 * (n - 1) - 2.0 * float(np.sum(shifted**2)) + float(np.sum(seen**2))
-    mean = trace / freedom
-    variance = 2.0 * (square - trace * mean) / (freedom * (freedom + 2.0))
-    found = float(residual[1:] @ residual[:-1]) / size
-    return bool(found - mean > NormalDist().inv_cdf(1.0 - CHANCE) * math.sqrt(max(variance, 0.0)))
-
-
-def _neighbours(columns: Array) -> Array:
-    """Return half the sum of the rows before and after each row (n, p)."""
-    found = np.zeros_like(columns)
-    found[1:] += 0.5 * columns[:-1]
-    found[:-1] += 0.5 * columns[1:]
-    return found
-
-
 def infer(
     jacobian: ResidualJacobian,
     scale: Array,
     *,
     blocks: int = BLOCKS,
     displaced: Sequence[Displaced] = (),
-    table: bool | None = None,
 ) -> Inference:
     """Return covariances at an optimum.
 
     One Gauss-Newton step from the optimum for each block that is left out; no run is made. Where a
     bound keeps the optimum from where it wants to go, what all blocks ask for is no error.
 
-    Where the rows are those of a table, which they are taken for if they are dealt out to segments
-    in turn, and a test finds no serial dependence (`CHANCE`), each row's own residual is its
-    variance (HC2), with degrees of freedom of its own: blocks of a few rows would throw most of ten
-    rows away, and a common variance is too small where friction scatters more at some speeds than
-    at others.
-
     Standard errors are infinite of what the record does not depend on, of what it shows only in a
     sum with others, and of what one block alone shows: without that block nothing is known of it,
     and how far the estimate would go cannot be said.
 
     Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
-    methods for cluster-robust inference", 2023 (CV3); G. W. Imbens, M. Kolesar, "Robust standard
-    errors in small samples: some practical advice", 2016 (HC2).
+    methods for cluster-robust inference", 2023 (CV3).
 
     Examples
     --------
@@ -301,7 +259,7 @@ def infer(
     True
     """
     known = Directions.of(jacobian.slopes @ scale)
-    spread = _spread(jacobian, known, blocks, table=table)
+    spread = _spread(jacobian, known, blocks)
     by_seen = scale @ known.inverse
     moved = spread.changes @ by_seen.T
     once = takes_part(by_seen, spread.alone)
@@ -336,13 +294,8 @@ class _Spread:
     """Degrees of freedom of the variance along a direction (r,)."""
 
 
-def _spread(
-    seen: ResidualJacobian, known: Directions, blocks: int, *, table: bool | None = None
-) -> _Spread:
-    """Return how the coordinates scatter, by blocks or by independent rows."""
-    table = bool(np.any(np.diff(seen.segment) < 0)) if table is None else table
-    if table and not _dependent(seen.residual, known.columns):
-        return _by_rows(seen.residual, known.columns)
+def _spread(seen: ResidualJacobian, known: Directions, blocks: int) -> _Spread:
+    """Return how the coordinates scatter, by blocks."""
     blocks = max(2, min(blocks, len(seen.residual) // 2))
     squares, slopes = block_sums(seen, known.columns, blocks=blocks)
     changes, alone = _left_out(squares, slopes)
@@ -351,24 +304,6 @@ def _spread(
         alone=alone,
         freedom=partial(freedom_of, squares),
     )
-
-
-def _by_rows(residual: Array, columns: Array) -> _Spread:
-    """Return the scatter by each row's residual, over what the fit leaves of its variance."""
-    left = 1.0 - np.sum(columns**2, axis=1)
-    alone = left <= NEGLIGIBLE
-    spare = np.where(alone, 1.0, left)
-    changes = columns * (np.where(alone, 0.0, residual) / np.sqrt(spare))[:, None]
-
-    def freedom(direction: Array) -> float:
-        weights = np.where(alone, 0.0, (columns @ direction) ** 2 / spare)
-        # trace of the quadratic form in independent residuals, and of its square (Satterthwaite)
-        trace = float(weights @ left)
-        cross = columns.T @ (weights[:, None] * columns)
-        square = float(weights**2 @ (2.0 * left - 1.0)) + float(np.sum(cross**2))
-        return max(trace * trace / square, 1.0) if trace > 0.0 else 1.0
-
-    return _Spread(changes=changes, alone=columns[alone].T, freedom=freedom)
 
 
 def _unbounded(covariance: Array, reasons: Sequence[str]) -> Array:

@@ -3,17 +3,95 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
 from stickslip.identify.fits.estimation.parameters import FreeParameters
-from stickslip.identify.fits.estimation.problem import LeastSquaresProblem, ResidualJacobian
 from stickslip.identify.fits.settings import ROUNDS, SETTLED
 from stickslip.show.formatting import count, number
 
 Array = NDArray[np.float64]
+STEEPEST = float(np.sqrt(np.finfo(float).max))
+"""Slopes from here on, whose squares overflow, are those of predictions that leave all bounds."""
+
+
+class ResidualJacobian:
+    """Residuals and their slopes at some values, with what is local to a segment eliminated."""
+
+    def __init__(
+        self,
+        *,
+        values: Array,
+        residual: Array,
+        slopes: Array | Callable[[], Array],
+        segment: NDArray[np.intp],
+        memory: Any = None,
+    ) -> None:
+        """Take residuals; slopes may be what finds them, when they are asked for."""
+        self.values = values
+        """Values of the unknowns (p,)."""
+        self.residual = residual
+        """Measured less predicted (n,); infinite where the prediction failed."""
+        self.segment = segment
+        """Segment each row belongs to (n,)."""
+        self.memory = memory
+        """What the problem wants to be handed when it linearises near by."""
+        self._slopes = slopes
+
+    @property
+    def slopes(self) -> Array:
+        """Derivatives of the prediction by the values (n, p)."""
+        if callable(self._slopes):
+            self._slopes = self._slopes()
+        return self._slopes
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: slopes that are found."""
+        return {**self.__dict__, "_slopes": self.slopes}
+
+    def with_residual(self, residual: Array) -> "ResidualJacobian":
+        """Return the same with other residuals (n,)."""
+        return ResidualJacobian(
+            values=self.values,
+            residual=residual,
+            slopes=lambda: self.slopes,
+            segment=self.segment,
+            memory=self.memory,
+        )
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def finite(self) -> bool:
+        """Whether the record is predicted, and slopes are not beyond what can be squared."""
+        if not np.isfinite(self.cost):
+            return False
+        steepest = float(np.max(np.abs(self.slopes), initial=0.0))  # NaN stays
+        return steepest < STEEPEST
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals."""
+        return float(np.sqrt(self.cost / len(self.residual)))
+
+
+class LeastSquaresProblem(Protocol):
+    """What a search needs."""
+
+    @property
+    def free_parameters(self) -> FreeParameters:
+        """What is looked for."""
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals and slopes at values (p,), from an answer for near values if any."""
+
+
 Watch = Callable[[float], object]
 """Called with the least root mean square so far; answers False to stop with what there is."""
 
@@ -73,22 +151,20 @@ def search(
     *,
     starts: int = 1,
     seed: int = 0,
-    start_values: Sequence[Array] = (),
     watch: Watch | None = None,
 ) -> OptimizeResult:
     """Return the least cost over several starts.
 
-    The first is that of the problem, then come given values (p,), then as many jittered ones as
-    make `starts` of them.
+    The first is that of the problem, the others are jittered.
     """
     counter, random = Counter(watch), np.random.default_rng(seed)
     ends: list[ResidualJacobian] = []
     costs: list[float] = []
     cancelled = False
-    for place in range(max(starts, 1 + len(start_values))):
+    for place in range(starts):
         if cancelled:
             break
-        values = _start(problem.free_parameters, place, start_values, random)
+        values = _start(problem.free_parameters, place, random)
         try:
             end, cancelled = improve(problem, values, counter=counter)
             gains = True
@@ -123,17 +199,13 @@ def _agreeing(costs: Sequence[float]) -> int:
 def _start(
     free_parameters: FreeParameters,
     number: int,
-    tried: Sequence[Array],
     random: np.random.Generator,
 ) -> Array:
-    """Return the values of a start: the first one, those tried, then jittered ones."""
+    """Return the values of a start: the first one, then jittered ones."""
     if number == 0:
         return free_parameters.start
-    if number <= len(tried):
-        return tried[number - 1]
     factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(free_parameters)))
-    base = tried[(number - 1) % len(tried)] if tried else free_parameters.start
-    return free_parameters.values(free_parameters.coordinates(base * factors))
+    return free_parameters.values(free_parameters.coordinates(free_parameters.start * factors))
 
 
 def improve(

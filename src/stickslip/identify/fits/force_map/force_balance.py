@@ -21,7 +21,6 @@ from stickslip.data import (
     usual_top_speed,
     with_voltage,
 )
-from stickslip.errors import InputError
 from stickslip.identify.fits.contact_inputs import check_loads, inputs_along, load_along
 from stickslip.identify.fits.estimation.bristle_integration import Path
 from stickslip.identify.fits.series.applied_force import applied_force, goes_straight
@@ -54,10 +53,6 @@ SLOW = 0.01
 GLIMPSE = 0.1
 """Share of a row that is seen through the filter and overlooked: of slow samples, in a row that
 slips, and of the memory of the filter, a rest."""
-FEW_SLIPPING = 0.05
-"""Share of rows that slip below which a record is one of presliding, and all rows are fitted."""
-SAMPLES = 10_000
-"""Samples of a record along which friction is predicted, unless the filter asks for more."""
 LEAK = 1e-3
 """Share of the accelerations' variance that may be noise."""
 FEWEST = 5.0
@@ -71,104 +66,61 @@ OVERSAMPLED = 0.25
 """Most that the filter passes over half the frequency of these samples."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MotionSegment:
-    """A record between two gaps: friction, and the motion that it came with."""
+def motions_of(
+    mechanism: Mechanism, measurement: Measurement, *, hold: Hold, samples: float
+) -> list[tuple[int, Path, float]]:
+    """Return records between gaps: which it is, its motion, and what held it at first [N].
 
-    record: int
-    """Which record it is of."""
-    path: Path
-    """The motion."""
-    friction: Array
-    """Derived friction force (n,) [N]."""
-    kept: NDArray[np.bool_]
-    """Samples (n,) that are compared."""
-    held: Array
-    """Friction (n,) [N] that would balance all other forces on a body at rest."""
-
-
-def balanced(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    *,
-    hold: Hold,
-    samples: float = SAMPLES,
-    slipping: bool = False,
-) -> tuple[MotionSegment, ...]:
-    """Return stretches of friction by inverse dynamics.
+    Bristles follow the motion as finely as noise allows even where the common filter passes less:
+    unlike friction, what they do is not linear in the motion, and no filter makes up for it.
 
     Examples
     --------
     >>> from stickslip import Axis
     >>> t = np.arange(0.0, 20.0, 0.01)
-    >>> v = np.cos(2.0 * t)
-    >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
-    >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
-    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first", slipping=True)
-    >>> bool(np.median(np.abs(one.friction - 5.0 * np.sign(v))[one.kept]) < 0.1)
-    True
+    >>> record = Measurement(time=t, position=np.sin(2.0 * t), force=np.cos(t))
+    >>> ((number, path, held),) = motions_of(Axis(inertia=3.0), record, hold="zero", samples=2e3)
+    >>> number, len(path.travel), round(held, 6)
+    (0, 1999, 1.0)
     """
     check_loads(measurement)
-    found: list[MotionSegment] = []
+    found = []
     for number, given in enumerate(measurement.records()):
         times_of(given)
         record = with_voltage(mechanism, given, hold)
         set_up = as_recorded(mechanism, record)
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
-                one = _stretch(set_up, piece, hold, samples, slipping=slipping)
-                found += [replace(one, record=number)] * bool(one.kept.any())
-    if not found:
-        raise InputError(
-            f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
-            " the body moves for longer than the memory of the filter of motion and force: record"
-            " longer, or choose the route shooting."
-        )
-    return tuple(found)
+                path, held, rests = _motion(set_up, piece, hold, samples)
+                found += [(number, path, held)] * (not rests)
+    return found
 
 
-def _stretch(
-    mechanism: Mechanism,
-    record: Measurement,
-    hold: Hold,
-    samples: float,
-    *,
-    slipping: bool,
-) -> MotionSegment:
-    """Return friction by inverse dynamics.
-
-    Bristles follow the motion as finely as noise allows even where the common filter passes less:
-    unlike friction, what they do is not linear in the motion, and no filter makes up for it.
-    """
+def _motion(
+    mechanism: Mechanism, record: Measurement, hold: Hold, samples: float
+) -> tuple[Path, float, bool]:
+    """Return a motion, what held it at first, and whether it rests all along."""
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
     passed, finest = (passed_by_balance(raw, resolved=fine) for fine in (False, True))
-    tracked = "position" in record.quantities()
-    motion = filtered_motion(raw, dt, passed, tracked=tracked)
+    motion = filtered_motion(raw, dt, passed, tracked="position" in record.quantities())
     x, v = motion.position, motion.velocity
-    a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
     joined = goes_straight(record, hold)
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
-    mass, rest = known_forces(mechanism, x, v, force)
+    _, rest = known_forces(mechanism, x, v, force)
     inputs = inputs_along(mechanism, record, time, position=x, velocity=v, force=force)
-    kept = compared(motion, passed, slipping=slipping)
     every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
     picked = slice(None, None, every)
-    return MotionSegment(
-        record=0,
-        path=Path(
-            time=time[picked],
-            velocity=v[picked],
-            load=load_along(mechanism, record, len(x))[picked],
-            travel=np.diff(travelled(raw, finest)[picked]),
-            inputs={name: one[picked] for name, one in inputs.items()},
-        ),
-        friction=smoothed(rest - mass * a, passed)[picked],
-        kept=kept[picked],
-        held=rest[picked],
+    path = Path(
+        time=time[picked],
+        velocity=v[picked],
+        load=load_along(mechanism, record, len(x))[picked],
+        travel=np.diff(travelled(raw, finest)[picked]),
+        inputs={name: one[picked] for name, one in inputs.items()},
     )
+    return path, float(rest[0]), bool(motion.resting.all())
 
 
 def travelled(raw: Array, finest: float) -> Array:
@@ -332,22 +284,6 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     for first, end in runs[runs[:, 1] - runs[:, 0] > least].tolist():
         found[first:end] = True
     return found
-
-
-def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
-    """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
-
-    None are where nothing moves.
-    """
-    v = motion.velocity
-    kept = np.full(len(v), not motion.resting.all())
-    ends = int(np.ceil(2.0 / passed))
-    kept[:ends] = kept[max(len(v) - ends, 0) :] = False
-    if slipping:
-        slow = np.abs(v) <= SLOW * usual_top_speed(v)
-        sure = kept & (smoothed(slow.astype(float), passed) < GLIMPSE)
-        kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
-    return kept
 
 
 def reach_of(position: Array, noise: float) -> float:

@@ -1,6 +1,6 @@
 """Start values and bounds for laws, from friction that was measured against motion."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any, NamedTuple
 
@@ -17,9 +17,8 @@ from stickslip.identify.fits.estimation.parameters import (
     refuse_open,
     with_ranges,
 )
-from stickslip.identify.fits.force_map.force_balance import SLOW, MotionSegment
-from stickslip.identify.fits.series.inverse_dynamics import HUBER
-from stickslip.identify.fits.series.start_values import LITTLE, MOST
+from stickslip.identify.fits.force_map.force_balance import SLOW
+from stickslip.identify.fits.series.inverse_dynamics import LITTLE, MOST, InverseDynamics
 from stickslip.identify.fits.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
@@ -68,11 +67,12 @@ class StartEstimate:
     Examples
     --------
     >>> from stickslip import Axis, Measurement
-    >>> from stickslip.identify.fits.force_map.force_balance import balanced
+    >>> from stickslip import inverse_dynamics
     >>> t = np.arange(0.0, 20.0, 0.01)
     >>> force = -6.0 * np.sin(2.0 * t) + 5.0 * np.sign(np.cos(2.0 * t)) + 0.5
     >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
-    >>> rough = StartEstimate.of(balanced(Axis(inertia=3.0), record, hold="first"))
+    >>> found = inverse_dynamics(Axis(inertia=3.0), record, robust=True)
+    >>> rough = StartEstimate.of(found, load=1.0, stroke=1.0)
     >>> round(rough.level, 1), round(rough.offset, 1)
     (5.0, 0.5)
     """
@@ -133,35 +133,39 @@ class StartEstimate:
 
     @classmethod
     def of(
-        cls, stretches: Sequence[MotionSegment], *, offset: float | None = None
+        cls, found: InverseDynamics, *, load: float, stroke: float, offset: float | None = None
     ) -> "StartEstimate":
-        """Return what some stretches say; the offset is looked for if it is not given."""
-        rows = [
-            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.kept]
-            for one in stretches
-        ]
-        v, n, f = np.concatenate(rows, axis=1)
+        """Return what a regression of forces says; the offset is looked for if it is not given.
+
+        Of bristles it says nothing: they are taken to yield within a part of the stroke [m].
+        """
+        v, f = found.velocity, found.friction
         speed = float(np.percentile(np.abs(v), 99.0)) or 1.0
         ahead, back = v > SLOW * speed, v < -SLOW * speed
-        two_sided = min(np.mean(ahead), np.mean(back)) > LITTLE
+        two_sided = bool(min(np.mean(ahead), np.mean(back)) > LITTLE)
         if offset is None:
-            offset = _middle(v, f, FAST * speed) if two_sided else 0.0
+            offset = found["offset"] if two_sided else 0.0
+        size, fast = np.abs(f - offset), np.abs(v) >= FAST * speed
+
+        def level(side: NDArray[np.bool_]) -> float:
+            rows = side & fast if (side & fast).any() else fast
+            return max(float(np.median(size[rows])) / load, 1e-12)
+
+        whole = level(ahead | back)
         own: dict[str, Any] = {
+            # where speeds hardly differ a level passes for a viscous part, and the other way round
+            "viscous": min(max(found["viscous"], 0.0), MOST * whole * load / speed),
             "offset": offset,
-            "load": float(np.median(n)),
+            "load": load,
             "speed": speed,
-            "two_sided": bool(two_sided),
-            "force": max(float(np.sqrt(np.mean((f - offset) ** 2))), 1e-12),
+            "two_sided": two_sided,
+            "force": max(float(np.sqrt(np.mean(size**2))), 1e-12),
+            "stiffness": whole / (LITTLE * (stroke or 1.0)),
         }
-        stiffness = _stiffness(stretches, own["force"])
-        sides = []
-        for side in (back, ahead, ahead | back):
-            enough = side if two_sided else np.ones(len(v), dtype=bool)
-            level, viscous = _line(
-                np.abs(v[enough]), n[enough], np.abs(f - offset)[enough], FAST * speed
-            )
-            sides.append(cls(level=level, viscous=viscous, stiffness=stiffness, **own))
-        return cls(**{**_plain(sides[2]), "sides": (sides[0], sides[1])})
+        levels = [level(side) if two_sided else whole for side in (back, ahead)]
+        return cls(
+            level=whole, sides=(cls(level=levels[0], **own), cls(level=levels[1], **own)), **own
+        )
 
     def law(
         self, kind: type[FrictionLaw], known: Mapping[str, float], named: Collection[str] = ()
@@ -358,77 +362,4 @@ def _values(law: FrictionLaw) -> dict[str, tuple[Quantity, float]]:
         if getattr(law, name) is not None
     }
     found.update((path, (quantity, value)) for path, quantity, value in parameters(law, "friction"))
-    return found
-
-
-def _plain(rough: StartEstimate) -> dict[str, Any]:
-    return {declared.name: getattr(rough, declared.name) for declared in fields(rough)}
-
-
-def _middle(v: Array, f: Array, fast: float) -> float:
-    """Return the middle between the forces of fast slip in the two directions."""
-    ahead, back = f[v > fast], f[v < -fast]
-    if not len(ahead) or not len(back):
-        return float(np.median(f))
-    return 0.5 * float(np.median(ahead) + np.median(back))
-
-
-def _line(speed: Array, load: Array, force: Array, fast: float) -> tuple[float, float]:
-    """Return the level of fast slip, and the viscous part by Huber's robust regression."""
-    from scipy.optimize import nnls
-
-    table = np.column_stack([load, speed])
-    weight = np.ones(len(force))
-    found = np.zeros(2)
-    for _ in range(10):
-        found = nnls(table * weight[:, None], force * weight)[0]
-        residual = np.abs(force - table @ found)
-        spread = 1.4826 * float(np.median(residual))
-        if spread <= 1e-12 * float(np.max(force, initial=1e-300)):
-            break
-        # root of the weights min(1, c s / |r|)
-        weight = np.sqrt(np.minimum(1.0, HUBER * spread / np.maximum(residual, 1e-300)))
-    fast_rows = speed >= fast
-    level = float(np.median((force / load)[fast_rows if fast_rows.any() else slice(None)]))
-    # where speeds hardly differ a level passes for a viscous part, and the other way round
-    most = MOST * level * float(np.median(load)) / float(np.max(speed, initial=1e-300))
-    viscous = min(float(found[1]), most)
-    return max(level, 1e-12), viscous
-
-
-def _stiffness(stretches: Sequence[MotionSegment], force: float) -> float:
-    """Return the slope of friction after reversals over the load [1/m].
-
-    From the way over which friction first changes by its own size after the motion has turned.
-    """
-    ways, load = [], 1.0
-    for one in stretches:
-        load = float(np.median(one.path.load))
-        x = np.concatenate([[0.0], np.cumsum(one.path.travel)])
-        stroke = float(np.ptp(x))
-        for start in _turns(x, 0.01 * stroke):
-            change = np.abs(one.friction[start:] - one.friction[start])
-            reached = np.flatnonzero(change > force)
-            if len(reached):
-                ways.append(abs(x[start + reached[0]] - x[start]))
-    way = float(np.median(ways)) if ways else 0.0
-    if way <= 0.0:
-        travelled = [float(np.ptp(np.cumsum(one.path.travel))) for one in stretches]
-        way = 0.01 * max(travelled, default=1.0) or 1.0
-    return force / load / way
-
-
-def _turns(x: Array, least: float) -> list[int]:
-    """Return where a motion turns by more than a least way."""
-    found, extreme, direction = [], 0, 0
-    for i in range(1, len(x)):
-        way = x[i] - x[extreme]
-        if direction == 0:
-            direction = int(np.sign(way)) if abs(way) > least else 0
-            extreme = i if direction else extreme
-        elif way * direction > 0.0:
-            extreme = i
-        elif abs(way) > least:
-            found.append(extreme)
-            extreme, direction = i, -direction
     return found

@@ -4,7 +4,7 @@ import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,20 +23,17 @@ from stickslip.data import (
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
-from stickslip.identify.fits.estimation.jackknife import Displaced, Inference
-from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult
+from stickslip.identify.fits.estimation.jackknife import Inference
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, ResidualJacobian
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
-from stickslip.identify.fits.estimation.problem import (
-    Problem,
-    RecordProblem,
-    ResidualJacobian,
-)
 from stickslip.identify.fits.force_map.holds import HoldFinding
 from stickslip.identify.fits.force_map.start_values import MECHANISM, SENSOR
+from stickslip.identify.fits.records.problems import ShootingBuilder
 from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
 from stickslip.identify.fits.series.applied_force import inside
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SETTLED
+from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.show.described import Described
@@ -52,16 +49,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
 """What was fitted: a law, or the laws of several contacts."""
-
-
-class ProblemBuilder(Protocol):
-    """Makes problems of other records, with the same unknowns."""
-
-    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
-        """Return the problem of a record, all of it, in segments of a length [s]."""
-
-    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
-        """Return the problem of a record as it is fitted: perhaps some of its rows only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +68,7 @@ class Score(metaclass=Described):
 
     @classmethod
     def of(
-        cls, residual: Array, segment: NDArray[np.intp], problem: RecordProblem, *, turning: bool
+        cls, residual: Array, segment: NDArray[np.intp], problem: Shooting, *, turning: bool
     ) -> "Score":
         """Return the error of rows of a problem.
 
@@ -91,7 +78,7 @@ class Score(metaclass=Described):
             Measured less predicted.
         segment : array of int (n,)
             Segment of each row.
-        problem : RecordProblem
+        problem : Shooting
             Where they are from.
         turning : bool
             Whether what was predicted turns about an axis.
@@ -183,9 +170,9 @@ class RecordFit(Fit[AnyLaw_co]):
     """How it was fitted: ``"shooting"``."""
     measurement: Measurement
     """What was fitted."""
-    problem: RecordProblem = field(repr=False)
+    problem: Shooting = field(repr=False)
     """The record as residuals."""
-    build: ProblemBuilder = field(repr=False)
+    build: ShootingBuilder = field(repr=False)
     """Makes the same problem of other records."""
     optimum: OptimizeResult
     """Least cost and where it is; of a free decay, those of the last and longest segments."""
@@ -199,8 +186,6 @@ class RecordFit(Fit[AnyLaw_co]):
     """How the recorded force runs between its samples, as given or estimated from the record."""
     first: OptimizeResult | None = None
     """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
-    displaced: tuple[Displaced, ...] = ()
-    """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
     left_out: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Times [s] of samples far off those beside, which were replaced before the fit, by column."""
 
@@ -429,15 +414,14 @@ class RecordFit(Fit[AnyLaw_co]):
 
     def _seen(
         self, measurement: Measurement | None, horizon: float | None
-    ) -> tuple[RecordProblem, ResidualJacobian]:
+    ) -> tuple[Shooting, ResidualJacobian]:
         if measurement is None and horizon is None:
             return self.problem, self.optimum.best
         if horizon is not None:
             check_horizon(horizon)
         if measurement is not None:
             refuse_unused(measurement, inside(self.mechanism, measurement))
-            compared = self.problem.quantity if self.problem.simulates else ""
-            refuse_lack(self.measurement, measurement, compared=compared)
+            refuse_lack(self.measurement, measurement, compared=self.problem.quantity)
         problem = self.build(self.measurement if measurement is None else measurement, horizon)
         return problem, settled(problem, self.values)
 
@@ -504,7 +488,7 @@ def check_horizon(horizon: float) -> None:
 
 
 def settled(
-    problem: Problem,
+    problem: Shooting,
     values: Array,
     *,
     only: Sequence[int] | None = None,

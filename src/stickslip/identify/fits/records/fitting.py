@@ -37,19 +37,18 @@ from stickslip.identify.fits.estimation.jackknife import NORMAL_95, Displaced, I
 from stickslip.identify.fits.estimation.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
+    ResidualJacobian,
     Watch,
     search,
     step_of,
 )
 from stickslip.identify.fits.estimation.parameters import told
-from stickslip.identify.fits.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identify.fits.force_map.holds import HoldFinding
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
 from stickslip.identify.fits.records.problems import (
     FitSetup,
     RouteChoice,
     Wanted,
-    held_otherwise,
     simulated,
 )
 from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
@@ -129,7 +128,7 @@ Array = NDArray[np.float64]
 
 
 def displacements(
-    again: Callable[[Measurement], RecordProblem],
+    again: Callable[[Measurement], Shooting],
     best: ResidualJacobian,
     mechanism: Mechanism,
     measurement: Measurement,
@@ -161,7 +160,7 @@ def displacements(
 
 
 def _moved_by_rig(
-    again: Callable[[Measurement], RecordProblem],
+    again: Callable[[Measurement], Shooting],
     best: ResidualJacobian,
     mechanism: Mechanism,
     measurement: Measurement,
@@ -264,7 +263,7 @@ def fit_record(
         held=tuple(held),
     )
     with with_doubts(measurement, mechanism):
-        ready: FitSetup = simulated(choice, wanted, measurement, begin or {})
+        ready = simulated(choice, wanted, measurement, begin or {})
     found = first = searched(ready, choice.settings, watch)
     if not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
@@ -328,7 +327,7 @@ def finished(
         for room in ("friction", "mechanism")
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
-    again = partial(ready.build.fitted, length=ready.length)
+    again = partial(ready.build, length=ready.length)
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
     moved = displacements(again, best, mechanism, measurement) if doubted else ()
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
@@ -346,7 +345,6 @@ def finished(
         optimum=found,
         first=None if first is found else first,
         inference=inference,
-        displaced=moved,
         at_bounds=at_bounds,
         cancelled=found.cancelled,
         sentences=(),
@@ -375,13 +373,13 @@ def finished(
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
     """Return how far estimates (p,) move if the force acts as early, or late, as it may."""
     hold = fit.hold
-    build = held_otherwise(fit.build) if hold is not None and hold.unsure > 0.0 else None
-    if hold is None or build is None or fit.optimum.cancelled:
+    if hold is None or hold.unsure == 0.0 or fit.optimum.cancelled:
         return []
-    return [hold.unsure * one for one in _moved(fit, build.fitted(fit.measurement, None))]
+    problem = fit.build.held_otherwise()(fit.measurement, None)
+    return [hold.unsure * one for one in _moved(fit, problem)]
 
 
-def _moved(fit: RecordFit, problem: RecordProblem) -> list[Array]:
+def _moved(fit: RecordFit, problem: Shooting) -> list[Array]:
     """Return how far one step moves the estimates (p,) in another problem of the same record."""
     free = fit.free_parameters
     here = problem.with_free_parameters(free).linearise(fit.values)
@@ -395,8 +393,6 @@ def _moved(fit: RecordFit, problem: RecordProblem) -> list[Array]:
 
 def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tuple[str, ...]:
     """Return a sentence on the place from which positions of a free motion count."""
-    if not isinstance(ready.problem, Shooting):
-        return ()
     autocorrelation = math.sqrt(max(len(best.residual) / max(inference.effective, 1.0), 1.0))
     found = ready.problem.zeros(best, autocorrelation)
     if not found:

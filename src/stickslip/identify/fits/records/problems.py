@@ -3,25 +3,19 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Generic, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import TypeVar
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.contact_inputs import as_loaded, loaded
+from stickslip.identify.fits.contact_inputs import as_loaded, load_of, loaded
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.problem import RecordProblem
-from stickslip.identify.fits.force_map.force_balance import (
-    balanced,
-)
+from stickslip.identify.fits.force_map.force_balance import motions_of
 from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
 from stickslip.identify.fits.force_map.start_values import MECHANISM, StartEstimate, constant_of
-from stickslip.identify.fits.records.fit import ProblemBuilder
 from stickslip.identify.fits.records.scanning import (
     least_of,
     lengthened_starts,
@@ -29,9 +23,11 @@ from stickslip.identify.fits.records.scanning import (
     surplus_starts,
 )
 from stickslip.identify.fits.series.applied_force import drives_itself
-from stickslip.identify.fits.series.inverse_dynamics import is_mass, mass_of
-from stickslip.identify.fits.series.start_values import (
+from stickslip.identify.fits.series.inverse_dynamics import (
+    is_mass,
+    mass_of,
     mechanism_unknown,
+    positions_of,
     regressed,
 )
 from stickslip.identify.fits.settings import Hold, RecordSettings
@@ -91,33 +87,27 @@ def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings
 
 Wanted: TypeAlias = Parameters[FrictionLaw | type[FrictionLaw]]
 """What is to be fitted: laws with start values, or types."""
-P_co = TypeVar("P_co", bound=RecordProblem, default=RecordProblem, covariant=True)
 
 
 @dataclass(frozen=True)
-class FitSetup(Generic[P_co]):
+class FitSetup:
     """A problem and where its search begins."""
 
     mechanism: Mechanism
     """Mechanism with the values that are held."""
     start: FrictionLaw
     """Law with start values."""
-    problem: P_co
+    problem: Shooting
     """Residuals of the record."""
-    build: ProblemBuilder
+    build: "ShootingBuilder"
     """Makes problems of other records."""
-    tried: tuple[Array, ...] = ()
-    """Other values (p,) that a simulation may start from."""
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
 
-# What builds problems is no closure, so that fits can cross processes.
-
-
 @dataclass(frozen=True)
-class _ShootingBuilder:
-    """Builds the shooting problem of a record."""
+class ShootingBuilder:
+    """Builds the problem of a record; no closure, so that fits can cross processes."""
 
     mechanism: Mechanism
     law: FrictionLaw
@@ -127,6 +117,7 @@ class _ShootingBuilder:
     """What runs are compared with, in every record alike."""
 
     def __call__(self, record: Measurement, length: float | None) -> Shooting:
+        """Return the problem of a record, all of it, in segments of a length [s]."""
         return Shooting(
             motions=self._motions(record),
             law=self.law,
@@ -140,7 +131,7 @@ class _ShootingBuilder:
                 quantity=self.quantity,
                 zeros=self.settings.position_zeros is not False,
             ),
-            quantity_=self.quantity,
+            quantity=self.quantity,
         )
 
     def _motions(self, record: Measurement) -> tuple[RecordedMotion, ...]:
@@ -148,28 +139,14 @@ class _ShootingBuilder:
         if not self.law.states or drives_itself(self.mechanism, record):
             return ()
         try:
-            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=SOME)
+            found = motions_of(self.mechanism, record, hold=self.settings.holding, samples=SOME)
         except InputError:
             return ()
-        return tuple(
-            RecordedMotion(
-                record=one.record,
-                path=one.path,
-                held=float(one.held[0]),
-            )
-            for one in found
-        )
+        return tuple(RecordedMotion(record=k, path=path, held=held) for k, path, held in found)
 
-    def fitted(self, record: Measurement, length: float | None) -> Shooting:
-        return self(record, length)
-
-
-def held_otherwise(build: ProblemBuilder) -> ProblemBuilder | None:
-    """Return what takes the other hold of a force between samples; None if it takes none."""
-    if isinstance(build, _ShootingBuilder):
-        settings = replace(build.settings, hold=_other(build.settings.holding))
-        return replace(build, settings=settings)
-    return None
+    def held_otherwise(self) -> "ShootingBuilder":
+        """Return what takes the other hold of a force between samples."""
+        return replace(self, settings=replace(self.settings, hold=_other(self.settings.holding)))
 
 
 def _other(hold: Hold) -> Hold:
@@ -185,7 +162,7 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
 
 def simulated(
     choice: RouteChoice, wanted: Wanted, measurement: Measurement, begin: Mapping[str, float]
-) -> FitSetup[Shooting]:
+) -> FitSetup:
     """Return the problem of simulated segments.
 
     It starts from given values, or from the regression of forces, whichever leaves less; without a
@@ -204,15 +181,15 @@ def simulated(
     if alone:
         inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
     else:
-        inertia = regressed(mechanism, under_load, wanted.unknown)
-        derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
-        stretches = derive(slipping=True, samples=SOME)
-        rough = StartEstimate.of(stretches)
+        found = regressed(mechanism, under_load, wanted.unknown)
+        inertia = found["inertia"] if "inertia" in found.names else mass_of(mechanism)
+        sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
+        rough = StartEstimate.of(found, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
     sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
     if not (sought or alone):
-        rough = StartEstimate.of(stretches, offset=constant.value)
+        rough = StartEstimate.of(found, **sizes, offset=constant.value)
     start, free = rough.unknowns(
         wanted.law,
         free=wanted.free,
@@ -224,7 +201,7 @@ def simulated(
     free = replace(free, items=(*free.items, *own))
     check_varied(len(free))
     refuse_overrides(under_load, free.paths)
-    build = _ShootingBuilder(mechanism, start, free, choice.settings, quantity)
+    build = ShootingBuilder(mechanism, start, free, choice.settings, quantity)
     problem = build(measurement, None)
     tried = [free.start]
     if isinstance(wanted.law, type) and alone:
@@ -237,6 +214,12 @@ def simulated(
         tried += near_stops
     problem = problem.with_free_parameters(free.starting_at(least_of(problem, tried)))
     return FitSetup(mechanism, start, problem, build)
+
+
+def _stroke(measurement: Measurement) -> float:
+    """Return the range of positions [m], of the record that has the largest."""
+    records = [one for one in measurement.records() if one.time is not None]
+    return max((float(np.ptp(positions_of(one))) for one in records), default=0.0)
 
 
 def _mechanism_unknowns(

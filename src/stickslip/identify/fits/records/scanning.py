@@ -14,11 +14,10 @@ from stickslip.data import Measurement
 from stickslip.errors import ConvergenceError
 from stickslip.friction import Coulomb
 from stickslip.identify.fits.contact_inputs import load_of
-from stickslip.identify.fits.estimation.levenberg_marquardt import improve
+from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian, improve
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identify.fits.force_map.start_values import StartEstimate
-from stickslip.identify.fits.series.start_values import LITTLE
+from stickslip.identify.fits.series.inverse_dynamics import LITTLE
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.segments import segments_of
@@ -68,7 +67,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         segments=segments_of(
             mechanism, measurement, length=longest, resolution=RESOLUTION, quantity=quantity
         ),
-        quantity_=quantity,
+        quantity=quantity,
     )
     seen = [problem.linearise(np.array([mu]), slopes=False) for mu in LEVELS]
     best = min(seen, key=lambda one: one.cost)
@@ -100,7 +99,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
     )
 
 
-def least_of(problem: RecordProblem, tried: Sequence[Array]) -> Array:
+def least_of(problem: Shooting, tried: Sequence[Array]) -> Array:
     """Return which of several start values (p,) leads to the least, a few steps downhill."""
     if len(tried) == 1:
         return tried[0]
@@ -156,7 +155,7 @@ def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
     return problem.starting_from(end), [end.values]
 
 
-def _end(problem: RecordProblem, near: ResidualJacobian, rounds: int = ROUNDS) -> ResidualJacobian:
+def _end(problem: Shooting, near: ResidualJacobian, rounds: int = ROUNDS) -> ResidualJacobian:
     """Return where a descent on more of a record ends that begins where one on less has ended."""
     here = problem.linearise(near.values, near)
     try:

@@ -11,14 +11,17 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.identify.fits.estimation.jackknife import Directions
+from stickslip.identify.fits.estimation.parameters import WIDE, FreeParameter
 from stickslip.identify.fits.series.applied_force import applied_force
+from stickslip.identify.fits.series.applied_force import driven as is_driven
 from stickslip.identify.fits.settings import ROUNDING, ROUNDS, SETTLED
 from stickslip.identify.fits.signals import GAP, ORDER
 from stickslip.identify.fits.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.quantities import Quantity
 from stickslip.quantities import vary as with_values
 from stickslip.show.display import Tabular
-from stickslip.show.formatting import estimate, percent, quantity
+from stickslip.show.formatting import estimate, number, percent, quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,6 +42,12 @@ MARGIN = 49
 """Samples dropped at the start, where filters and differences begin."""
 LEAST = 30
 """Samples a record must have."""
+LITTLE = 0.01
+"""Share of a force that is next to nothing of it, and of samples that are few of them."""
+MOST = 0.5
+"""Share of a force that explains it: where a regression leaves more, its signs accuse no channel,
+and a level of less brakes nothing. A force recorded with the wrong sign fits as well as with the
+right one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -397,3 +406,69 @@ def _deviations(table: Array, residual: Array, weights: Array) -> Array:
     deviations: Array = np.sqrt(variance * np.sum(known.inverse**2, axis=1))
     deviations[[bool(why) for why in known.reasons(np.eye(len(known.size)))]] = np.inf
     return deviations
+
+
+def regressed(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
+) -> InverseDynamics:
+    """Return the regression of forces, with the mass if that is looked for.
+
+    A force against the motion that it should cause is refused.
+    """
+    free = ["inertia"] if any(path.endswith(("inertia", "mass")) for path in unknown) else []
+    found = inverse_dynamics(mechanism, measurement, vary=free, robust=True)
+    check_signs(found, driven=is_driven(measurement))
+    return found
+
+
+def check_signs(found: InverseDynamics, *, driven: bool) -> None:
+    """Refuse a force that acts against the motion it should cause."""
+    if _says_little(found) and not (found["level"] < 0.0 and found["viscous"] < 0.0):
+        return
+    said = ", ".join(f"{n} {number(v)}" for n, v in zip(found.names, found.values, strict=True))
+    if not driven:
+        raise InputError(
+            "no drive was given, and friction alone cannot cause this motion: linear regression"
+            f" gives {said}. Give the force if there was one; only a free decay needs none."
+        )
+    if found.relative_error > MOST:
+        raise InputError(
+            f"inertia and sliding friction leave {100.0 * found.relative_error:.0f} % of the force:"
+            f" linear regression gives {said}, which therefore says nothing. Friction may hold the"
+            " body for most of the record, so that it moves by deflection only, or another force"
+            " acts. Record moves in which the body slides; check the meaning of each column."
+        )
+    raise InputError(
+        f"the force acts against the motion that it should cause: linear regression gives {said}."
+        " Check its sign (gain -1) and the meaning of each column."
+    )
+
+
+def _says_little(found: InverseDynamics) -> bool:
+    """Whether an inertia that came out negative says nothing of the sign of the force.
+
+    The motion was slow, and it takes a small share of the force; or slip in both directions has a
+    level that brakes: a force that bends bristles goes with the acceleration too. In one direction
+    a level is not told from a weight.
+    """
+    if found.inertial_share > -LITTLE:
+        return True
+    ahead = float(np.mean(found.velocity > 0.0))
+    if not LITTLE < ahead < 1.0 - LITTLE or found.relative_error > MOST:
+        return False
+    level = min(found[name] for name in found.names if name.startswith("level"))
+    return level > MOST * float(np.std(found.friction))
+
+
+def mechanism_unknown(path: str, quantity: Quantity, start: float, level: float) -> FreeParameter:
+    """Return an unknown of a mechanism under friction of a level [N], with wide bounds."""
+    log = quantity.above is not None
+    most = WIDE * (level + abs(start))
+    return FreeParameter(
+        path=path,
+        quantity=quantity,
+        start=start,
+        low=start / WIDE if log else max(quantity.low, -most),
+        high=WIDE * start if log else min(quantity.high, most),
+        log=log,
+    )

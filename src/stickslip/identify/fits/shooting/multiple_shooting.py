@@ -18,8 +18,8 @@ from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
+from stickslip.identify.fits.estimation.levenberg_marquardt import STEEPEST, ResidualJacobian
 from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, not_whole
-from stickslip.identify.fits.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, SURE
 from stickslip.identify.fits.shooting.initial_states import (
     FirstDeflections,
@@ -90,7 +90,7 @@ class ZeroEstimate:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Shooting(RecordProblem):
+class Shooting:
     """Positions (or velocities) of segments simulated with the measured drive."""
 
     law: FrictionLaw
@@ -99,37 +99,32 @@ class Shooting(RecordProblem):
     """The free parameters."""
     segments: tuple[Segment, ...]
     """Stretches of the records that are simulated."""
-    quantity_: str = "position"
+    quantity: str = "position"
     """What is compared: ``"position"`` or ``"velocity"``."""
     motions: tuple[RecordedMotion, ...] = ()
     """The measured motion of each record between gaps, as far as bristles are followed along it."""
 
     @property
-    def quantity(self) -> str:
-        return self.quantity_
-
-    @property
     def spans(self) -> Array:
+        """Record, first and last time of each segment (segments, 3)."""
         return np.array(
             [[s.record, s.start + s.times[0], s.start + s.times[-1]] for s in self.segments]
         )
 
     @property
     def times(self) -> Array:
+        """Time of each row (n,) [s]."""
         return np.concatenate([s.start + s.times for s in self.segments])
 
     @property
     def measured(self) -> Array:
+        """What was measured of the quantity compared, of each row (n,)."""
         return np.concatenate([s.measured for s in self.segments])
 
     @property
     def variation(self) -> float:
-        """That of the motion about a straight line: first position and velocity are fitted."""
+        """Sum of squares of the motion about straight lines, whose ends are fitted."""
         return sum(curvature_of(segment) for segment in self.segments)
-
-    @property
-    def simulates(self) -> bool:
-        return True
 
     def shortened(self, share: float) -> "Shooting":
         """Return the same with the first rows of each segment only."""
@@ -149,6 +144,7 @@ class Shooting(RecordProblem):
         return replace(self, segments=tuple(guesses))
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
+        """Return the same with other bounds or start values of the unknowns."""
         return replace(self, free_parameters=free_parameters)
 
     def linearise(
@@ -159,6 +155,10 @@ class Shooting(RecordProblem):
         only: Sequence[int] | None = None,
         slopes: bool = True,
     ) -> ResidualJacobian:
+        """Return what predictions with values (p,) leave, and their slopes; of some segments.
+
+        Slopes are not looked at where they are not asked for.
+        """
         chosen = range(len(self.segments)) if only is None else only
         known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
@@ -251,6 +251,11 @@ class Shooting(RecordProblem):
         )
 
     def carried(self, seen: ResidualJacobian) -> Array:
+        """Return the residuals (n,) at the values, and from the local states, of an answer.
+
+        The answer may be that of the same record with another mechanism: the local states stay
+        where they are, so that the difference of the residuals is smooth in what was changed.
+        """
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, range(len(self.segments)))
         found = []
@@ -290,6 +295,10 @@ class Shooting(RecordProblem):
         return found
 
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
+        """Return the segments simulated again from their fitted states, with their certificates.
+
+        Times of a run count from the start of its segment.
+        """
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, list(seen.memory))
         found = []
