@@ -1054,7 +1054,7 @@ class RecordModel(Model):
                 rows = self.balance.rows(which)
                 size = usual.deviations[self.classes(self.balance, which, usual)]
                 self.weights[which, own[-3]] = 1.0 / (size * usual.pieces[rows.piece])
-                self.spread[which, own[-3]] = 0.0
+                self.spread[which, own[-3]], self.kappas[which] = 0.0, self.kappas[MIDDLE]
                 self._again(self._here(own))
         return found
 
