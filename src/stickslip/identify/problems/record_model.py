@@ -221,6 +221,9 @@ LIMITS = np.geomspace(0.01, 0.95, 30)
 """Limits of the force that are looked at, over the largest."""
 FINER = 5
 """Times that what is looked at is refined by thirds of a step."""
+HALVED = 2.0
+"""What is left with a linear delay over that with another, from which that is looked at: what a
+motion with other joints leaves is no noise, and less than that is gained there by 17 ms."""
 OTHERWISE = 0.05
 """Prior probability that a channel is late by more than is linear, and that a drive saturates: of
 careful experimenters one in twenty has not seen it."""
@@ -687,7 +690,8 @@ class RecordModel(Model):
             return -0.5 * count * math.log(left + TINY)
 
         best, most = likeliest(likely, DELAYS / balance.pieces[0].cutoff)
-        return replace(balance.acting, delay=best), most - likely(0.0, None)
+        gain = most - likely(0.0, None)
+        return replace(balance.acting, delay=best), gain * (gain > 0.5 * count * math.log(HALVED))
 
     def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
         """Return the likeliest limit of the force, and the logarithm of what it gains.
@@ -1058,7 +1062,7 @@ class RecordModel(Model):
                 rows = self.balance.rows(which)
                 size = usual.deviations[self.classes(self.balance, which, usual)]
                 self.weights[which, own[-3]] = 1.0 / (size * usual.pieces[rows.piece])
-                self.spread[which, own[-3]] = 0.0
+                self.spread[which, own[-3]], self.kappas[which] = 0.0, self.kappas[MIDDLE]
                 self._again(self._here(own))
         return found
 
