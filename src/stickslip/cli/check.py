@@ -298,7 +298,7 @@ def run(options: CheckOptions) -> None:
     mechanism, vary = (None, ()) if rig is None else (rig.mechanism, rig.vary)
     found = check(measurement, mechanism=mechanism, vary=vary, conditions=_used(measurement))
     if found.worst != "error":
-        from stickslip.identify.problems.record_checks import sign_findings  # loads the judge
+        from stickslip.identify import sign_findings  # loads the judge
 
         signs = sign_findings(measurement, mechanism, vary)
         found = replace(found, findings=(*found.findings, *signs))

@@ -44,6 +44,7 @@ from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import sections_of as sections_of
 from stickslip.identify.page import verdict_sections as verdict_sections
 from stickslip.identify.posterior import allotted as allotted
+from stickslip.identify.problems.record_checks import sign_findings as sign_findings
 from stickslip.identify.problems.record_signals import NotToldError as NotToldError
 from stickslip.identify.problems.table_model import INPUT as INPUT
 from stickslip.identify.problems.table_model import INPUTS_PRIOR as INPUTS_PRIOR
