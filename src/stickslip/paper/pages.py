@@ -7,9 +7,8 @@ from typing import NamedTuple
 from stickslip.data import Rig, load_rig
 from stickslip.friction import SOURCES
 from stickslip.identify.kinds import TravelVerdict
+from stickslip.paper import sections
 from stickslip.paper.paper_audit import PaperAudit, audit
-from stickslip.paper.sections import cart, equations, table
-from stickslip.paper.sections.claims import claim_section, trial_section, unpublished_section
 from stickslip.show.formatting import fixed, percent
 from stickslip.show.report import (
     Fact,
@@ -45,10 +44,10 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
         return Beside(extra=(blocks.failed_section("paper", error),))
     return Beside(
         remark=_remark(found),
-        lead=(partial(equations.excitation_section, found), partial(table.table_section, found)),
+        lead=(partial(sections.excitation_section, found), partial(sections.table_section, found)),
         extra=(
-            partial(equations.equation_section, found),
-            partial(equations.misprint_section, found),
+            partial(sections.equation_section, found),
+            partial(sections.misprint_section, found),
         ),
     )
 
@@ -80,12 +79,12 @@ def _remark(found: PaperAudit) -> str:
 def result_sections(found: PaperAudit) -> tuple[Section, ...]:
     """Return the sections whose tables the terminal shows."""
     makers = (
-        table.table_section,
-        table.ranking_section,
-        unpublished_section,
-        trial_section,
-        cart.cart_section,
-        cart.choice_section,
+        sections.table_section,
+        sections.ranking_section,
+        sections.unpublished_section,
+        sections.trial_section,
+        sections.cart_section,
+        sections.choice_section,
     )
     return tuple(maker(found) for maker in makers)
 
@@ -93,22 +92,22 @@ def result_sections(found: PaperAudit) -> tuple[Section, ...]:
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     """Return the audit of the paper as one HTML page."""
     makers: tuple[Callable[[PaperAudit], Section], ...] = (
-        claim_section,
-        table.table_section,
-        table.ranking_section,
-        cart.choice_section,
-        equations.excitation_section,
-        unpublished_section,
-        equations.misprint_section,
-        cart.cart_section,
-        table.schematic_section,
-        table.figure_section,
-        table.phenomena_section,
-        trial_section,
-        cart.rest_section,
-        cart.break_away_section,
-        equations.equation_section,
-        equations.assumption_section,
+        sections.claim_section,
+        sections.table_section,
+        sections.ranking_section,
+        sections.choice_section,
+        sections.excitation_section,
+        sections.unpublished_section,
+        sections.misprint_section,
+        sections.cart_section,
+        sections.schematic_section,
+        sections.figure_section,
+        sections.phenomena_section,
+        sections.trial_section,
+        sections.rest_section,
+        sections.break_away_section,
+        sections.equation_section,
+        sections.assumption_section,
     )
     opening = _opening(audit)
     origin = Origin(title="", data="", commands=(command,), digest=audit.rig.digest)
