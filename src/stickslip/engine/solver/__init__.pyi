@@ -2,6 +2,9 @@
 from dataclasses import dataclass
 
 from stickslip.engine.solver.backend import Equations as Equations
+from stickslip.engine.solver.block_diagram import BreakAway as BreakAway
+from stickslip.engine.solver.block_diagram import BreakAway as _BreakAway
+from stickslip.engine.solver.block_diagram import SoftConstraint as _SoftConstraint
 from stickslip.engine.solver.compile.modules import Progress as Progress
 from stickslip.engine.solver.compile.modules import WarmUp as WarmUp
 from stickslip.engine.solver.compile.modules import notice as notice
@@ -17,12 +20,9 @@ from stickslip.engine.solver.event_driven import BareRun as BareRun
 from stickslip.engine.solver.event_driven import EventDriven as _EventDriven
 from stickslip.engine.solver.event_driven import Form as Form
 from stickslip.engine.solver.event_driven import status_of as status_of
-from stickslip.engine.solver.fixed_step import BreakAway as BreakAway
-from stickslip.engine.solver.fixed_step import BreakAway as _BreakAway
 from stickslip.engine.solver.fixed_step import FixedStep as _FixedStep
 from stickslip.engine.solver.fixed_step import Method as Method
 from stickslip.engine.solver.fixed_step import Method as _Method
-from stickslip.engine.solver.fixed_step import SoftConstraint as _SoftConstraint
 from stickslip.engine.solver.reducers import EventCount as EventCount
 from stickslip.engine.solver.reducers import EventTimes as EventTimes
 from stickslip.engine.solver.reducers import Final as Final

@@ -5,9 +5,9 @@ from stickslip.study.sweep.attractors import Basins as Basins
 from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
 from stickslip.study.sweep.attractors import basins as basins
 from stickslip.study.sweep.attractors import cycles_in as cycles_in
-from stickslip.study.sweep.bands import Band as Band
-from stickslip.study.sweep.bands import Spread as Spread
-from stickslip.study.sweep.bands import band_of as band_of
+from stickslip.study.sweep.validation import Band as Band
+from stickslip.study.sweep.validation import Spread as Spread
+from stickslip.study.sweep.validation import band_of as band_of
 from stickslip.study.sweep.campaigns import Campaign as Campaign
 from stickslip.study.sweep.campaigns import CampaignRuns as CampaignRuns
 from stickslip.study.sweep.campaigns import Case as Case
