@@ -429,7 +429,8 @@ def test_a_record_without_a_load_point_is_refused():
 
 
 def test_a_stopped_search_says_so():
-    found = fitted(record(law(), noise=3e-4), drift="none", progress=lambda _: False)
+    made = record(law(**CONSTANT), noise=3e-4)
+    found = fitted(made, "logarithmic", drift="none", progress=lambda _: False)
     assert any("stopped before its end" in line for line in found.sentences)
 
 
@@ -479,7 +480,7 @@ def test_the_whole_rock_record_has_the_difference_of_its_levels_where_nothing_dr
     assert drifting.derived[0].half_width > 2.0 * found.derived[0].half_width
 
 
-@pytest.mark.parametrize("evolution", ["ageing", "slip"])
+@pytest.mark.parametrize("evolution", [pytest.param("ageing", marks=pytest.mark.slow), "slip"])
 def test_a_machine_a_third_too_stiff_as_given_costs_no_truth(evolution):
     made = record(law(evolution=evolution), noise=3e-4, seed=11)
     machine = TowedBlock(mass=1e-3, stiffness=1.35 * STIFFNESS, speed=1e-6, load=1.0)
