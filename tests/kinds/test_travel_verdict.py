@@ -174,7 +174,7 @@ def test_proposed_readings_narrow_the_band_by_what_is_expected_of_them(viscous):
     assert told.startswith("Set $x_0$ to ")
     expected = float(told.partition(" to narrow the band of the travel to ")[2].split()[0]) / 100.0
     more = readings(law, verdict.places, seed=8).trials
-    laws = [candidate.name for candidate in verdict.candidates[:4]]  # others have no weight
+    laws = ["coulomb", "viscous", "coulomb-viscous", "stribeck"]
     after = select(BLOCK, laws, Measurement(trials=[*verdict.measurement.trials, *more]))
     widths = [np.mean(np.ptp([x.low, x.high], axis=0)) for x in (
         after.band(verdict.settings), verdict.band(verdict.settings))]  # fmt: skip

@@ -97,10 +97,9 @@ if TYPE_CHECKING:
 # Friction maps and single numbers: what they cover, how often, how surely.
 
 FEW_SPEEDS: Final = 5
+"""Speeds, or slowest readings of a direction, that show how friction goes with speed."""
 CHANCE: Final = 0.005
 """Probability of a mean as low by noise alone, below which a sign is told."""
-FEWEST_SLOW: Final = 5
-"""Readings of a direction that show what friction is at the slowest speeds ..."""
 ACTING_SIGNALS: Final = ("force", "reference", "friction", "load", "spring_force", "pull")
 """What acts on a body: where it is not given, a fit takes it that nothing does."""
 
@@ -189,7 +188,7 @@ def _level(velocity: measurement.Array, friction: measurement.Array) -> float:
     forward = np.flatnonzero(velocity > 0.0)
     if not forward.size:
         return np.inf
-    slowest = forward[np.argsort(velocity[forward], kind="stable")][:FEWEST_SLOW]
+    slowest = forward[np.argsort(velocity[forward], kind="stable")][:FEW_SPEEDS]
     level = float(np.median(friction[slowest]))
     return level if float(friction[slowest[0]]) >= NEARLY_ALL * level > 0.0 else 0.0
 
@@ -755,8 +754,6 @@ BAND_HALF_WIDTH: Final = 0.15
 reach 60 Hz, and 45 and 55 Hz, of a motion of 5 Hz with all its harmonics, lie within it."""
 STANDS: Final = 8.0
 """A line has so many times the largest power beside it: noise of a few averages stays below."""
-BASES: Final = (2, 3, 4, 5)
-"""A line is a harmonic of another motion if there is a stronger one at such a part of it."""
 LOBE: Final = 3
 """Bins to each side over which the window spreads a line."""
 FEWEST_BINS: Final = 100
@@ -868,7 +865,7 @@ def _folded(frequency: float, rate: float) -> float:
 
 def _is_harmonic(power: Array, place: int, width: float) -> bool:
     """Whether a line is a harmonic of a stronger one."""
-    bases = (_standing(power, place * width / part, width) for part in BASES)
+    bases = (_standing(power, place * width / part, width) for part in ORDERS[1:])
     return any(base is not None and power[base] > power[place] for base in bases)
 
 

@@ -879,18 +879,14 @@ class _Described:
     """Messages by topic."""
 
 
-LARGEST_METADATA: Final = 2_000_000
-"""Bytes of it that are read at most: a file of messages takes some hundred."""
-
-
 def _described(path: Path) -> _Described:
     """Return what the metadata of a bag say."""
     from ruamel.yaml import YAML
 
     with open_regular(path) as file:
-        data = file.read(LARGEST_METADATA + 1)
-    if len(data) > LARGEST_METADATA:
-        raise ValueError(f"{METADATA} has more than {number(LARGEST_METADATA / 1e6)} MB")
+        data = file.read(LARGEST_TEXT + 1)
+    if len(data) > LARGEST_TEXT:
+        raise ValueError(f"{METADATA} has more than {number(LARGEST_TEXT / 1e6)} MB")
     information = YAML(typ="safe").load(data.decode())["rosbag2_bagfile_information"]
     mode = str(information.get("compression_mode") or "none").casefold()
     method = str(information.get("compression_format") or "").casefold()

@@ -36,6 +36,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identify import fits
 from stickslip.identify.fits import Estimate, Fit, RecordFit
+from stickslip.maths import NORMAL_95
 from stickslip.mechanisms import (
     WHOLE,
     Mechanism,
@@ -64,7 +65,7 @@ from stickslip.show.formatting import scale_of as shown_in
 from stickslip.show.formatting import within as value_within
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
-from stickslip.study.tolerances import FINE, NORMAL_95, PERCENT
+from stickslip.study.tolerances import FINE, PERCENT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -446,8 +447,8 @@ def _spread(values: Array) -> Spread:
 EXPECTED, REFUTED = 0.05, 0.01
 """Share of simulated measurements with as large a residual, from which on it is expected, and below
 which the prediction is refuted; between them nothing is said."""
-ORIGIN, LEAST_ORIGIN = 0.01, 10
-"""Share of a record whose mean sets the origin of its position, and its fewest samples."""
+LEAST_ORIGIN = 10
+"""Fewest samples whose mean sets the origin of a position; else a hundredth of the record."""
 NOISY = 1.5
 """Residual over noise from which on it is more than noise."""
 CLEARER = 0.5
@@ -948,7 +949,7 @@ def _record(
             " drive and begins at rest: give the initial states of the record."
         )
     predicted = run.at(t)[column]
-    rows = max(min(len(t), LEAST_ORIGIN), math.ceil(ORIGIN * len(t)))
+    rows = max(min(len(t), LEAST_ORIGIN), math.ceil(PERCENT * len(t)))
     of_position = float(compared == "position")
 
     def origin(residual: Array) -> Array:
