@@ -396,17 +396,6 @@ def test_parameters_are_recovered_where_friction_overshoots(evolution):
     assert found.rms == pytest.approx(3e-4, rel=0.1)  # 1,200 samples know it to 2 %
 
 
-@pytest.mark.slow  # the record of a rock tells only the difference as well
-def test_without_an_evolution_effect_only_the_difference_is_known():
-    found = fitted(record(law(evolution_effect=0.0), noise=3e-4), drift="none")
-    assert found.derived[0].value == pytest.approx(0.010, rel=0.02)
-    assert not found.details["separable"]
-    assert any("larger and smaller ones" in line for line in found.sentences)
-    distance = next(e for e in found.estimates if e.quantity.symbol == "D_c")
-    assert not distance.bounded
-    assert distance.reason
-
-
 @pytest.mark.slow
 def test_a_drift_is_found_where_there_is_one_and_left_out_where_there_is_none():
     drifting = fitted(record(law(), noise=3e-4, drift=5.0))
