@@ -61,7 +61,7 @@ architecture: $(DEV) ## import contracts, and the size of each room beside its b
 	$(BIN)/lint-imports
 	$(BIN)/python -m tools.budget
 
-unit: $(DEV) | types ## tests and the examples in docstrings
+unit: $(DEV) ## tests and the examples in docstrings
 	$(call heading,pytest)
 	$(PYTEST) --doctest-modules tests src
 

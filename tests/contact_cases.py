@@ -4,14 +4,14 @@ Reference numbers come from two methods that agree: closed forms, 80-bit Taylor 
 1e-13 with bordered matrices and enumerated modes.
 """
 
-import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated, ClassVar
 
 import numpy as np
 
-from stickslip import Coulomb
+from stickslip import BlockChain, Coulomb
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.mechanisms.drives import Drive, Sampled
@@ -43,39 +43,23 @@ class Plain(Mechanism):
         return {}
 
 
+@dataclass(frozen=True, kw_only=True)
+class Chain(BlockChain):
+    """Blocks in a row whose contacts are called as their places."""
+
+    name: ClassVar[str] = "chain"
+
+    def contacts(self):
+        return tuple(replace(contact, name=contact.slip) for contact in super().contacts())
+
+    def contact_inputs(self, t, q, q_dot, drives):
+        inputs = super().contact_inputs(t, q, q_dot, drives).values()
+        return dict(zip(self.coordinates, inputs, strict=True))
+
+
 def chain(n):
-    """Return the class of n blocks on a belt, in the frame of the belt, coupled by springs."""
-    names = tuple(f"x{i}" for i in range(1, n + 1))
-
-    @dataclass(frozen=True, kw_only=True)
-    class Chain(Plain):
-        """Blocks on a belt, each pulled by a spring whose other end moves."""
-
-        name: ClassVar[str] = f"chain-{n}"
-        coordinates: ClassVar[tuple[str, ...]] = names
-        rates: ClassVar[tuple[str, ...]] = tuple(f"v{i}" for i in range(1, n + 1))
-        units: ClassVar[tuple[str, ...]] = ("m",) * n
-        mass: Annotated[float, Quantity("m", "kg", above=0)] = 1.0
-        coupling: Annotated[float, Quantity("k_c", "N/m", low=0)] = 0.0
-        stiffness: Annotated[float, Quantity("k_p", "N/m", low=0)] = 0.0
-        speed: Annotated[float, Quantity("V", "m/s")] = 0.0
-
-        def kinetic_energy(self, q, q_dot):
-            return sum((0.5 * self.mass * q_dot[i] * q_dot[i] for i in names), 0.0)
-
-        def potential_energy(self, t, q):
-            total = 0.0
-            for i in names:
-                stretch = q[i] + self.speed * t
-                total = total + 0.5 * self.stiffness * stretch * stretch
-            for a, b in itertools.pairwise(names):
-                total = total + 0.5 * self.coupling * (q[b] - q[a]) * (q[b] - q[a])
-            return total
-
-        def contacts(self):
-            return tuple(Contact(slip=i, load=1.0, name=i) for i in names)
-
-    return Chain
+    """Return what makes a row of n blocks of 1 kg."""
+    return partial(Chain, blocks=n, mass=1.0, coupling=0.0)
 
 
 def decay(n):
@@ -190,38 +174,8 @@ class RubbingCart(Plain):
         return ("y",)
 
 
-@dataclass(frozen=True, kw_only=True)
-class TwoFeet(Plain):
-    """A body on two feet that a spring pulls; what each foot carries follows from its tilt."""
-
-    name: ClassVar[str] = "two-feet"
-    coordinates: ClassVar[tuple[str, ...]] = ("x",)
-    rates: ClassVar[tuple[str, ...]] = ("v",)
-    units: ClassVar[tuple[str, ...]] = ("m",)
-    mass: Annotated[float, Quantity("m", "kg", above=0)] = 2.0
-    inertia: Annotated[float, Quantity("J", "kg m^2", above=0)] = 0.05
-    front: Annotated[float, Quantity("a", "m")] = 0.3
-    rear: Annotated[float, Quantity("b", "m")] = 0.2
-    height: Annotated[float, Quantity("h", "m")] = 0.15
-    stiffness: Annotated[float, Quantity("k", "N/m")] = 50.0
-    gravity: Annotated[float, Quantity("g", "m/s^2")] = 9.81
-
-    def kinetic_energy(self, q, q_dot):
-        moving = q_dot["x"] * q_dot["x"] + q_dot["y"] * q_dot["y"]
-        return 0.5 * self.mass * moving + 0.5 * self.inertia * q_dot["phi"] * q_dot["phi"]
-
-    def potential_energy(self, t, q):
-        return self.mass * self.gravity * q["y"] + 0.5 * self.stiffness * q["x"] * q["x"]
-
-    def contacts(self):
-        slip = {"x": 1.0, "phi": self.height}
-        return (
-            Contact(slip=slip, normal={"y": 1.0, "phi": self.front}, name="front"),
-            Contact(slip=slip, normal={"y": 1.0, "phi": -1.0 * self.rear}, name="rear"),
-        )
-
-    def held(self):
-        return ("y", "phi")
+FEET = {"mass": 2.0, "front": 0.3, "rear": 0.2, "height": 0.15, "stiffness": 50.0}
+"""Numbers of a body on two feet that a spring pulls."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -625,7 +625,7 @@ def wide_only() -> Iterator[None]:
         return EMPTY_FIGURE if narrow else drawn(draw, size, narrow, *style, **more)
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("show.report.runs", "paper.sections.cart"):
+        for module in ("show.report.runs", "paper.pages"):
             patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", wide)
         yield
@@ -658,7 +658,7 @@ def sketched() -> Iterator[None]:
         return EMPTY_FIGURE
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("show.report.runs", "paper.sections.cart"):
+        for module in ("show.report.runs", "paper.pages"):
             patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", sketch)
         yield

@@ -32,6 +32,9 @@ NO_COMPARISON = (
     " where(x, yes, no)."
 )
 
+NORMAL_95 = 1.959963984540054
+"""Half-width of an interval of 95 % of a normal distribution over its standard deviation."""
+
 Scalar: TypeAlias = Any
 """A float, an array or a symbol. Equations are generic in it, which the type system cannot say."""
 

@@ -26,8 +26,8 @@ from stickslip.study.characterization.battery import (
     passivity,
     presliding,
     steady_curve,
+    there_and_back,
 )
-from stickslip.study.characterization.bench import there_and_back
 
 LEVELS = {"kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-3}
 BRISTLE = {"bristle_stiffness": 1e5, "bristle_damping": 1e5**0.5}

@@ -59,7 +59,7 @@ def test_models_shows_a_mechanism_with_its_parameters(run):
 def test_an_existing_folder_is_refused_before_work_begins(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "old").mkdir()
-    monkeypatch.setattr("stickslip.cli.reproduce.audit", lambda *_, **__: pytest.fail("work began"))
+    monkeypatch.setattr("stickslip.cli.studies.audit", lambda *_, **__: pytest.fail("work began"))
     code, _, err = run("paper", "-o", "old")
     assert (code, "old already exists; give --force" in err) == (2, True)
     with pytest.raises(pytest.fail.Exception, match="work began"):
@@ -453,13 +453,13 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     run, tmp_path, monkeypatch, command, output
 ):
     import stickslip.cli.judge
-    import stickslip.cli.reproduce
+    import stickslip.cli.studies
 
     def never(*_arguments, **_options):
         raise AssertionError("the work began")
 
     monkeypatch.setattr(stickslip.cli.judge, "_selected", never)
-    monkeypatch.setattr(stickslip.cli.reproduce, "audit", never)
+    monkeypatch.setattr(stickslip.cli.studies, "audit", never)
     (tmp_path / "taken").write_text("mine")
     assert "cannot be written" in complaint(run, command, "-o", output)
     assert "cannot be written" in complaint(run, "simulate", "demo", "-o", f"{output}/run.csv")

@@ -15,7 +15,7 @@ import pytest
 from tests.commands import commands
 
 from stickslip import load_rig
-from stickslip.data.rigs import laws
+from stickslip.data.rigs import rig_builder
 from stickslip.errors import InputError
 from stickslip.friction import LAWS
 from stickslip.show.formatting import printable
@@ -165,8 +165,8 @@ def test_hostile_tables_end_in_one_short_message_in_no_time(run, text):
 
 def test_the_fields_of_a_law_are_listed_once_however_many_keys_a_table_has(tmp_path, monkeypatch):
     listed = []
-    fields = laws._fields
-    monkeypatch.setattr(laws, "_fields", lambda kind: listed.append(kind) or fields(kind))
+    fields = rig_builder._fields
+    monkeypatch.setattr(rig_builder, "_fields", lambda kind: listed.append(kind) or fields(kind))
     (tmp_path / "rig.toml").write_text(
         RIG.replace("{title}", '"T"') + "".join(f"k{i} = 1\n" for i in range(50))
     )

@@ -11,8 +11,7 @@ import typer.main
 
 from stickslip import load_rig
 from stickslip.cli import main
-from stickslip.cli.app import app
-from stickslip.cli.help import PANELS
+from stickslip.cli.app import PANELS, app
 from stickslip.cli.progress import Drawing, Searching
 
 

@@ -8,8 +8,7 @@ import pytest
 from tests.support import BRISTLE, DECADES
 
 from stickslip.quantities import fields_of, unchecked
-from stickslip.study.characterization.battery import cycle_energy
-from stickslip.study.characterization.bench import Bench
+from stickslip.study.characterization.battery import Bench, cycle_energy
 
 MEETS_ITS_CONDITION = ("lugre", "directional-lugre", "elasto-plastic")
 """Laws whose condition of passivity is needed at their typical values, and not only enough."""

@@ -18,7 +18,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.engine import Status
-from stickslip.engine.solver import incremental
+from stickslip.engine.solver import ensembles
 from stickslip.engine.solver.run import Work
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import PRINTED_FORMS
@@ -232,7 +232,7 @@ def test_a_long_loop_goes_on_in_machine_code_with_the_same_bits(monkeypatch):
         return len(begun) > 2
 
     monkeypatch.setattr(Work, "is_enough", enough)
-    monkeypatch.setattr(incremental, "STRETCH", 30)
+    monkeypatch.setattr(ensembles, "STRETCH", 30)
     auto, plain = (
         closed_loop(AXIS, STICTION, pd, period=1e-2, t_end=2.0, solver=EventDriven(tier=tier)).run
         for tier in ("auto", "python")

@@ -8,7 +8,7 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, check, fit, load_measurement
 from stickslip.data import Checks, Finding, guess_data, inertia_of, read_data, refuse_faults
-from stickslip.data.checking.coverage import independent
+from stickslip.data.checking.data_quality import independent
 from stickslip.errors import InputError
 from stickslip.mechanisms import as_rotary
 

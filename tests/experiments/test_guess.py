@@ -276,15 +276,6 @@ def test_records_below_each_other_are_not_mixed(tmp_path):
     assert guess_data(file).columns.keys() == {"time", "position", "force"}
 
 
-def test_what_has_no_unit_is_doubted(tmp_path):
-    file = tmp_path / "a.csv"
-    file.write_text("t,x,F\n" + ENGLISH)
-    doubts = guess_data(file).doubts
-    assert [doubt.split("'")[1] for doubt in doubts] == ["t", "x", "F"]
-    assert "m is assumed for the position" in doubts[1]
-    assert not guess_data(file, units={"time": "ms", "position": "mm", "force": "N"}).doubts
-
-
 def test_counts_ask_for_a_resolution(tmp_path):
     file = tmp_path / "a.csv"
     counts = rows((T, np.round(1e6 * X), F), write=lambda v: german(v, 2))
@@ -340,33 +331,6 @@ def test_units_are_those_in_which_the_velocity_is_the_derivative(tmp_path, names
     assert "'u' may drive the axis" in guess.doubts[-1]
 
 
-def test_a_position_is_known_by_its_derivative_and_no_wanted_or_other_column_is(tmp_path):
-    file = tmp_path / "a.csv"
-    wanted, angle, speed = TURNED[0] + 0.01, TURNED[0], TURNED[1]
-    body = rows((T, wanted, np.arange(N), angle, speed), ",", lambda value: f"{value:.6f}")
-    file.write_text(f"t,a_cmd,index,a,armVel\n{body}")
-    guess = guess_data(file)
-    assert guess.columns["position"] == "a"
-    assert "as its derivative is 'armVel'" in guess.reasons["position"]
-
-
-def test_no_force_is_said_only_beside_the_columns_that_are_not_read(tmp_path):
-    file = tmp_path / "a.csv"
-    body = rows((T, X, F), ",", lambda value: f"{value:.6f}")
-    file.write_text(f"time [s],position [m],ch3\n{body}")
-    assert "not read: 'ch3'. If one of them drives" in guess_data(file).doubts[-1]
-    file.write_text("time [s],position [m]\n" + rows((T, X), ",", lambda value: f"{value:.6f}"))
-    assert guess_data(file).doubts[-1].startswith("The file has no force: the body is assumed")
-
-
-def test_a_unit_that_is_hardly_true_is_doubted_with_its_cure(tmp_path):
-    file = tmp_path / "a.csv"
-    file.write_text("t,x\n" + rows((1e3 * T, 1e6 * X), ",", lambda value: f"{value:.3f}"))
-    first, second, _ = guess_data(file).doubts
-    assert "with 10 s between samples: if it counts ms, give --unit time=ms" in first
-    assert "give --unit position=um" in second
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -380,23 +344,6 @@ def test_a_unit_that_is_hardly_true_is_doubted_with_its_cure(tmp_path):
 def test_a_wrong_layout_says_what_it_may_be(changes, message):
     with pytest.raises(InputError, match=message):
         Layout(**changes)
-
-
-def test_given_columns_are_not_guessed(tmp_path):
-    file = tmp_path / "a.csv"
-    file.write_text("Zeit;Kanal1;Kanal2\n" + rows((T, X, F)))
-    guess = guess_data(file, columns={"position": "Kanal1", "force": "Kanal2"})
-    assert guess.columns == {"time": "Zeit", "position": "Kanal1", "force": "Kanal2"}
-
-
-@pytest.mark.parametrize("name", ["v (mm/s)", "V", "v"])
-def test_a_column_that_is_named_keeps_the_unit_of_its_header(tmp_path, name):
-    file = tmp_path / "a.csv"
-    file.write_text("t (s),v (mm/s),F (kN)\n" + rows((T, X, F), ",", lambda x: f"{x:.4f}"))
-    guess = guess_data(file, columns={"velocity": name})
-    assert guess.columns["velocity"] == "v (mm/s)"
-    assert guess.units["velocity"] == "mm/s"
-    assert not any("no unit" in doubt for doubt in guess.doubts)
 
 
 def test_a_column_that_is_named_but_not_there_is_refused_with_the_names_there_are(tmp_path):
@@ -433,47 +380,6 @@ def test_the_rig_file_of_any_names_is_valid(tmp_path):
     guess = guess_data(file)
     (tmp_path / "a.toml").write_text(guessed_rig(guess, "a b.csv"))
     np.testing.assert_allclose(load_rig(tmp_path / "a.toml").measurement.position, X, atol=6e-7)
-
-
-SHORT = slice(0, 30)
-ODD = {
-    "a preface of a program": (
-        "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nX_Value\tWeg\tKraft\n",
-        (T, X, F), "\t", {"time": "X_Value", "position": "Weg", "force": "Kraft"},
-    ),
-    "a track beside an angle": (
-        "time_ms;pos_um;torque_Nm;angle_deg\n",
-        (T, X, F, X), ";", {"time": "time_ms", "position": "angle_deg", "force": "torque_Nm"},
-    ),
-    "two of a kind": (
-        "Zeit;Position1;Position2;Kraft\ns;mm;mm;N\n",
-        (T, X, X, F), ";", {"time": "Zeit", "position": "Position1", "force": "Kraft"},
-    ),
-    "a slash in a unit": (
-        "t;I_A;F_N;v_m/s\n",
-        (T, F, F, X), ";", {"time": "t", "velocity": "v_m/s", "force": "F_N"},
-    ),
-    "capitals": (
-        "ZEIT;WEG;KRAFT\nS;MM;N\n",
-        (T, X, F), ";", {"time": "ZEIT", "position": "WEG", "force": "KRAFT"},
-    ),
-    "a counter": (
-        "Index;Zeit;Weg;Kraft\n;s;mm;N\n",
-        (100 * T, T, X, F), ";", {"time": "Zeit", "position": "Weg", "force": "Kraft"},
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(("head", "columns", "mark", "found"), ODD.values(), ids=ODD)
-def test_odd_headers_are_understood(tmp_path, head, columns, mark, found):
-    file = tmp_path / "a.csv"
-    file.write_text(head + rows([column[SHORT] for column in columns], mark))
-    guess = guess_data(file)
-    assert guess.columns == found
-    assert guess.turning == ("deg" in head)
-    assert any("as well as 'Position1'" in sentence for sentence in guess.doubts) == (
-        "Position2" in head
-    )
 
 
 @pytest.mark.parametrize(
@@ -553,13 +459,6 @@ def test_what_loggers_write_is_read_as_it_was_meant(tmp_path, text):
     np.testing.assert_array_equal(load_rig(tmp_path / "log.toml").measurement.time, record.time)
 
 
-def test_times_since_1970_are_not_said_to_have_a_unit(tmp_path):
-    file = tmp_path / "log.csv"
-    file.write_text(LOGGERS["epoch in ms"].replace("timestamp", "epoch"), encoding="utf-8")
-    words = guess_data(file).reasons["time"]
-    assert words.startswith("column 'epoch' in ms, as its numbers count from 1970;")
-
-
 def test_unsigned_seconds_of_a_stamp_may_go_back(tmp_path):
     seconds = np.array([EPOCH + 1, EPOCH, EPOCH + 2], dtype=np.uint32)
     nanoseconds = np.array([0, 500_000_000, 0], dtype=np.uint32)
@@ -631,32 +530,6 @@ def table(path, **columns):
     return path
 
 
-@pytest.mark.parametrize(
-    ("columns", "found"),
-    [
-        # a normal force drives nothing, and volts are no velocity
-        ({"time": "t", "Normal force__N": "n", "pos__m": "x"}, {"load": "Normal force"}),
-        ({"time": "t", "Fx__N": "F", "Fz__N": "n", "x__m": "x"}, {"force": "Fx", "load": "Fz"}),
-        ({"t": "t", "u__V": "F", "v__V": "F", "x__m": "x"}, {}),
-        ({"t": "t", "V": "F", "x__m": "x"}, {}),
-        # what was measured comes before what was commanded, and errors are no motion
-        ({"t": "t", "tau_cmd": "c", "tau_meas": "F", "q": "x"}, {"force": "tau_meas"}),
-        ({"t": "t", "tau_cmd": "c", "q": "x"}, {"force": "tau_cmd"}),
-        ({"t": "t", "load torque": "n", "motor torque": "F", "q": "x"}, {"force": "motor torque"}),
-        ({"t": "t", "following error__mm": "c", "Lage__mm": "x", "Kraft": "F"}, {"force": "Kraft"}),
-        ({"time": "t", "acc_x": "c", "force_x": "F", "pos_x": "x"}, {"force": "force_x"}),
-        ({"time": "t", "Load cell__V": "F", "LVDT__V": "x"}, {"force": "Load cell"}),
-        ({"t": "t", "joint.0.pos-fb": "x", "joint.0.pos-cmd": "c", "joint.0.torque": "F"},
-         {"force": "joint.0.torque", "reference": "joint.0.pos-cmd"}),
-    ],
-)  # fmt: skip
-def test_names_of_many_loggers_are_told_apart(tmp_path, columns, found):
-    guess = guess_data(table(tmp_path / "log.csv", **columns))
-    place = next(name for name, kind in columns.items() if kind == "x").partition("__")[0]
-    first = next(iter(columns))
-    assert guess.columns == {"time": first, "position": place, **found}
-
-
 def test_a_channel_in_volts_asks_for_the_sensitivity_of_its_sensor(tmp_path):
     file = table(tmp_path / "daq.csv", **{"time__s": "t", "Kraft__V": "F", "Weg__V": "x"})
     guess = guess_data(file)
@@ -693,21 +566,6 @@ def test_only_assumed_gains_are_marked_as_assumed(tmp_path):
     assert "replace it by the sensitivity" not in text
 
 
-def test_what_may_drive_an_axis_is_named_where_no_force_can_be_read(tmp_path):
-    names = (
-        {"t": "t", "x__mm": "x", "Motormoment__Nm": "F"},
-        {"t": "t", "x__mm": "x", "u__V": "F"},
-    )
-    for columns in names:
-        (doubt,) = [
-            sentence
-            for sentence in guess_data(table(tmp_path / "a.csv", **columns)).doubts
-            if "force" in sentence
-        ]
-        assert list(columns)[2].partition("__")[0] in doubt
-        assert "may drive the axis" in doubt
-
-
 @pytest.mark.parametrize("names", [("q{}", "qd{}", "tau{}"), ("position[{}]", "effort[{}]")])
 @pytest.mark.parametrize("own", [None, 2])
 def test_a_joint_goes_with_its_own_torque(tmp_path, names, own):
@@ -722,19 +580,6 @@ def test_a_joint_goes_with_its_own_torque(tmp_path, names, own):
     assert any("The file has 2 joints" in doubt for doubt in guess.doubts)
 
 
-def test_a_motor_with_quantities_is_no_input_of_joints_of_their_names(tmp_path):
-    file = tmp_path / "log.csv"
-    moved = {"time": "t", "motor.position__rad": "x", "motor.velocity__rad/s": "c"}
-    for driven, name in (("torque__N m", "force"), ("current__A", "current")):
-        found = guess_data(table(file, **moved, **{f"motor.{driven}": "n"}))
-        assert found.columns["position"] == "motor.position"
-        assert found.columns["velocity"] == "motor.velocity"
-        assert found.columns[name] == f"motor.{driven.partition('__')[0]}"
-    joint = {"position.elbow__rad": "x", "motor.elbow__N m": "n", "effort__N m": "c"}
-    found = guess_data(table(file, time="t", **joint))
-    assert found.columns == {"time": "time", "position": "position.elbow", "force": "effort"}
-
-
 def test_columns_that_the_reader_knows_by_their_quantity_are_called_as_in_the_file(tmp_path):
     names = {"t__ms": "t", "position__rad": "x", "torque__N m": "n"}
     file = table(tmp_path / "log.csv", **names)
@@ -743,14 +588,6 @@ def test_columns_that_the_reader_knows_by_their_quantity_are_called_as_in_the_fi
     read = load_measurement(file, columns=found.columns, units=found.units, layout=found.layout)
     assert read.turning
     np.testing.assert_allclose(read.time, 1e-3 * T)
-
-
-def test_a_unit_before_its_name_is_known(tmp_path):
-    file = tmp_path / "log.csv"
-    file.write_text("[ms] time;(mm) pos;[N] force\n" + rows((T, X, F), ";", points))
-    found = guess_data(file)
-    assert found.units == {"time": "ms", "position": "mm", "force": "N"}
-    np.testing.assert_allclose(read_data([file], found.reading).position, 1e-3 * X, atol=1e-7)
 
 
 def test_a_column_without_any_cell_is_none_of_the_quantities(tmp_path):
@@ -765,28 +602,6 @@ def test_a_column_without_any_cell_is_none_of_the_quantities(tmp_path):
     assert "velocity" in read.unused
 
 
-def test_an_axis_that_is_said_to_turn_is_read_so(tmp_path):
-    names = {"time": "t", "theta": "x", "tau": "c"}
-    found = guess_data(table(tmp_path / "log.csv", **names))
-    assert found.turning
-    assert read_data([tmp_path / "log.csv"], found.reading).turning
-
-
-def test_the_time_of_a_joint_is_not_in_years_and_goes_with_its_position(tmp_path):
-    names = {"time.a": "t", "position.a": "x", "force.a": "n"}
-    assert "time" not in guess_data(table(tmp_path / "one.csv", **names)).units
-    names |= {"time.b": "t", "position.b": "x", "force.b": "n"}
-    file = table(tmp_path / "two.csv", **names)
-    found = guess_data(file, columns={"position": "position.b"})
-    assert found.columns["time"] == "time.b"
-
-
-def test_a_unit_before_a_remark_is_known(tmp_path):
-    file = tmp_path / "log.csv"
-    file.write_text("time (s);pos (mm, raw);force [N] filtered\n" + rows((T, X, F), ";", points))
-    assert guess_data(file).units == {"time": "s", "position": "mm", "force": "N"}
-
-
 def test_a_mark_that_may_be_either_is_doubted(tmp_path):
     file = tmp_path / "log.csv"
     body = "".join(f"{t:.2f};{german(5.0 + x, 3)};1.5\n" for t, x in zip(T, X, strict=True))
@@ -795,11 +610,6 @@ def test_a_mark_that_may_be_either_is_doubted(tmp_path):
     body = "".join(f"{t:.2f};{5e3 + x:,.3f};1.5\n" for t, x in zip(T, X, strict=True))
     file.write_text(f"time;position;force\n{body}")
     assert "is read as" not in guess_data(file).doubts[0]
-
-
-def test_two_positions_of_one_axis_are_no_joints(tmp_path):
-    file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
-    assert not any("joints" in doubt for doubt in guess_data(file).doubts)
 
 
 def test_trials_and_temperatures_are_offered_and_a_temperature_is_the_mean_of_its_trial(tmp_path):
@@ -901,15 +711,6 @@ def test_what_friction_may_depend_on_is_named_and_kept(tmp_path, header, quantit
     np.testing.assert_allclose(record.inputs[quantity], size * beside, atol=1e-4 * size)
 
 
-def test_a_pressure_with_empty_cells_is_left_out_and_that_is_said(tmp_path):
-    file = tmp_path / "a.csv"
-    lines = rows((T, X, F), ",", points).splitlines()
-    file.write_text("time (s),x (m),F (N),pressure (bar)\n" + ",2\n".join(lines) + ",\n")
-    guess = guess_data(file)
-    assert "pressure" not in guess.columns
-    assert any("'pressure (bar)' seems to be the pressure" in doubt for doubt in guess.doubts)
-
-
 @pytest.mark.parametrize("names", [["slow up", "slow down", "fast", "last"], ["4", "7", "9", "1"]])
 def test_a_column_that_changes_where_times_begin_again_names_the_trials(tmp_path, names):
     lengths = (400, 500, 150, 150)
@@ -979,18 +780,6 @@ def test_steady_readings_with_times_are_a_table_over_the_speed(tmp_path, head, n
     assert read_data([file], given.reading).kind == "series"
 
 
-def test_a_temperature_that_rises_is_no_time(tmp_path):
-    file = tmp_path / "a.csv"
-    speeds, warm = np.tile(np.linspace(0.05, 0.5, 6), 4), np.linspace(20.0, 60.0, 24)
-    file.write_text(
-        "speed_m_s,temperature_C,friction_N\n" + rows((speeds, warm, 4.0 + speeds), ",", points)
-    )
-    guess = guess_data(file)
-    assert guess.columns["temperature"] == "temperature_C"
-    assert "time" not in guess.columns
-    assert not any("times" in text for text in guess.reasons.values())
-
-
 def test_the_inertia_of_a_body_that_slows_down_is_left_open(tmp_path):
     file, t = tmp_path / "a.csv", np.linspace(0.0, 5.0, 200)
     speed = np.maximum(20.0 - 4.0 * t, 0.0)
@@ -1023,13 +812,6 @@ def test_two_positions_of_one_axis_are_both_named_with_their_lost_motion(
     assert "They differ by up to 0.12" in said  # a ratio is found with some of it in it
 
 
-def test_positions_of_other_motions_are_no_second_ones(tmp_path):
-    file = tmp_path / "a.csv"
-    table = rows((T, X, np.cos(3.0 * T), X + 0.01, F), ",", points)
-    file.write_text(f"time (s),x (mm),y position (mm),target position (mm),force (N)\n{table}")
-    assert not any("positions of this axis" in doubt for doubt in guess_data(file).doubts)
-
-
 def test_no_mass_is_fitted_where_friction_was_measured(tmp_path):
     file = tmp_path / "a.csv"
     table = rows((T, X, F, np.sign(np.cos(2.0 * T))), ",", points)
@@ -1048,27 +830,6 @@ def test_steady_readings_keep_their_trials(tmp_path):
     file.write_text(f"stage,time (s),velocity (mm/s),friction (N)\n{table}")
     measured = read_data([file], guess_data(file).reading)
     assert [trial.kind for trial in measured.trials] == ["friction-map"] * 2
-
-
-WORDS = {
-    "rolling friction (N)": "friction",
-    "Rollreibung (N)": "friction",
-    "Friction force amplitude (N)": "friction",
-    "rolling resistance force (N)": "force",
-    "power drive force (N)": "force",
-    "wear track load (N)": "load",
-    "differential pressure (bar)": "pressure",
-    "index finger angle (rad)": "position",
-    "power drive position (mm)": "position",
-    "Rolling Speed (mm/s)": "velocity",
-}
-
-
-@pytest.mark.parametrize(("header", "quantity"), WORDS.items())
-def test_words_bar_the_quantities_that_they_exclude_and_no_others(tmp_path, header, quantity):
-    moves = {} if quantity in ("position", "velocity") else {"x (mm)": "x"}
-    path = table(tmp_path / "a.csv", **{"t (s)": "t", **moves, header: "F"})
-    assert guess_data(path).columns[quantity] == header
 
 
 @pytest.mark.parametrize("name", ["A1", "T1", "S1", "V1", "F1", "m1", "Pa", "ch2"])
@@ -1128,88 +889,6 @@ def test_steady_readings_of_what_drives_are_readings_of_friction(tmp_path, head,
     left = any("question mark for the motor constant" in doubt for doubt in guess.doubts)
     assert left == (head == "current")
     assert ('gain = { friction = "? N m/A" }' in guessed_rig(guess, path)) == left
-
-
-def test_a_rolling_speed_is_not_taken_for_a_sliding_speed_in_silence(tmp_path):
-    path = table(
-        tmp_path / "a.csv", **{"t (s)": "t", "Rolling Speed (mm/s)": "x", "Friction (N)": "F"}
-    )
-    assert any("is read as the sliding velocity" in doubt for doubt in guess_data(path).doubts)
-
-
-def test_a_few_samples_of_a_slow_motion_are_no_steady_readings(tmp_path):
-    path = tmp_path / "a.csv"
-    t = np.arange(25) / 100
-    path.write_text(
-        "time (s),velocity (mm/s),friction (N)\n" + rows((t, 5 + t / 10, 2 + t), ",", points)
-    )
-    assert "time" in guess_data(path).columns
-
-
-def test_equal_positions_are_said_to_be_equal(tmp_path):
-    path = table(
-        tmp_path / "a.csv", **{"t (s)": "t", "position (mm)": "x", "motor angle x (mm)": "x"}
-    )
-    said = " ".join(guess_data(path).doubts)
-    assert "they are equal." in said
-    assert "differ by" not in said
-
-
-@pytest.mark.parametrize(
-    ("header", "turns"),
-    [
-        ("time (s),Ia (A),Ib (A),encoder (counts)", True),
-        ("time (s),phase A current (A),phase B current (A),position (counts)", True),
-        ("t [s],iq [A],id [A],velocity", True),
-        ("time (s),current (A),other,position (counts)", True),
-        ("time (s),current (A),other,linear encoder (counts)", False),
-        ("time (s),force (N),other,position (counts)", False),
-    ],
-)
-def test_phase_currents_and_counts_of_a_motor_turn_about_an_axis(tmp_path, header, turns):
-    names = header.split(",")
-    t = np.arange(0.0, 10.0, 0.01)
-    columns = (t, np.cos(2.0 * t), np.sin(40.0 * t), np.round(900.0 * np.sin(2.0 * t)))
-    rows = [",".join(f"{x:.6g}" for x in row[: len(names)]) for row in zip(*columns, strict=True)]
-    path = tmp_path / "motor.csv"
-    path.write_text("\n".join([header, *rows]) + "\n")
-    assert guess_data(path).turning is turns
-
-
-ROLLING = ("Rolling Speed (mm/s)", "Rollgeschwindigkeit (mm/s)")
-SLIDING = ("Sliding Speed (mm/s)", "Gleitgeschwindigkeit (mm/s)")
-ERRORS = (
-    *("position error (mm)", "Schleppfehler [mm]", "motor power (mm)", "poserr (mm)"),
-    *("followingerror (mm)", "Leistung (mm)", "Regelabweichung (mm)", "position diff (mm)"),
-)
-
-
-@pytest.mark.parametrize(
-    ("columns", "found"),
-    [
-        ({"t": "t", "x__mm": "x", "motor_V": "F"}, {"position": "x", "velocity": None}),
-        ({"time__s": "t", "position__m": "x", "speed setpoint__m/s": "c"}, {"velocity": None}),
-        ({"time": "t", "position.desired__rad": "c", "position.actual__rad": "x"},
-         {"position": "position.actual", "reference": "position.desired"}),
-        ({"time (s)": "t", "angle (rad)": "x", "friction torque (N m)": "F"},
-         {"friction": "friction torque (N m)", "force": None}),
-        ({"time (s)": "t", "x (m)": "x", "F (N)": "F", "pressure_set (bar)": "c"},
-         {"pressure": None}),
-        *(
-            ({"t (s)": "t", error: "x", "v (mm/s)": "x", "F (N)": "F"}, {"position": None})
-            for error in ERRORS
-        ),
-        *(
-            ({"t (s)": "t", rolling: "x", sliding: "x", "Friction (N)": "F"}, {"velocity": sliding})
-            for rolling in ROLLING
-            for sliding in SLIDING
-        ),
-    ],
-)  # fmt: skip
-def test_what_a_name_excludes_is_not_read_as_the_quantity(tmp_path, columns, found):
-    guess = guess_data(table(tmp_path / "a.csv", **columns))
-    assert {quantity: guess.columns.get(quantity) for quantity in found} == found
-    assert not any("joint" in doubt for doubt in guess.doubts)
 
 
 HEADED = ("time [s]", "position [m]", "force [N]")
@@ -1282,3 +961,160 @@ def test_a_coefficient_without_a_load_is_friction_over_the_load(tmp_path, unit, 
     assert record.load.tolist() == [1.0, 1.0, 1.0]
     loaded = read_data([path], guess.reading, mechanism=Axis(inertia=1.0, load=50.0))
     assert loaded.friction.tolist() == pytest.approx([50.0 * size * x for x in (0.31, 0.29, 0.26)])
+
+KINDS = {
+    "t": T, "x": X, "F": F, "n": 50.0 + 0.01 * np.arange(N), "c": X + 1e-3, "k": np.arange(N),
+    "M": 1e3 * T, "U": 1e6 * X, "E": 1e3 * EPOCH + 1e3 * T, "p": TURNED[0] + 0.01,
+    "q": TURNED[0], "r": TURNED[1], "y": np.cos(3.0 * T),
+    "o": np.where(np.arange(N) % 2, 2.0, np.nan),
+    "i": np.cos(2.0 * T), "j": np.sin(40.0 * T), "C": np.round(900.0 * np.sin(2.0 * T)),
+    # few readings: speeds with a temperature that rises, and a slow motion
+    "S": np.tile(np.linspace(0.05, 0.5, 6), 4), "W": np.linspace(20.0, 60.0, 24),
+    "R": 4.0 + np.tile(np.linspace(0.05, 0.5, 6), 4), "b": T[:25], "v": 5.0 + T[:25] / 10.0,
+    "f": 2.0 + T[:25],
+}  # fmt: skip
+"""Columns by a letter."""
+MOTOR = "time;motor.position [rad];motor.velocity [rad/s];motor."
+MOVES = {"position": "motor.position", "velocity": "motor.velocity"}
+GUESSED = [
+    # heads of columns, their kinds, what is guessed of them (all, unless one is none), and more
+    ("Zeit;Kanal1;Kanal2", "txF", {"time": "Zeit", "position": "Kanal1", "force": "Kanal2"},
+     {"given": {"columns": {"position": "Kanal1", "force": "Kanal2"}}}),
+    *(("t (s),v (mm/s),F (kN)", "txF", {"velocity": "v (mm/s)", "position": None},
+       {"given": {"columns": {"velocity": name}}, "units": {"velocity": "mm/s"},
+        "silent": "no unit"}) for name in ("v (mm/s)", "V", "v")),
+    ("t,x", "MU", {"position": "x", "force": None},
+     {"doubts": ["with 10 s between samples: if it counts ms, give --unit time=ms",
+                 "give --unit position=um"]}),
+    ("epoch;x;force", "ExF", {"time": "epoch", "position": "x", "force": "force"},
+     {"reasons": {"time": "column 'epoch' in ms, as its numbers count from 1970;"}}),
+    ("[ms] time;(mm) pos;[N] force", "txF", {"velocity": None},
+     {"units": {"time": "ms", "position": "mm", "force": "N"}}),
+    ("time (s);pos (mm, raw);force [N] filtered", "txF", {"velocity": None},
+     {"units": {"time": "s", "position": "mm", "force": "N"}}),
+    ("time;theta;tau", "txc", {"time": "time", "position": "theta", "force": "tau"},
+     {"turning": True}),
+    (f"{MOTOR}torque [N m]", "txcn", {**MOVES, "force": "motor.torque", "current": None}, {}),
+    (f"{MOTOR}current [A]", "txcn", {**MOVES, "current": "motor.current", "force": None}, {}),
+    ("time;position.elbow [rad];motor.elbow [N m];effort [N m]", "txnc",
+     {"time": "time", "position": "position.elbow", "force": "effort"}, {}),
+    ("time.a;position.a;force.a", "txn", {"velocity": None}, {"units": {"time": None}}),
+    ("time.a;position.a;force.a;time.b;position.b;force.b", "txntxn",
+     {"time": "time.b", "velocity": None}, {"given": {"columns": {"position": "position.b"}}}),
+    ("time;x1;y1;x2;y2;F", "txxccF", {"velocity": None}, {"silent": "joints"}),
+    ("time (s),x (mm),y position (mm),target position (mm),force (N)", "txypF",
+     {"velocity": None}, {"silent": "positions of this axis"}),
+    ("t (s);position (mm);motor angle x (mm)", "txx", {"velocity": None},
+     {"doubts": [r"they are equal\."], "silent": "differ by"}),
+    ("t (s);Rolling Speed (mm/s);Friction (N)", "txF", {"position": None},
+     {"doubts": ["is read as the sliding velocity"]}),
+    # readings at any time are no times, nor do some samples of a slow motion make steady readings
+    ("speed_m_s,temperature_C,friction_N", "SWR",
+     {"temperature": "temperature_C", "time": None}, {}),
+    ("time (s),velocity (mm/s),friction (N)", "bvf", {"time": "time (s)", "position": None}, {}),
+    *((f"t;x [mm];{name}", "txF", {"velocity": None},
+       {"doubts": [f"{name.partition(' ')[0]}.*may drive the axis"]})
+      for name in ("Motormoment [Nm]", "u [V]")),
+    ("time [s],position [m],ch3", "txF", {"force": None},
+     {"doubts": ["not read: 'ch3'. If one of them drives"]}),
+    ("time [s],position [m]", "tx", {"force": None},
+     {"doubts": ["^The file has no force: the body is assumed"]}),
+    ("t,a_cmd,index,a,armVel", "tpkqr", {"position": "a", "force": None},
+     {"reasons": {"position": "as its derivative is 'armVel'"}}),
+    ("t,x,F", "txF", {"time": "t", "position": "x", "force": "F"},
+     {"doubts": ["'t'", "'x'.*m is assumed for the position", "'F'"]}),
+    ("t,x,F", "txF", {"time": "t", "position": "x", "force": "F"},
+     {"given": {"units": {"time": "ms", "position": "mm", "force": "N"}}, "silent": ""}),
+    ("LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nX_Value\tWeg\tKraft", "txF",
+     {"time": "X_Value", "position": "Weg", "force": "Kraft"}, {"turning": False}),
+    ("time_ms;pos_um;torque_Nm;angle_deg", "txFx",
+     {"time": "time_ms", "position": "angle_deg", "force": "torque_Nm"}, {"turning": True}),
+    ("Zeit;Position1;Position2;Kraft\ns;mm;mm;N", "txxF",
+     {"time": "Zeit", "position": "Position1", "force": "Kraft"},
+     {"doubts": ["as well as 'Position1'"]}),
+    ("t;I_A;F_N;v_m/s", "tFFx", {"time": "t", "velocity": "v_m/s", "force": "F_N"}, {}),
+    ("ZEIT;WEG;KRAFT\nS;MM;N", "txF", {"time": "ZEIT", "position": "WEG", "force": "KRAFT"}, {}),
+    ("Index;Zeit;Weg;Kraft\n;s;mm;N", "ktxF",
+     {"time": "Zeit", "position": "Weg", "force": "Kraft"}, {"silent": "as well as"}),
+    # a normal force drives nothing, and volts are no velocity
+    ("time;Normal force [N];pos [m]", "tnx",
+     {"time": "time", "position": "pos", "load": "Normal force"}, {}),
+    ("time;Fx [N];Fz [N];x [m]", "tFnx",
+     {"time": "time", "position": "x", "force": "Fx", "load": "Fz"}, {}),
+    ("t;u [V];v [V];x [m]", "tFFx", {"time": "t", "position": "x"}, {}),
+    ("t;V;x [m]", "tFx", {"time": "t", "position": "x"}, {}),
+    ("x [mm];motor_V;t", "xFt", {"position": "x", "velocity": None}, {}),
+    ("time [s];position [m];speed setpoint [m/s]", "txc", {"velocity": None}, {}),
+    # what was measured comes before what was commanded, and errors are no motion
+    ("t;tau_cmd;tau_meas;q", "tcFx", {"time": "t", "position": "q", "force": "tau_meas"}, {}),
+    ("t;tau_cmd;q", "tcx", {"time": "t", "position": "q", "force": "tau_cmd"}, {}),
+    ("t;load torque;motor torque;q", "tnFx",
+     {"time": "t", "position": "q", "force": "motor torque"}, {}),
+    ("t;following error [mm];Lage [mm];Kraft", "tcxF",
+     {"time": "t", "position": "Lage", "force": "Kraft"}, {}),
+    ("time;acc_x;force_x;pos_x", "tcFx",
+     {"time": "time", "position": "pos_x", "force": "force_x"}, {}),
+    ("time;Load cell [V];LVDT [V]", "tFx",
+     {"time": "time", "position": "LVDT", "force": "Load cell"}, {}),
+    ("t;joint.0.pos-fb;joint.0.pos-cmd;joint.0.torque", "txcF",
+     {"time": "t", "position": "joint.0.pos-fb", "force": "joint.0.torque",
+      "reference": "joint.0.pos-cmd"}, {}),
+    ("time;position.desired [rad];position.actual [rad]", "tcx",
+     {"time": "time", "position": "position.actual", "reference": "position.desired"},
+     {"silent": "joint"}),
+    ("time (s);angle (rad);friction torque (N m)", "txF",
+     {"friction": "friction torque (N m)", "force": None}, {"silent": "joint"}),
+    ("time (s);x (m);F (N);pressure_set (bar)", "txFc", {"pressure": None}, {}),
+    *((f"t (s);{error};v (mm/s);F (N)", "txxF", {"position": None}, {}) for error in (
+        "position error (mm)", "Schleppfehler [mm]", "motor power (mm)", "poserr (mm)",
+        "followingerror (mm)", "Leistung (mm)", "Regelabweichung (mm)", "position diff (mm)")),
+    *((f"t (s);{rolling};{sliding};Friction (N)", "txxF",
+       {"velocity": sliding, "position": None}, {})
+      for rolling in ("Rolling Speed (mm/s)", "Rollgeschwindigkeit (mm/s)")
+      for sliding in ("Sliding Speed (mm/s)", "Gleitgeschwindigkeit (mm/s)")),
+    # words bar the quantities that they exclude, and no others
+    *((f"t (s);x (mm);{header}", "txF", {quantity: header, "velocity": None}, {})
+      for header, quantity in {
+          "rolling friction (N)": "friction", "Rollreibung (N)": "friction",
+          "Friction force amplitude (N)": "friction", "rolling resistance force (N)": "force",
+          "power drive force (N)": "force", "wear track load (N)": "load",
+          "differential pressure (bar)": "pressure"}.items()),
+    ("t (s);index finger angle (rad)", "tF",
+     {"position": "index finger angle (rad)", "velocity": None}, {}),
+    ("t (s);power drive position (mm)", "tF",
+     {"position": "power drive position (mm)", "velocity": None}, {}),
+    ("t (s);Rolling Speed (mm/s)", "tF",
+     {"velocity": "Rolling Speed (mm/s)", "position": None}, {}),
+    # phase currents and counts of a motor turn about an axis
+    *((header, "tijC"[: header.count(",") + 1], None, {"turning": turns}) for header, turns in (
+        ("time (s),Ia (A),Ib (A),encoder (counts)", True),
+        ("time (s),phase A current (A),phase B current (A),position (counts)", True),
+        ("t [s],iq [A],id [A],velocity", True),
+        ("time (s),current (A),other,position (counts)", True),
+        ("time (s),current (A),other,linear encoder (counts)", False),
+        ("time (s),force (N),other,position (counts)", False))),
+    ("time (s),x (m),F (N),pressure (bar)", "txFo", {"pressure": None},
+     {"doubts": [r"'pressure \(bar\)' seems to be the pressure"]}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("heads", "kinds", "found", "more"), GUESSED)
+def test_columns_are_guessed_by_names_units_and_values(tmp_path, heads, kinds, found, more):
+    mark = next(mark for mark in "\t;," if mark in heads)
+    body = rows([KINDS[kind] for kind in kinds], mark, points).replace("nan", "")
+    file = tmp_path / "a.csv"
+    file.write_text(f"{heads}\n{body}", encoding="utf-8")
+    guess = guess_data(file, **more.get("given", {}))
+    if found is not None and None not in found.values():
+        assert guess.columns == found
+    for quantity, column in (found or {}).items():
+        assert guess.columns.get(quantity) == column
+    for quantity, unit in more.get("units", {}).items():
+        assert guess.units.get(quantity) == unit
+    for quantity, reason in more.get("reasons", {}).items():
+        assert reason in guess.reasons[quantity]
+    assert guess.turning == more.get("turning", guess.turning)
+    for said in more.get("doubts", ()):
+        assert any(re.search(said, doubt) for doubt in guess.doubts)
+    if "silent" in more:
+        assert not any(more["silent"] in doubt for doubt in guess.doubts)

@@ -22,7 +22,7 @@ from stickslip import (
 from stickslip.data import KnownLaws
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import apply
-from stickslip.exports.applying.models import SHARE, Mjcf
+from stickslip.exports.applying import SHARE, Mjcf
 from stickslip.exports.joints import PolynomialFriction, simplified
 from stickslip.exports.program import Subject
 from stickslip.mechanisms import read_urdf

@@ -14,7 +14,7 @@ from tests.friction.test_gear_laws import PUBLISHED, made, published
 from stickslip import BamM3, Coulomb, CoulombViscous, LuGre, Pendulum, Rig, Stribeck
 from stickslip.errors import InputError
 from stickslip.exports import apply
-from stickslip.exports.applying.verb import LEVELS, SPEEDS
+from stickslip.exports.applying import LEVELS, SPEEDS
 from stickslip.friction import LAWS, bound
 from stickslip.mechanisms import DCMotor
 

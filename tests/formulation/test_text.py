@@ -17,7 +17,7 @@ from typing_extensions import override
 
 from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
 from stickslip.engine.formulation import formulate
-from stickslip.engine.formulation.infix import program
+from stickslip.engine.formulation.model import program
 from stickslip.errors import InputError, TracingError
 from stickslip.friction import LAWS, SetValuedLaw
 from stickslip.maths import exp, where

@@ -12,8 +12,8 @@ from stickslip import Coulomb, CoulombViscous, FixedStep, load_rig, simulate
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
 from stickslip.paper import PaperValues, study_cart
+from stickslip.paper.pages import cart_section, choice_section
 from stickslip.paper.rigs import CART, CYCLES, KINETIC, STEP, SWING
-from stickslip.paper.sections.cart import cart_section, choice_section
 from stickslip.show.report import Page, render
 
 NAMED = Coulomb(kinetic_coefficient=0.255, static_coefficient=0.35)

@@ -49,12 +49,12 @@ from stickslip.show.plots.studies import (
     draw_excitations,
     draw_fixed_steps,
     excitation_colours,
-    fixed_step_sizes,
 )
 from stickslip.show.plots.theme import C1
 from stickslip.study.control import PID, closed_loop
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+STEP_SIZES = {"wide": (880, 230), "narrow": (358, 370)}
 COULOMB = Coulomb(kinetic_coefficient=0.25)
 LAWS = {
     "Coulomb": COULOMB,
@@ -122,7 +122,7 @@ def figures(runs):
         ),
         "steps": (
             draw_fixed_steps(runs["Coulomb"], fixed),
-            fixed_step_sizes(2),
+            STEP_SIZES,
             ["exact", "fixed step", "10 ms, no stick rule", "time from the exact stop, ms"],
         ),
     }
@@ -310,7 +310,7 @@ def test_a_fixed_step_run_that_ends_before_the_exact_stop_is_drawn_empty(runs):
         draw_fixed_steps(runs["Coulomb"], {"1 ms": fixed}),
         alt="Steps",
         prefix="e",
-        **fixed_step_sizes(1),
+        **STEP_SIZES,
     )
     assert "exact" in texts_of(svg, "fw")
 

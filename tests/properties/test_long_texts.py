@@ -13,12 +13,12 @@ import pytest
 
 from stickslip import load_measurement, load_rig
 from stickslip.data import guess_data
-from stickslip.data.readers.instruments import read_serial
+from stickslip.data.readers.csv_reader import read_serial
 from stickslip.data.readers.layout import is_number, is_stamp, layout_of, seconds_of
 from stickslip.data.readers.tracks import seconds
 from stickslip.data.units import read_gain
 from stickslip.errors import InputError
-from stickslip.exports.applying.verb import read_model
+from stickslip.exports.applying import read_model
 from stickslip.friction import law
 from stickslip.show.formatting import printable, unbroken
 from stickslip.units import is_unit, number_in

@@ -84,14 +84,6 @@ def test_a_table_refuses_empty_cells_ragged_rows_no_rows_and_plots_without_axis(
 
 
 @pytest.mark.parametrize(
-    "values", [(), ((0.1, 0.2),), ((0.1,), (0.2,)), ((1.1,), (0.1, 0.2)), ((math.nan,), (0.0, 0.0))]
-)
-def test_correlations_form_a_triangle_of_numbers_from_minus_one_to_one(values):
-    with pytest.raises(ValueError, match="Correlations"):
-        report.Correlations(names=("a", "b", "c"), values=values)
-
-
-@pytest.mark.parametrize(
     "fields",
     [
         {"low": 1.0, "high": 1.0},

@@ -1,5 +1,7 @@
 """The page of a run with several contacts."""
 
+import re
+
 import pytest
 from tests.contact_cases import coulomb
 
@@ -37,6 +39,12 @@ def test_a_contact_at_which_nothing_rubs_is_named():
     page = page_of(chain, laws, 1.0, {"v1": 2.0})
     assert "Nothing rubs at block-2." in page
     assert "could not be produced" not in page
+
+
+def test_a_run_without_events_is_not_said_to_rest():
+    chain = BlockChain(blocks=2, mass=1.0, coupling=4.0)
+    page = page_of(chain, coulomb(0.3), 0.1, {"v1": 2.0, "v2": 2.0})
+    assert re.search(r"No event at 2.contacts in 0\.1.s", page)
 
 
 def test_a_run_that_ends_early_says_so():

@@ -114,10 +114,7 @@ def everything(extra: str = "") -> report.Page:
         ),
         report.Caption(text=f"Caption {extra}"),
         report.Columns(
-            left=(
-                report.Subheading(text="What moves together"),
-                report.Correlations(names=("$a$", "$b$", "$c$"), values=((0.5,), (-0.98, 0.1))),
-            ),
+            left=(report.Subheading(text="What moves together"),),
             right=(
                 report.KeyValues(
                     items=tuple(

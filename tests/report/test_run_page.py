@@ -236,3 +236,22 @@ def test_captions_speak_of_sticking_where_the_cart_sticks(law, sticks):
     assert bool(run.stick_spans()) is sticks
     text = run_page(RunReport(rig=Rig(mechanism=CART), law=law, run=run))
     assert ("the cart sticks" in text, "where it sticks" in text) == (sticks, sticks)
+
+
+@pytest.mark.parametrize(
+    ("doubts", "drawn", "said"),
+    [
+        ({}, False, "the law has no intervals."),
+        ({"mass": 0.01}, False, "`--ensemble 200` computes it from the uncertainties of the mech"),
+        ({"mass": 0.01}, True, "The uncertainty of the motion that the law adds: it has no"),
+    ],
+)
+def test_what_a_band_of_the_mechanism_alone_leaves_out_is_said(doubts, drawn, said):
+    rig = Rig(mechanism=BLOCK, parameter_uncertainties=doubts)
+    run, known = simulate(BLOCK, COULOMB, t_end=1.0), rig.parameter_uncertainties
+    band = drawn and band_of(
+        BLOCK, COULOMB, None, t_end=1.0, parameter_uncertainties=known, count=10
+    )
+    about = RunReport(rig=rig, law=COULOMB, run=run, band=band or None)
+    (opening,) = runs.opening_section(about).blocks
+    assert any(said in line for line in opening.cannot_tell)

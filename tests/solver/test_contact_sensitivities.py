@@ -7,18 +7,18 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 from tests.contact_cases import (
+    FEET,
     Arm,
     Disc,
     Plain,
     RubbingCart,
-    TwoFeet,
     chain,
     clutches,
     coulomb,
     decay,
 )
 
-from stickslip import EventDriven, LuGre, Stribeck, ensemble, simulate
+from stickslip import EventDriven, LuGre, Stribeck, TwoFeet, ensemble, simulate
 from stickslip.engine import Final, Sensitivity
 from stickslip.friction import Laws, SetValuedLaw
 from stickslip.maths import where
@@ -99,7 +99,7 @@ def test_a_law_that_joints_share():
 @pytest.mark.parametrize(
     ("mechanism", "contacts"),
     [
-        pytest.param(TwoFeet(), ("front", "rear"), id="loads that are reactions"),
+        pytest.param(TwoFeet(**FEET), ("front", "rear"), id="loads that are reactions"),
         pytest.param(RubbingCart(), ("wheels", "pivot"), id="one load is a reaction"),
         pytest.param(Disc(), ("inner", "outer"), id="two contacts of one coordinate"),
     ],

@@ -7,9 +7,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.contact_cases import Arm, Plain, RubbingCart, TwoFeet, coulomb
+from tests.contact_cases import FEET, Arm, Plain, RubbingCart, coulomb
 
-from stickslip import Axis, EventDriven, LuGre, ensemble, simulate
+from stickslip import Axis, EventDriven, LuGre, TwoFeet, ensemble, simulate
 from stickslip.engine import EventCount, EventTimes, Final, Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop
@@ -365,12 +365,13 @@ def test_a_run_that_begins_at_its_stop():
 
 
 def test_a_stop_whose_force_would_share_in_the_loads_is_refused():
+    @dataclass(frozen=True, kw_only=True)
     class Stopped(BoundedMechanism, TwoFeet):
         def stops(self):
             return (Stop(coordinate="x", position=1.0, side="upper"),)
 
     with pytest.raises(InputError, match=r"front.*acts on held coordinates"):
-        simulate(Stopped(), {"front": coulomb(0.6), "rear": coulomb(0.2)}, t_end=1.0)
+        simulate(Stopped(**FEET), {"front": coulomb(0.6), "rear": coulomb(0.2)}, t_end=1.0)
 
     @dataclass(frozen=True, kw_only=True)
     class StoppedCart(BoundedMechanism, RubbingCart):

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from benchmarks.several.brakes import ClutchTrain, DiscBrake, Lining, Rotor
 from tests.contact_cases import (
+    FEET,
     Arm,
     Disc,
     Plain,
     RubbingCart,
-    TwoFeet,
     belt,
     chain,
     clutches,
@@ -24,7 +24,15 @@ from tests.contact_cases import (
 )
 from tests.support import UNAIDED, example_of
 
-from stickslip import EventDriven, LuGre, PowerViscous, Stribeck, ensemble, mechanisms, simulate
+from stickslip import (
+    EventDriven,
+    LuGre,
+    PowerViscous,
+    Stribeck,
+    TwoFeet,
+    ensemble,
+    simulate,
+)
 from stickslip.engine import EventCount, EventTimes, Status
 from stickslip.engine.kernels import driver
 from stickslip.engine.kernels import state_layout as layout
@@ -192,7 +200,7 @@ def test_a_cart_whose_wheels_rub_under_their_reaction():
 
 def test_two_feet_share_their_friction_by_what_they_carry():
     laws = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
-    run = run_of(TwoFeet(), laws, 3.0, {"x": 0.9})
+    run = run_of(TwoFeet(**FEET), laws, 3.0, {"x": 0.9})
     times = sorted({round(e.t, 12) for e in run.events})
     quarter = math.pi / 5.0  # half a period of a mass on a spring, whatever the friction
     np.testing.assert_allclose(times[-3:], [quarter, 2 * quarter, 3 * quarter], atol=1e-12)
@@ -302,7 +310,7 @@ def test_laws_that_are_kept_within_a_decision_are_those_that_would_be_asked_agai
         "arm": (Arm(), ARM, BENT, 3.0),
         "plates": (*plates(5), 4.0),
         "clutches": (*clutches(), 1.5),
-        "feet": (TwoFeet(), coulomb(0.3, 0.4), {"v": 1.0}, 0.2),
+        "feet": (TwoFeet(**FEET), coulomb(0.3, 0.4), {"v": 1.0}, 0.2),
         "mixed": (Arm(), MIXED, BENT, 0.1),
     }[case]
 
@@ -448,9 +456,6 @@ def test_loads_that_two_feet_do_not_determine_are_refused():
         def held(self):
             return ("y",)
 
-        def kinetic_energy(self, q, q_dot):
-            return super().kinetic_energy({**q, "phi": 0.0}, {**q_dot, "phi": 0.0})
-
         def contacts(self):
             return tuple(
                 dataclasses.replace(contact, slip="x", normal="y") for contact in super().contacts()
@@ -458,7 +463,7 @@ def test_loads_that_two_feet_do_not_determine_are_refused():
 
     laws = {"front": coulomb(0.6), "rear": coulomb(0.2)}
     with pytest.raises(InputError, match="loads of front, rear are not determined"):
-        simulate(OneSupport(), laws, t_end=1.0)
+        simulate(OneSupport(**FEET), laws, t_end=1.0)
 
 
 # Faults that were found by attack
@@ -528,7 +533,7 @@ def test_a_torque_that_sets_in_while_all_clutches_are_open_moves_its_rotor():
 
 def test_a_foot_that_breaks_away_and_lifts_off_in_one_instant_has_its_events_in_order():
     push = Pulse(level=90.0, duration=1.0, start=0.5)
-    body = mechanisms.TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.09, drive=push)
+    body = TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.09, drive=push)
     # friction lifts the rear foot where mu h > a
     run = simulate(body, coulomb(1.5), t_end=1.0, throw=False, solver=PLAIN)
     assert run.status is Status.LIFT_OFF
@@ -657,13 +662,14 @@ def test_a_rule_for_rest_beside_bristles_holds_as_it_does_alone(start, t_end, ri
 
 
 def test_feet_at_different_heights_are_refused():
+    @dataclass(frozen=True, kw_only=True)
     class Uneven(TwoFeet):
         def contacts(self):
             front, rear = super().contacts()
             return (front, dataclasses.replace(rear, slip={"x": 1.0, "phi": 0.05}))
 
     with pytest.raises(InputError, match="same height"):
-        simulate(Uneven(), {"front": coulomb(0.6), "rear": coulomb(0.2)}, t_end=1.0)
+        simulate(Uneven(**FEET), {"front": coulomb(0.6), "rear": coulomb(0.2)}, t_end=1.0)
 
 
 LUGRE_ELBOW = LuGre(
@@ -692,7 +698,7 @@ def test_mixed_joints_to_the_digits_of_the_reference():
 
 def test_rates_of_bristles_see_the_reaction_of_the_same_instant():
     """With loads that are reactions, the run must not depend on what was asked before."""
-    feet = TwoFeet()
+    feet = TwoFeet(**FEET)
     law = dataclasses.replace(LUGRE_ELBOW, bristle_damping=0.1)
     start = {feet.rates[0]: 0.8}
     whole = simulate(feet, law, t_end=0.2, y0=start, solver=EventDriven(tier="python"))

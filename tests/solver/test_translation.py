@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import symengine as se
 
-from stickslip.engine.formulation.infix import function
+from stickslip.engine.formulation.model import function
 from stickslip.engine.kernels.backend import rare
 from stickslip.engine.kernels.state_layout import NUMBERS
 from stickslip.engine.solver.compile.object_code import _compiled, _linked

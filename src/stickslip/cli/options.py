@@ -2,7 +2,7 @@
 
 A field `t_end` is the option `--t-end` unless its type is annotated with another name or as an
 argument; the text below it is its help, and a sequence may be given several times (see
-`stickslip.cli.help`). What commands share stands in base classes.
+`stickslip.cli.app`). What commands share stands in base classes.
 """
 
 import shlex

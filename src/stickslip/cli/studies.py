@@ -6,6 +6,7 @@ import os
 import time
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, cast
 
@@ -13,13 +14,13 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from stickslip.cli import console, inputs
 from stickslip.cli import console as terminal
-from stickslip.cli import inputs
 from stickslip.cli import options as option_groups
 from stickslip.cli.console import note, print_json, stdout
 from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
-from stickslip.cli.options import LawOptions, SweepOptions
-from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
+from stickslip.cli.options import LawOptions, PaperOptions, SweepOptions
+from stickslip.cli.progress import Drawing, Improving, Interrupts, Watching, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, parse, read_bytes, read_number, settled_speed
 from stickslip.engine.executors import Inline
@@ -38,8 +39,12 @@ from stickslip.engine.solver import Final as Last
 from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, slip_among
-from stickslip.quantities import Quantity, all_paths, full_path, parameters
+from stickslip.identify.kinds import PAGE
+from stickslip.mechanisms import Mechanism, PendulumCart, slip_among
+from stickslip.paper import PaperAudit, audit, paper_report, result_sections
+from stickslip.paper.rigs import CART
+from stickslip.quantities import Quantity, all_paths, full_path, parameters, vary
+from stickslip.show import report as page
 from stickslip.show.documents import document, json_text, write_files, write_folder
 from stickslip.show.formatting import count, joined, number, printable, quantity
 from stickslip.show.report import characterization_page, render, versions
@@ -67,6 +72,61 @@ from stickslip.study.sweep import (
 if TYPE_CHECKING:
     from stickslip.study.optimisation import GoalName
 
+
+# ``stickslip paper``: published results, computed again.
+
+# ``stickslip paper``.
+
+DOCUMENT = "paper.json"
+
+
+def run_paper(options: PaperOptions) -> None:
+    """Recompute the paper, write the page, print Table II."""
+    folder = console.folder_of(options.output, "stickslip-paper", as_json=options.as_json)
+    if folder is not None:
+        console.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
+    cart = _cart(options.changes)
+    with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
+        found = audit(cart=cart, progress=watch)
+    content = document("paper", found.to_dict())
+    if options.as_json:
+        console.print_json(content)
+    else:
+        _show(found)
+    if folder is None:
+        return
+    files = {DOCUMENT: json_text(content)}
+    kept = f"The numbers are in {folder / DOCUMENT}."
+    drawn = partial(paper_report, found, command=console.command_line())
+
+    def write(text: str | None) -> None:
+        write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
+
+    console.leave_unless_drawn(
+        console.draw_page(folder, drawn, write, kept=kept, quiet=options.as_json)
+    )
+
+
+def _cart(changes: Sequence[str]) -> PendulumCart:
+    """Return the cart with masses and swing from the command line."""
+    quantities = {path: quantity for path, quantity, _ in parameters(CART, "cart")}
+    values = {}
+    for given, text in console.overrides(changes).items():
+        path = full_path(given, quantities)
+        with concerning(f"--set {given}"):
+            values[path] = console.number_of(text, quantities[path])
+    return vary(CART, "cart", values)
+
+
+def _show(found: PaperAudit) -> None:
+    """Print the tables of the page that have the results of the paper, ours beside."""
+    shown = (page.Table, page.Subheading)
+    for section in result_sections(found):
+        console.stdout().print(f"\n{page.plain(section.heading)}", style="bold")
+        console.show_blocks(block for block in section.blocks if isinstance(block, shown))
+
+
+# ``stickslip sweep``, ``stickslip orbits`` and ``stickslip optimise``.
 
 # ``stickslip sweep campaign.toml``: the file of a campaign, and its runs.
 

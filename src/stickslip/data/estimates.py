@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import Levels, levels_at
-from stickslip.data.tolerances import NEARLY_ALL, NEGLIGIBLE, NORMAL_95, ROUNDING
+from stickslip.data.tolerances import NEARLY_ALL, NEGLIGIBLE, ROUNDING
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
 from stickslip.friction import FrictionLaw, Laws
+from stickslip.maths import NORMAL_95
 from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 from stickslip.show.formatting import number

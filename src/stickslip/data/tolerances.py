@@ -2,10 +2,8 @@
 
 from typing import Final
 
-NORMAL_95: Final = 1.959963984540054
-"""Half-width of an interval of 95 % of a normal distribution over its standard deviation."""
 INTERVAL: Final = 1.96
-"""The same as half-widths of tables are divided by, which state it with three digits."""
+"""Half-width of an interval of 95 % over its standard deviation, as tables are divided by it."""
 NEARLY_ALL: Final = 0.9
 """Share, or correlation, from which a part stands for the rest."""
 MOSTLY: Final = 0.8

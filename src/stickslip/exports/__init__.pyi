@@ -2,10 +2,10 @@
 from dataclasses import dataclass
 
 from stickslip.engine.solver import EventDriven as _EventDriven
-from stickslip.exports.applying.verb import Applied as Applied
-from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
-from stickslip.exports.applying.verb import apply as apply
-from stickslip.exports.applying.verb import check_output as check_output
+from stickslip.exports.applying import Applied as Applied
+from stickslip.exports.applying import AppliedJoint as AppliedJoint
+from stickslip.exports.applying import apply as apply
+from stickslip.exports.applying import check_output as check_output
 from stickslip.exports.fmu.export import compiler_here as compiler_here
 from stickslip.exports.fmu.export import export_fmu as export_fmu
 from stickslip.exports.gym import CAPSULE as CAPSULE

@@ -21,6 +21,8 @@ from stickslip.friction.base import force_parameters as force_parameters
 from stickslip.friction.base import given_to as given_to
 from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.base import law_of as law_of
+from stickslip.friction.classes import CITATIONS as CITATIONS
+from stickslip.friction.classes import SOURCES as SOURCES
 from stickslip.friction.classes import containment_of as containment_of
 from stickslip.friction.classes import said_of as said_of
 from stickslip.friction.parts import PARTS as PARTS
@@ -34,6 +36,8 @@ from stickslip.friction.published import PrintedCoulomb as _PrintedCoulomb
 from stickslip.friction.published import PrintedForm as PrintedForm
 from stickslip.friction.published import PrintedStribeck as _PrintedStribeck
 from stickslip.friction.published import RightEquation as RightEquation
+from stickslip.friction.published import TISSUES as TISSUES
+from stickslip.friction.published import Tissue as Tissue
 from stickslip.friction.rate_state import Evolution as Evolution
 from stickslip.friction.rate_state import Evolution as _Evolution
 from stickslip.friction.rate_state import RATE_STATE_FORMS as RATE_STATE_FORMS
@@ -50,10 +54,6 @@ from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.registry import with_typical_values as with_typical_values
-from stickslip.friction.sources import CITATIONS as CITATIONS
-from stickslip.friction.sources import SOURCES as SOURCES
-from stickslip.friction.tissue import TISSUES as TISSUES
-from stickslip.friction.tissue import Tissue as Tissue
 from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given
 from typing_extensions import override as _override

@@ -111,7 +111,7 @@ class Typical:
     values: Mapping[str, float]
     """Parameters by name [SI]."""
     source: str = ""
-    """Key of `stickslip.friction.sources.SOURCES`; empty if they are an example."""
+    """Key of `stickslip.friction.classes.SOURCES`; empty if they are an example."""
 
     def __str__(self) -> str:
         return ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
@@ -183,7 +183,7 @@ class FrictionLaw(Parametrised, ABC):
     formula: ClassVar[str] = _Undeclared(r'r"F = \mu N"')  # type: ignore[assignment]
     """The law in LaTeX."""
     sources: ClassVar[tuple[str, ...]] = _Undeclared("()")  # type: ignore[assignment]
-    """Keys of `stickslip.friction.sources.SOURCES`."""
+    """Keys of `stickslip.friction.classes.SOURCES`."""
     fit_order: ClassVar[tuple[str, ...]] = _RangedParameters()  # type: ignore[assignment]
     """Parameters in the order in which scarce data should pay for them.
 

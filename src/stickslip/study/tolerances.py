@@ -10,8 +10,6 @@ PERCENT = 0.01
 """Share that counts as a difference, and least share of draws in valid ranges."""
 FINE = 4001
 """Even times at which a run is looked at, beside the ends of its steps."""
-NORMAL_95 = 1.959963984540054
-"""Half-width of an interval of 95 % of a normal distribution over its standard deviation."""
 FEWEST_CYCLES = 3
 """Cycles that tell whether they are alike."""
 MOST_STEPS = 100_000

@@ -1,10 +1,10 @@
 # Where each name of the package is; `make stubs` puts lines in order and adds constructors.
-from stickslip.engine.formulation.infix import Block as Block
-from stickslip.engine.formulation.infix import Syntax as Syntax
 from stickslip.engine.formulation.mechanics import JointTorques as JointTorques
 from stickslip.engine.formulation.mechanics import LINKS as LINKS
 from stickslip.engine.formulation.mechanics import mass_fault as mass_fault
 from stickslip.engine.formulation.mechanics import mass_vanishes as mass_vanishes
+from stickslip.engine.formulation.model import Block as Block
+from stickslip.engine.formulation.model import Syntax as Syntax
 from stickslip.engine.formulation.model import contact_model as contact_model
 from stickslip.engine.formulation.model import formulate as formulate
 from stickslip.engine.formulation.modes import PAINLEVE as PAINLEVE

@@ -11,6 +11,8 @@ from stickslip.engine.solver.compile.modules import notice as notice
 from stickslip.engine.solver.compile.modules import object_files as object_files
 from stickslip.engine.solver.compile.modules import warm_up as warm_up
 from stickslip.engine.solver.compile.states import states_along as states_along
+from stickslip.engine.solver.ensembles import IncrementalEnsemble as IncrementalEnsemble
+from stickslip.engine.solver.ensembles import IncrementalRun as IncrementalRun
 from stickslip.engine.solver.ensembles import as_numbers as as_numbers
 from stickslip.engine.solver.ensembles import check_columns as check_columns
 from stickslip.engine.solver.ensembles import run_ensemble as run_ensemble
@@ -21,8 +23,6 @@ from stickslip.engine.solver.event_driven import status_of as status_of
 from stickslip.engine.solver.fixed_step import FixedStep as _FixedStep
 from stickslip.engine.solver.fixed_step import Method as Method
 from stickslip.engine.solver.fixed_step import Method as _Method
-from stickslip.engine.solver.incremental import IncrementalEnsemble as IncrementalEnsemble
-from stickslip.engine.solver.incremental import IncrementalRun as IncrementalRun
 from stickslip.engine.solver.reducers import EventCount as EventCount
 from stickslip.engine.solver.reducers import EventTimes as EventTimes
 from stickslip.engine.solver.reducers import Final as Final

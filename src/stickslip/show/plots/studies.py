@@ -277,18 +277,6 @@ STEPS_SHOWN: Final = 9
 COLUMNS: Final = 2
 
 
-def fixed_step_sizes(count: int) -> drawing.Sizes:
-    """Return the sizes of a figure of that many fixed-step runs.
-
-    Examples
-    --------
-    >>> fixed_step_sizes(4)["wide"]
-    (880, 420)
-    """
-    rows = -(-count // COLUMNS)
-    return drawing.Sizes(wide=(880, 40 + 190 * rows), narrow=(358, 40 + 165 * count))
-
-
 def draw_fixed_steps(
     exact: Trajectory, fixed: Mapping[str, Trajectory], *, rate: str = "v"
 ) -> Draw:

@@ -48,7 +48,6 @@ from stickslip.show.report.tables import Blank as Blank
 from stickslip.show.report.tables import Cell as Cell
 from stickslip.show.report.tables import Colour as Colour
 from stickslip.show.report.tables import Column as Column
-from stickslip.show.report.tables import Correlations as Correlations
 from stickslip.show.report.tables import Mark as Mark
 from stickslip.show.report.tables import Name as Name
 from stickslip.show.report.tables import Number as Number
@@ -69,7 +68,6 @@ __all__ = [
     "Code",
     "Column",
     "Columns",
-    "Correlations",
     "Fact",
     "Facts",
     "Figure",

@@ -408,7 +408,7 @@ def _cycle_cells(
     if about.band is not None:
         low, _, high = about.band.travels_by_cycle[name][place]
         cells.append(Scale(1e3, "").interval(low, high))
-    cells += [_thousandth(cycle.advance / cycle.period, 4), _thousandth(cycle.back_slip)]
+    cells += [_thousandth(cycle.mean_velocity, 4), _thousandth(cycle.back_slip)]
     return [*cells, _thousandth(cycle.least_velocity), number(cycle.least_normal_force)]
 
 
@@ -821,7 +821,7 @@ def _headline(about: RunReport) -> str:
     if not about.single:
         at, events = count(len(about.views), "contact"), run.events
         if not events:
-            return f"Nothing changes at {at}"
+            return f"No event at {at} in {quantity(run.span[1] - run.span[0], 's')}"
         last = f"the last at {quantity(events[-1].t, 's')}"
         return f"{capital(count(len(events), 'event'))} at {at}, {last}"
     seen = about.criteria
@@ -936,17 +936,24 @@ def _cannot_tell(about: RunReport) -> tuple[str, ...]:
             pair for law in about.laws.values() for pair in equated(law).values()
         )
     ]
-    if about.estimates is None:
-        said.append("The uncertainty of the motion: the law has no intervals.")
-    elif about.band is None:
-        said.append(
-            "The uncertainty of the motion: `--ensemble 200` computes it from the law's intervals."
-        )
-    else:
-        said.append("The motion with another law that fits the data as well.")
+    said.append(_of_uncertainty(about))
     if not about.run.status.complete:
         said.append("The motion after the run ended.")
     return tuple(said)
+
+
+def _of_uncertainty(about: RunReport) -> str:
+    """Return what the run does not tell of the uncertainty of its motion."""
+    rig = about.rig.parameter_uncertainties
+    if about.band is None:
+        known = ["the law's intervals"] * (about.estimates is not None)
+        known += ["the uncertainties of the mechanism"] * bool(rig)
+        if not known:
+            return "The uncertainty of the motion: the law has no intervals."
+        return f"The uncertainty of the motion: `--ensemble 200` computes it from {joined(known)}."
+    if about.estimates is None:
+        return "The uncertainty of the motion that the law adds: it has no intervals."
+    return "The motion with another law that fits the data as well."
 
 
 SECTIONS: tuple[Callable[[RunReport], page.Section | None], ...] = (

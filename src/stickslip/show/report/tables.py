@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, zip_longest
+from itertools import zip_longest
 from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
 
 from stickslip.errors import InputError
 from stickslip.show.display import cell_text, is_numeric
-from stickslip.show.formatting import NO_VALUE, Scale, fixed, number
+from stickslip.show.formatting import NO_VALUE, Scale, number
 from stickslip.show.report import markup
 
 # Plots one line high inside a table: placed in percent, so that they stretch with the cell.
@@ -550,54 +550,6 @@ def _cell(item: object) -> Cell:
     if isinstance(item, Number | Name | Blank | RowPlot):
         return item
     return cell_text(item) or NO_VALUE
-
-
-@dataclass(frozen=True, kw_only=True)
-class Correlations:
-    """The triangle of correlations between estimates.
-
-    Parameters
-    ----------
-    names : tuple of str
-        The parameters, at least two.
-    values : tuple of tuple of float
-        Below the diagonal: the row of the second parameter has one number, the next two, ...
-    caption : str
-        What trades off against what, in words.
-
-    Raises
-    ------
-    InputError
-        If the rows do not form a triangle of numbers from -1 to 1.
-
-    Examples
-    --------
-    >>> Correlations(names=("$F_c$", "$F_v$"), values=((-0.98,),)).shade(-0.98)
-    ('c2', 41)
-    """
-
-    template: ClassVar[str] = "correlations"
-    names: tuple[str, ...]
-    values: tuple[tuple[float, ...], ...]
-    caption: str = ""
-
-    def __post_init__(self) -> None:
-        lengths = [0, *(len(row) for row in self.values)]
-        is_triangle = all(b - a == 1 for a, b in pairwise(lengths))
-        if len(self.names) < 2 or len(lengths) != len(self.names) or not is_triangle:
-            raise InputError(
-                f"Correlations: not a triangle for {len(self.names)} names: {lengths}."
-            )
-        if not all(-1 <= value <= 1 for row in self.values for value in row):
-            raise InputError(f"Correlations: numbers must be from -1 to 1, got {self.values}.")
-
-    def shade(self, value: float) -> tuple[str, int]:
-        """Return the colour of a correlation and how much of it, in percent."""
-        return ("c2" if value < 0 else "c1"), round(42 * abs(value))
-
-    def text(self, value: float) -> str:
-        """Return a correlation with two decimals and its sign."""
-        return ("+" if value >= 0.005 else "") + fixed(value, 2)
 
 
 def _check(column: Column, cell: Cell) -> None:

@@ -7,9 +7,6 @@ from stickslip.study.sweep.attractors import Basins as Basins
 from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
 from stickslip.study.sweep.attractors import basins as basins
 from stickslip.study.sweep.attractors import cycles_in as cycles_in
-from stickslip.study.sweep.bands import Band as Band
-from stickslip.study.sweep.bands import Spread as Spread
-from stickslip.study.sweep.bands import band_of as band_of
 from stickslip.study.sweep.campaigns import Campaign as Campaign
 from stickslip.study.sweep.campaigns import CampaignRuns as CampaignRuns
 from stickslip.study.sweep.campaigns import Case as Case
@@ -34,11 +31,14 @@ from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
+from stickslip.study.sweep.validation import Band as Band
 from stickslip.study.sweep.validation import ParameterAgreement as ParameterAgreement
 from stickslip.study.sweep.validation import Refit as Refit
+from stickslip.study.sweep.validation import Spread as Spread
 from stickslip.study.sweep.validation import ValidatedRecord as ValidatedRecord
 from stickslip.study.sweep.validation import ValidatedTravel as ValidatedTravel
 from stickslip.study.sweep.validation import Validation as Validation
+from stickslip.study.sweep.validation import band_of as band_of
 from stickslip.study.sweep.validation import compare_estimates as compare_estimates
 from stickslip.study.sweep.validation import validate as validate
 

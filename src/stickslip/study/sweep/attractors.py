@@ -77,8 +77,8 @@ class DrivenCycle:
 
     @property
     def mean_velocity(self) -> float:
-        """Travel over duration [m/s] or [rad/s]."""
-        return self.travel / self.period
+        """Advance over duration [m/s] or [rad/s]."""
+        return self.advance / self.period
 
     @property
     def moves_on(self) -> bool:

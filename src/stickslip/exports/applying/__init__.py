@@ -1,1 +1,0 @@
-"""Friction written into the model file of another program, which otherwise stays as it is."""

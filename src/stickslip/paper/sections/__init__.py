@@ -1,1 +1,0 @@
-"""The audit as sections of a page: headings state what was found."""
