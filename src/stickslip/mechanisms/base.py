@@ -290,6 +290,14 @@ class Mechanism(quantities.Parametrised, ABC):
         """Return the states at time 0 that are not 0 unless ``y0`` says otherwise, by name."""
         return {}
 
+    def carried(self) -> Mapping[str, Scalar]:
+        """Return how fast a belt or a pulled spring carries coordinates along [m/s] or [rad/s].
+
+        Time is in the equations through these alone: moved on by speed times time, the coordinates
+        obey the equations of time 0, so that motions may repeat themselves with any period.
+        """
+        return {}
+
     def guided(self) -> Mapping[str, Guide]:
         """Return the coordinates whose acceleration is prescribed, by coordinate."""
         return {}
@@ -867,6 +875,7 @@ def cycle_of(mechanism: Mechanism) -> float:
         _period(f"{name}: the drive {key!r}", part)
         for key, drive in mechanism.drives().items()
         for part in parts_of(drive)
+        if not part.steady
     ]
     if not periods:
         raise InputError(

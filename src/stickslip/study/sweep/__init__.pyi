@@ -30,6 +30,7 @@ from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
+from stickslip.study.sweep.sections import Section as Section
 from stickslip.study.sweep.validation import ParameterAgreement as ParameterAgreement
 from stickslip.study.sweep.validation import Refit as Refit
 from stickslip.study.sweep.validation import ValidatedRecord as ValidatedRecord
@@ -39,6 +40,7 @@ from stickslip.study.sweep.validation import compare_estimates as compare_estima
 from stickslip.study.sweep.validation import validate as validate
 
 __all__ = [
+    "Section",
     "Attractor",
     "Band",
     "Basins",
