@@ -6,7 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
@@ -889,6 +889,28 @@ def cycle_of(mechanism: Mechanism) -> float:
                 " have no common period equal to the longer one; give the period [s] explicitly."
             )
     return longest
+
+
+def redriven(root: Any, change: Callable[[Drive], Drive]) -> Any:
+    """Return a mechanism, or a part of one, with its drives changed.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=1.0, frequency=2.0))
+    >>> redriven(axis, lambda drive: replace(drive, amplitude=3.0)).drive.amplitude
+    3.0
+    """
+    if isinstance(root, Drive):
+        return change(root)
+    if isinstance(root, tuple):
+        return tuple(redriven(part, change) for part in root)
+    if not isinstance(root, quantities.Parametrised):
+        return root
+    old = {known.name: getattr(root, known.name) for known in dataclasses.fields(root)}
+    new = {name: redriven(part, change) for name, part in old.items()}
+    return replace(root, **{name: part for name, part in new.items() if part != old[name]})
 
 
 def cycle_or_none(mechanism: Mechanism) -> float | None:

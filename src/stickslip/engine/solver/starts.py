@@ -254,6 +254,12 @@ def inputs_of(mechanism: Mechanism, p: list[float], t_end: float) -> Inputs:
     )
 
 
+def table_of(drives: Sequence[Drive], t_end: float) -> tuple[Array, float]:
+    """Return the table of drives in one run, and the time in which they change much [s]."""
+    plan = _scheduled(drives, 1, t_end)
+    return plan.table[0], float(plan.time_scale[0])
+
+
 def refuse_turned(mechanism: Mechanism, model: Model) -> None:
     """Refuse parameters at which the change of coordinates is singular, if it depends on any."""
     if model.turning and isinstance(model.sizes, ContactSizes):

@@ -10,6 +10,8 @@ from stickslip.mechanisms.drives.base import parts_of as parts_of
 from stickslip.mechanisms.drives.feedback import DelayedFeedback as _DelayedFeedback
 from stickslip.mechanisms.drives.feedback import Feedback as _Feedback
 from stickslip.mechanisms.drives.feedback import Relay as _Relay
+from stickslip.mechanisms.drives.feedback import is_delayed as is_delayed
+from stickslip.mechanisms.drives.feedback import without_delays as without_delays
 from stickslip.mechanisms.drives.shapes import DRIVES as DRIVES
 from stickslip.mechanisms.drives.shapes import HalfSine as _HalfSine
 from stickslip.mechanisms.drives.shapes import PROFILES as PROFILES

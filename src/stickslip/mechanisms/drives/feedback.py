@@ -7,7 +7,7 @@ from typing import Annotated, final
 
 from typing_extensions import override
 
-from stickslip.errors import UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.maths import Scalar, where
 from stickslip.mechanisms.drives import base
 from stickslip.quantities import Quantity
@@ -34,7 +34,6 @@ class StateFeedback(base.Drive):
     def smooth(self, t: Scalar) -> Scalar:
         return 0.0
 
-    @final
     @override
     def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         return ()
@@ -147,3 +146,39 @@ class DelayedFeedback(StateFeedback):
     @override
     def fed(self, states: Mapping[str, Scalar]) -> Scalar:
         return -self.gain * self.seen(states)  # what was a while ago are the lines of a run
+
+    @override
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
+        raise InputError(
+            "DelayedFeedback has a past in runs of `simulate` alone, and multipliers in"
+            " `periodic_orbit`: sweeps, sensitivities, controllers, fixed steps and exports know"
+            " none. Leave it out, or use Feedback."
+        )
+
+
+def is_delayed(drive: base.Drive) -> bool:
+    """Whether a drive, or a part of it, feeds back what a state was a while ago.
+
+    Examples
+    --------
+    >>> is_delayed(Feedback(state="x", gain=1.0) + DelayedFeedback(state="x", gain=1.0, delay=0.1))
+    True
+    """
+    return any(isinstance(part, DelayedFeedback) for part in base.parts_of(drive))
+
+
+def without_delays(drive: base.Drive, *instead: base.Drive) -> base.Drive:
+    """Return a drive with others in place of its delayed feedback, 0 if there is nothing else.
+
+    Examples
+    --------
+    >>> without_delays(DelayedFeedback(state="x", gain=1.0, delay=0.1)).parts
+    (Feedback(state='x', gain=0.0, reference=0.0),)
+    """
+    parts = base.parts_of(drive)
+    delayed = [part for part in parts if isinstance(part, DelayedFeedback)]
+    if not delayed:
+        return drive
+    others = [part for part in parts if not isinstance(part, DelayedFeedback)]
+    nothing = [Feedback(state=part.state, gain=0.0) for part in delayed]
+    return base.Sum(parts=(*others, *(instead or nothing)))

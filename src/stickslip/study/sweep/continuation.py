@@ -361,6 +361,11 @@ def continue_orbit(
     check_step("continue_orbit", step, LEAST_STEP)
     check_path("continue_orbit", path)
     mechanism, law = orbit.mechanism, orbit.law
+    if orbit.controlled is not None:
+        raise InputError(
+            "continue_orbit: branches under delayed feedback are those without it, but for their"
+            " multipliers, which are not followed: find the orbit of a mechanism without it."
+        )
     full, _ = axis_of(mechanism, law, path, [low, high])
     if full.startswith("initial."):
         raise InputError(

@@ -45,8 +45,8 @@ from stickslip.engine.solver import BareRun, EventDriven, Form
 from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, cycle_of, stops_of
-from stickslip.mechanisms.drives import parts_of
+from stickslip.mechanisms import Mechanism, cycle_of, redriven, stops_of
+from stickslip.mechanisms.drives import is_delayed, parts_of, without_delays
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
@@ -128,10 +128,19 @@ class Orbit(metaclass=Described):
     """What it was run with."""
     section: Section | None = None
     """Where it begins if nothing drives it in time."""
+    controlled: Mechanism | None = None
+    """The mechanism with its delayed feedback, which vanishes on the orbit; None without one."""
 
     @cached_property
     def multipliers(self) -> NDArray[np.complex128]:
-        """Floquet multipliers (n,), the largest first; 0 along directions lost to sticking."""
+        """Floquet multipliers (n,), the largest first; 0 along directions lost to sticking.
+
+        Under delayed feedback there are infinitely many: those of a size above 1/3.
+        """
+        if self.controlled is not None:
+            from stickslip.study.sweep.delayed_orbits import delayed_multipliers
+
+            return delayed_multipliers(self, self.controlled)
         found = np.linalg.eigvals(self.monodromy).astype(np.complex128)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
@@ -158,6 +167,13 @@ class Orbit(metaclass=Described):
             for contact, mode in self.modes.items()
         }
 
+    @cached_property
+    def bare(self) -> BareRun:
+        """The run over one period, without a certificate."""
+        return self.solver.bare(
+            self.mechanism, self.law, y0=list(self.start.values()), t_end=self.period
+        )
+
     def run(self, cycles: int | None = None) -> Trajectory:
         """Return the motion over one period, or over a number of cycles of the drives."""
         length = self.period if cycles is None else self.period * cycles / self.cycles
@@ -178,7 +194,8 @@ def periodic_orbit(
 ) -> Orbit:
     """Find a periodic orbit, stable or not, by shooting.
 
-    Without drives in time, as of a block on a belt, the period is solved for too.
+    Without drives in time, as of a block on a belt, the period is solved for too. With delayed
+    feedback the orbit is that without it, as the feedback vanishes; its multipliers change.
 
     Parameters
     ----------
@@ -237,6 +254,15 @@ def periodic_orbit(
     >>> round(orbit.period, 5), round(orbit.sticking[""], 5), orbit.stable
     (7.61126, 0.65682, True)
     """
+    if any(map(is_delayed, mechanism.drives().values())):
+        free = redriven(mechanism, without_delays)
+        orbit = periodic_orbit(
+            free, law, cycles=cycles, start=start, settle=settle, period=period, section=section,
+            solver=solver,
+        )  # fmt: skip
+        found_orbit = replace(orbit, controlled=mechanism)
+        _ = found_orbit.multipliers  # a delay with which they are not known is refused
+        return found_orbit
     found = event_driven_law(mechanism, law)
     counted("periodic_orbit", "cycles", cycles, 1)
     counted("periodic_orbit", "settle", settle, 0)

@@ -1,0 +1,197 @@
+"""Floquet multipliers of orbits under feedback whose delay is a whole number n of their periods.
+
+The feedback K (x(t - n T) - x(t)) vanishes on the orbit, which therefore is that without it. Near
+it a solution that is multiplied by mu in each period T feels K (mu^-n - 1) x:
+
+1. Phi(s) is the monodromy of the orbit with the feedback K s (x - x_o(t)) of its own motion x_o, by
+   a run of the event-driven solver with x_o as straight lines (`engine.solver.delays`).
+2. It is an entire function of s. Runs at Chebyshev's places of a real interval give a polynomial
+   that holds in the disc with the interval as its diameter, too; their number is doubled until its
+   last terms, as large as they become in the disc, are small.
+3. With z = 1 / mu the multipliers of a size of at least 1 / R are the zeros of
+   det(z Phi(z^n - 1) - 1) with abs(z) <= R: those of its Taylor polynomial, whose coefficients are
+   Fourier's of its values on the circle, then Newton's steps. How often the values wind around 0
+   tells that none is missing.
+
+Sources: Pyragas 1992 (the feedback); Just, Bernard, Ostheimer, Reibold and Benner 1997 (Floquet
+problem of it); Trefethen 2013, chapter 8 (polynomials beyond the interval).
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from stickslip.engine.solver.delays import lines_of
+from stickslip.errors import InputError, SimulationError
+from stickslip.mechanisms import Mechanism, redriven
+from stickslip.mechanisms.drives import (
+    DelayedFeedback,
+    Drive,
+    Feedback,
+    PiecewiseAffine,
+    is_delayed,
+    parts_of,
+    without_delays,
+)
+from stickslip.show.formatting import number
+from stickslip.study.sweep.orbits import CUT, Orbit, ReturnMap
+from stickslip.study.sweep.parameter_grid import Array
+
+Complex = NDArray[np.complex128]
+
+REACH = 3.0
+"""Multipliers are known from 1 over this on."""
+FEWEST_PLACES, MOST_PLACES = 9, 65
+"""Runs with different feedback, at first and at most."""
+CONVERGED = 1e-6
+"""Last terms in the disc, over the largest values, of a polynomial that is taken."""
+CIRCLE = 512
+"""Places of the circle at which the determinant is taken."""
+SMALL, NEWTON, INNER = 1e-11, 8, 0.97
+"""Share of the largest coefficient below which others are left out, Newton's steps, and share of
+the radius up to which zeros are kept."""
+PLACES = 33
+"""Places of an orbit at which the size of a state is looked at."""
+STEP = 1e-6
+"""Difference of z for the derivative of the determinant."""
+
+
+def delays_of(mechanism: Mechanism) -> list[DelayedFeedback]:
+    """Return the delayed feedback in the drives of a mechanism.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> delays_of(Axis(inertia=1.0))
+    []
+    """
+    return [
+        part
+        for drive in mechanism.drives().values()
+        for part in parts_of(drive)
+        if isinstance(part, DelayedFeedback)
+    ]
+
+
+def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
+    """Return multipliers of a size above 1/3 of an orbit under delayed feedback, the largest first.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        An orbit of the mechanism without its delayed feedback.
+    mechanism : Mechanism
+        The mechanism with it.
+    """
+    count = _periods(orbit, mechanism)
+    radius, motions = REACH**count, _motions(orbit, mechanism)
+    places, coefficients = FEWEST_PLACES, np.empty(0)
+    while True:
+        nodes = chebyshev.chebpts1(places)
+        values = np.array(
+            [_monodromy(orbit, mechanism, motions, s) for s in (radius * nodes - 1.0)]
+        )
+        flat = values.reshape(places, -1)
+        coefficients = chebyshev.chebfit(nodes, flat, places - 1)
+        grown = np.abs(coefficients[-2:]).max() * (1.0 + np.sqrt(2.0)) ** places
+        if grown <= CONVERGED * np.abs(flat).max():
+            break
+        places = 2 * places - 1
+        if places > MOST_PLACES:
+            raise SimulationError(
+                "the multipliers under delayed feedback are not known: its gain changes the orbit's"
+                f" neighbourhood too much for {MOST_PLACES} runs. Give a smaller gain."
+            )
+    size = values.shape[1]
+
+    def determinant(z: Complex) -> Complex:
+        inner = chebyshev.chebval(z**count / radius, coefficients)
+        matrices = np.moveaxis(inner, 0, -1).reshape(*z.shape, size, size)
+        found: Complex = np.linalg.det(z[..., None, None] * matrices - np.eye(size))
+        return found
+
+    circle = REACH * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+    terms = np.fft.fft(determinant(circle)) / CIRCLE
+    last = int(np.flatnonzero(np.abs(terms) > SMALL * np.abs(terms).max())[-1])
+    z = REACH * np.roots(terms[: last + 1][::-1])
+    z = z[np.abs(z) < INNER * REACH].astype(np.complex128)
+    for _ in range(NEWTON if len(z) else 0):
+        slope = (determinant(z + STEP) - determinant(z - STEP)) / (2.0 * STEP)
+        z = z - np.where(slope != 0.0, determinant(z) / np.where(slope != 0.0, slope, 1.0), 0.0)
+    ring = INNER * REACH * np.exp(2j * np.pi * np.arange(8 * CIRCLE + 1) / (8 * CIRCLE))
+    turns = np.unwrap(np.angle(determinant(ring)))
+    if round(float(turns[-1] - turns[0]) / (2.0 * np.pi)) != len(z):
+        raise SimulationError(
+            "the multipliers under delayed feedback could not be told apart. Change the gain."
+        )
+    if orbit.section is not None and len(z):  # along a self-excited cycle nothing changes
+        z = np.delete(z, int(np.argmin(np.abs(z - 1.0))))
+    multipliers: Complex = 1.0 / z
+    return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
+
+
+def _periods(orbit: Orbit, mechanism: Mechanism) -> int:
+    """Return how many periods the delay lasts; refuse another, in which the feedback remains."""
+    counts = set()
+    for part in delays_of(mechanism):
+        ratio = part.delay / orbit.period
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > CUT * ratio:
+            raise InputError(
+                f"the delay of {number(part.delay, 8)} s is {number(ratio, 6)} periods of the orbit"
+                f" of {number(orbit.period, 8)} s: the feedback does not vanish on it, and what"
+                " repeats itself then is no orbit of finitely many states. Give a delay of a whole"
+                " number of periods."
+            )
+        if orbit.advance.get(part.state, 0.0) != 0.0:
+            raise InputError(
+                f"{part.state} advances by {number(orbit.advance[part.state], 4)} in a period, so"
+                " that its delayed feedback does not vanish: follow a state that comes back."
+            )
+        counts.add(round(ratio))
+    if len(counts) > 1:
+        raise InputError("delays of one orbit must be equal for its multipliers to be known.")
+    return counts.pop()
+
+
+def _motions(orbit: Orbit, mechanism: Mechanism) -> dict[str, Array]:
+    """Return lines along each state that is fed back, over one period (lines, 3)."""
+    playback, found = orbit.bare.playback, {}
+    breaks = np.unique([0.0, *(event.t for event in orbit.events), orbit.period]).tolist()
+    for part in delays_of(mechanism):
+        index = list(orbit.start).index(part.state)
+        x = playback.played(np.linspace(0.0, orbit.period, PLACES))[0][:, index]
+        size = float(np.abs(x).max()) or 1.0
+        lines = lines_of(playback, index, breaks, size)
+        found[part.state] = np.vstack([lines, [orbit.period, x[-1], 0.0]])
+    return found
+
+
+def _monodromy(orbit: Orbit, mechanism: Mechanism, motions: Mapping[str, Array], s: float) -> Array:
+    """Return Phi(s)."""
+
+    def change(drive: Drive) -> Drive:
+        if not is_delayed(drive):
+            return drive
+        instead = list[Drive]()
+        for part in (part for part in parts_of(drive) if isinstance(part, DelayedFeedback)):
+            gain, (times, values, slopes) = -part.gain * s, motions[part.state].T
+            motion = PiecewiseAffine(times=times, values=gain * values, slopes=gain * slopes)
+            instead += [Feedback(state=part.state, gain=gain), motion]
+        return without_delays(drive, *instead)
+
+    states, cut = tuple(orbit.start), orbit.section.state if orbit.section else ""
+    free = [i for i, q in enumerate(states) if q in orbit.free or q == cut]
+    map_ = ReturnMap(
+        mechanism=redriven(mechanism, change),
+        law=orbit.law,
+        cycles=orbit.cycles,
+        period=orbit.period / orbit.cycles,
+        solver=orbit.solver,
+        states=states,
+        free=tuple(free),
+        moving=(),
+    )
+    start = np.array([orbit.start[states[i]] for i in free])
+    return map_.shoot(start).monodromy
