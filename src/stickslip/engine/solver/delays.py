@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PAST = 1e-7
+PAST = 1e-6
 """Largest error of what a state was, over its size."""
 TRIAL, MOST_LINES = 32, 200_000
 """Lines from whose bends the number of lines is taken, and most lines between two events."""
@@ -42,7 +42,7 @@ INSIDE = 1e-9
 """Share of the time between two events by which states are looked at behind and before them."""
 
 
-def lines_of(playback: Playback, state: int, breaks: Sequence[float], size: float) -> Array:
+def lines_of(playback: Playback, state: int, breaks: Sequence[float], error: float) -> Array:
     """Return starts, values and slopes (lines, 3) of straight lines along a state of a run.
 
     Parameters
@@ -53,8 +53,8 @@ def lines_of(playback: Playback, state: int, breaks: Sequence[float], size: floa
         Number of the state.
     breaks : sequence of float
         Beginning, end, and events between them [s].
-    size : float
-        Size of the state, of which lines may be off by `PAST`.
+    error : float
+        By how much lines may be off, in the unit of the state.
     """
     found = [np.empty((0, 3))]
     for a, b in itertools.pairwise(breaks):
@@ -66,12 +66,12 @@ def lines_of(playback: Playback, state: int, breaks: Sequence[float], size: floa
             return playback.played(a + inner * (b - a))[0][:, state]
 
         bend = np.abs(np.diff(at(np.linspace(0.0, 1.0, TRIAL + 1)), 2)).max() * TRIAL**2
-        count = min(max(1, math.ceil(math.sqrt(bend / (8.0 * PAST * size)))), MOST_LINES)
+        count = min(max(1, math.ceil(math.sqrt(bend / (8.0 * error)))), MOST_LINES)
         while True:
             shares = np.linspace(0.0, 1.0, 2 * count + 1)
             x = at(shares)
             off = np.abs(x[1::2] - 0.5 * (x[:-2:2] + x[2::2])).max()
-            if off <= PAST * size or count >= MOST_LINES:
+            if off <= error or count >= MOST_LINES:
                 break
             count *= 2
         starts = a + shares[:-1:2] * (b - a)
@@ -190,7 +190,7 @@ def run_delayed(
         for past in pasts:
             reach = playback.played(np.linspace(t, until, TRIAL))[0][:, past.state]
             past.size = max(past.size, float(np.abs(reach).max())) or 1.0
-            past.add(lines_of(playback, past.state, breaks.tolist(), past.size))
+            past.add(lines_of(playback, past.state, breaks.tolist(), PAST * past.size))
         t = until
     inputs = Inputs(p, table, np.full(2 * len(drives) * len(rows[0]), math.inf), time_scale)
     return inputs, Record(runner, log, events, w, [int(x) for x in whole])

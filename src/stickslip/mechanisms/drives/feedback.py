@@ -118,7 +118,7 @@ class DelayedFeedback(StateFeedback):
 
     Where motions repeat themselves after the delay it vanishes: they are those without it, and it
     changes whether they are stable (Pyragas). Before time 0 the state counts as what it was at 0.
-    A run takes the past from its record, as straight lines that are off by 1e-7 of the size of the
+    A run takes the past from its record, as straight lines that are off by 1e-6 of the size of the
     state at most; sensitivities are not known. `periodic_orbit` gives the multipliers of orbits
     whose period goes into the delay.
 

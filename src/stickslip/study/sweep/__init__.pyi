@@ -28,6 +28,7 @@ from stickslip.study.sweep.mean_velocity import average_velocity as average_velo
 from stickslip.study.sweep.mean_velocity import velocity_band as velocity_band
 from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
+from stickslip.study.sweep.orbits import CYCLE as CYCLE
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
 from stickslip.study.sweep.sections import Section as Section

@@ -5,9 +5,10 @@ it a solution that is multiplied by mu in each period T feels K (mu^-n - 1) x:
 
 1. Phi(s) is the monodromy of the orbit with the feedback K s (x - x_o(t)) of its own motion x_o, by
    a run of the event-driven solver with x_o as straight lines (`engine.solver.delays`).
-2. It is an entire function of s. Runs at Chebyshev's places of a real interval give a polynomial
-   that holds in the disc with the interval as its diameter, too; their number is doubled until its
-   last terms, as large as they become in the disc, are small.
+2. It is an entire function of s, whose terms become small fast. Runs at Chebyshev's places of a
+   real interval give a polynomial that holds in the disc with the interval as its diameter, too.
+   It ends where its terms are no larger than the last ones, which are errors of the runs: in the
+   disc these grow by a factor of 1 + sqrt(2) with each degree, up to which they may be.
 3. With z = 1 / mu the multipliers of a size of at least 1 / R are the zeros of
    det(z Phi(z^n - 1) - 1) with abs(z) <= R: those of its Taylor polynomial, whose coefficients are
    Fourier's of its values on the circle, then Newton's steps. How often the values wind around 0
@@ -17,6 +18,7 @@ Sources: Pyragas 1992 (the feedback); Just, Bernard, Ostheimer, Reibold and Benn
 problem of it); Trefethen 2013, chapter 8 (polynomials beyond the interval).
 """
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -38,15 +40,19 @@ from stickslip.mechanisms.drives import (
 from stickslip.show.formatting import number
 from stickslip.study.sweep.orbits import CUT, Orbit, ReturnMap
 from stickslip.study.sweep.parameter_grid import Array
+from stickslip.study.tolerances import ROUNDING
 
 Complex = NDArray[np.complex128]
 
-REACH = 3.0
+REACH = 2.0
 """Multipliers are known from 1 over this on."""
-FEWEST_PLACES, MOST_PLACES = 9, 65
-"""Runs with different feedback, at first and at most."""
-CONVERGED = 1e-6
-"""Last terms in the disc, over the largest values, of a polynomial that is taken."""
+PAST = 1e-5
+"""Largest error of the motion that feedback is taken from, over its size: it moves the orbit by as
+little, and multipliers by less."""
+RUNS, LAST = 17, 4
+"""Runs with different feedback, and terms of their polynomial that are taken for errors."""
+FLOOR, UNSURE = 10.0, 1e-3
+"""Size of a term over those of errors at least, and largest error in the disc, over the terms."""
 CIRCLE = 512
 """Places of the circle at which the determinant is taken."""
 SMALL, NEWTON, INNER = 1e-11, 8, 0.97
@@ -76,7 +82,7 @@ def delays_of(mechanism: Mechanism) -> list[DelayedFeedback]:
 
 
 def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
-    """Return multipliers of a size above 1/3 of an orbit under delayed feedback, the largest first.
+    """Return multipliers of a size above 1/2 of an orbit under delayed feedback, the largest first.
 
     Parameters
     ----------
@@ -87,23 +93,17 @@ def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
     """
     count = _periods(orbit, mechanism)
     radius, motions = REACH**count, _motions(orbit, mechanism)
-    places, coefficients = FEWEST_PLACES, np.empty(0)
-    while True:
-        nodes = chebyshev.chebpts1(places)
-        values = np.array(
-            [_monodromy(orbit, mechanism, motions, s) for s in (radius * nodes - 1.0)]
+    nodes = chebyshev.chebpts1(RUNS)
+    values = np.array([_monodromy(orbit, mechanism, motions, s) for s in radius * nodes - 1.0])
+    coefficients = chebyshev.chebfit(nodes, values.reshape(RUNS, -1), RUNS - 1)
+    terms = np.abs(coefficients).max(axis=1)
+    degree = int(np.flatnonzero(terms > FLOOR * terms[-LAST:].max())[-1])
+    if terms[-LAST:].max() * (1.0 + math.sqrt(2.0)) ** degree > UNSURE * terms.max():
+        raise SimulationError(
+            "the multipliers under delayed feedback are not known: its gain changes what is near"
+            f" the orbit too much for a polynomial of {RUNS} runs. Give a smaller gain."
         )
-        flat = values.reshape(places, -1)
-        coefficients = chebyshev.chebfit(nodes, flat, places - 1)
-        grown = np.abs(coefficients[-2:]).max() * (1.0 + np.sqrt(2.0)) ** places
-        if grown <= CONVERGED * np.abs(flat).max():
-            break
-        places = 2 * places - 1
-        if places > MOST_PLACES:
-            raise SimulationError(
-                "the multipliers under delayed feedback are not known: its gain changes the orbit's"
-                f" neighbourhood too much for {MOST_PLACES} runs. Give a smaller gain."
-            )
+    coefficients = coefficients[: degree + 1]
     size = values.shape[1]
 
     def determinant(z: Complex) -> Complex:
@@ -113,9 +113,9 @@ def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
         return found
 
     circle = REACH * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
-    terms = np.fft.fft(determinant(circle)) / CIRCLE
-    last = int(np.flatnonzero(np.abs(terms) > SMALL * np.abs(terms).max())[-1])
-    z = REACH * np.roots(terms[: last + 1][::-1])
+    taylor = np.fft.fft(determinant(circle)) / CIRCLE
+    last = int(np.flatnonzero(np.abs(taylor) > SMALL * np.abs(taylor).max())[-1])
+    z = REACH * np.roots(taylor[: last + 1][::-1])
     z = z[np.abs(z) < INNER * REACH].astype(np.complex128)
     for _ in range(NEWTON if len(z) else 0):
         slope = (determinant(z + STEP) - determinant(z - STEP)) / (2.0 * STEP)
@@ -128,7 +128,7 @@ def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
         )
     if orbit.section is not None and len(z):  # along a self-excited cycle nothing changes
         z = np.delete(z, int(np.argmin(np.abs(z - 1.0))))
-    multipliers: Complex = 1.0 / z
+    multipliers: Complex = 1.0 / np.where(np.abs(z.imag) > ROUNDING * np.abs(z), z, z.real)
     return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
@@ -163,7 +163,7 @@ def _motions(orbit: Orbit, mechanism: Mechanism) -> dict[str, Array]:
         index = list(orbit.start).index(part.state)
         x = playback.played(np.linspace(0.0, orbit.period, PLACES))[0][:, index]
         size = float(np.abs(x).max()) or 1.0
-        lines = lines_of(playback, index, breaks, size)
+        lines = lines_of(playback, index, breaks, PAST * size)
         found[part.state] = np.vstack([lines, [orbit.period, x[-1], 0.0]])
     return found
 

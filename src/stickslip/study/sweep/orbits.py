@@ -58,7 +58,7 @@ from stickslip.study.sweep.parameter_grid import (
     states_of,
     whole_run,
 )
-from stickslip.study.sweep.sections import Section, first_cycle, speeds_of
+from stickslip.study.sweep.sections import STEADY, Section, given_section, passes_of, speeds_of
 from stickslip.study.tolerances import ROUNDING
 
 __all__ = ["Orbit", "periodic_orbit"]
@@ -135,7 +135,7 @@ class Orbit(metaclass=Described):
     def multipliers(self) -> NDArray[np.complex128]:
         """Floquet multipliers (n,), the largest first; 0 along directions lost to sticking.
 
-        Under delayed feedback there are infinitely many: those of a size above 1/3.
+        Under delayed feedback there are infinitely many: those of a size above 1/2.
         """
         if self.controlled is not None:
             from stickslip.study.sweep.delayed_orbits import delayed_multipliers
@@ -313,12 +313,14 @@ def _excited(
 ) -> Orbit:
     """Return the cycle to which a run settles that nothing drives in time."""
     states = states_of(mechanism, law)
-    first = first_cycle(mechanism, law, states, begin, solver, settle, cycles, given)
-    map_ = return_map(
-        mechanism, law, cycles, None, solver, section=first.section, cycle=first.length
-    )
-    y = first.start[list(map_.free)]
-    y[map_.slot] = first.length
+    section, least = given_section(states, given), settle + cycles + 1
+    found = passes_of(mechanism, law, states, begin, solver, least, section)
+    if found.lack:
+        raise SimulationError(f"periodic_orbit, {found.lack}")
+    length = float(found.times[-1] - found.times[-1 - cycles]) / cycles
+    map_ = return_map(mechanism, law, cycles, None, solver, section=found.section, cycle=length)
+    y = found.starts[-1 - cycles, map_.free]
+    y[map_.slot] = length
     shot = solved(map_, y)
     # where time is in the equations, an end may be a start once, but not again
     twice = replace(map_, cycles=2 * cycles).shoot(shot.y)
@@ -708,6 +710,8 @@ class ReturnMap:
         # One-sided differences of second order: behind the end there is no run.
         rate = _BACKWARD @ ends / period
         if self.section is not None:
+            if (np.ptp(states[:, :n], axis=0) <= STEADY * size).all():
+                raise SimulationError("the cycle has shrunk to steady sliding.")
             if not rate[self.slot] * period > LOST * size[self.slot]:
                 raise SimulationError(
                     f"{self.section.state} does not pass the level at which cycles begin upwards:"

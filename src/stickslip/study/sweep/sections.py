@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.engine.solver import BareRun, EventDriven
-from stickslip.errors import SimulationError, UnknownNameError
+from stickslip.engine.trajectory import Status
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
@@ -28,7 +29,7 @@ Array = NDArray[np.float64]
 
 FIRST_LENGTH, LONGER = 1e-3, 4.0
 """Length of the first run [s], and by how much the next one is longer."""
-FEWEST_STEPS, LONGEST = 20_000, 1e9
+FEWEST_STEPS, LONGEST = 5000, 1e9
 """Steps, or length [s], of a run in which a section is passed at most once: it comes to rest, or
 slides on."""
 BETWEEN, BISECTIONS = 8, 60
@@ -68,28 +69,31 @@ def speeds_of(mechanism: Mechanism, states: Sequence[str]) -> Array:
 
 
 @dataclass(frozen=True)
-class FirstCycle:
-    """A cycle of a settled run."""
+class Passes:
+    """Where a settled run passed its section last."""
 
-    section: Section
-    """Where it begins."""
-    start: Array
-    """All states there, as if it were at time 0."""
-    length: float
-    """From there to where it begins again, over the number of cycles [s]."""
+    section: Section | None
+    """The section; None if there is none."""
+    times: Array
+    """When it passed (n,) [s]."""
+    starts: Array
+    """All states then (n, states), as if each were at time 0."""
+    status: Status
+    """How the run ended."""
+    lack: str
+    """Why there is no cycle; empty if there is one."""
 
 
-def first_cycle(
+def passes_of(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
     states: Sequence[str],
     begin: Sequence[float],
     solver: EventDriven,
-    passes: int,
-    cycles: int,
-    given: Mapping[str, float] | None = None,
-) -> FirstCycle:
-    """Return the last cycle of a run that passes its section that often and as often as it has.
+    least: int,
+    section: Section | None = None,
+) -> Passes:
+    """Return how a run passes its section, at least a number of times if there is a cycle.
 
     Parameters
     ----------
@@ -103,46 +107,59 @@ def first_cycle(
         Their values at time 0.
     solver : EventDriven
         Runs it.
-    passes : int
-        How often the section is passed before.
-    cycles : int
-        How often it is passed in the cycle that is returned.
-    given : mapping, optional
-        State and level of the section; chosen if not given.
+    least : int
+        How often the section is passed.
+    section : Section, optional
+        Where it begins; chosen if not given.
     """
-    section = None if given is None else _given(states, given)
     speeds, length = speeds_of(mechanism, states), FIRST_LENGTH
     while True:
         run = solver.bare(mechanism, law, y0=begin, t_end=length)
         if not run.status.complete:
-            raise SimulationError(f"periodic_orbit, settling: {run.status.value}")
+            none = np.empty((0, len(states)))
+            return Passes(section, none[:, 0], none, run.status, f"settling: {run.status.value}")
         steps = run.playback.times()
         inner = (steps[:-1, None] + np.diff(steps)[:, None] * np.arange(BETWEEN) / BETWEEN).ravel()
         times = np.append(inner, steps[-1])
         seen = run.at(times) - times[:, None] * speeds
         here = section or _chosen(mechanism, states, seen[times >= 0.5 * length])
         found = np.empty(0) if here is None else _passes(mechanism, states, run, here, times, seen)
-        if here is not None and len(found) > passes + cycles:
+        if len(found) >= least or (
+            (len(steps) > FEWEST_STEPS or length > LONGEST) and len(found) < 2
+        ):
             break
-        if (len(steps) > FEWEST_STEPS or length > LONGEST) and len(found) < 2:
-            what = "nothing moves to and fro"
-            if here is not None:
-                level = number(here.at(mechanism), 4)
-                what = f"{here.state} passes {level} upwards at most once"
-            raise SimulationError(
-                f"there is no cycle: in {number(length, 3)} s {what}. It comes to rest, or slides"
-                " steadily; begin elsewhere, or give the section that it passes."
-            )
         length *= LONGER
-    first, last = found[-1 - cycles], found[-1]
-    lap = seen[(times >= first) & (times <= last)]
-    if (np.ptp(lap, axis=0) <= STEADY * np.abs(lap).max(axis=0)).all():
-        raise SimulationError("there is no cycle: the motion becomes steady sliding.")
-    start = run.at(np.array([first]))[0] - first * speeds
-    return FirstCycle(here, start, float(last - first) / cycles)
+    starts, lack = run.at(found) - found[:, None] * speeds, ""
+    if len(found) < max(least, 2):
+        what = "nothing moves to and fro"
+        if here is not None:
+            level = number(here.at(mechanism), 4)
+            what = f"{here.state} passes {level} upwards at most once"
+        lack = (
+            f"there is no cycle: in {number(length, 3)} s {what}. It comes to rest, or slides"
+            " steadily; begin elsewhere, or give the section that it passes."
+        )
+    else:
+        lap = seen[(times >= found[-2]) & (times <= found[-1])]
+        if (np.ptp(lap, axis=0) <= STEADY * np.abs(lap).max(axis=0)).all():
+            lack = "there is no cycle: the motion becomes steady sliding."
+    return Passes(here, found, starts, run.status, lack)
 
 
-def _given(states: Sequence[str], given: Mapping[str, float]) -> Section:
+def given_section(states: Sequence[str], given: Mapping[str, float] | None) -> Section | None:
+    """Return a section that is given by a state and its level.
+
+    Examples
+    --------
+    >>> given_section(("x", "v"), {"v": 0.1})
+    Section(state='v', level=0.1)
+    """
+    if given is None:
+        return None
+    if len(given) != 1:
+        raise InputError(
+            f"section must name one state and its level, such as {{'v': 0.01}}, got {given!r}."
+        )
     ((state, level),) = given.items()
     if state not in states:
         raise UnknownNameError("state", state, states)
