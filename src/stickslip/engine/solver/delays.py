@@ -38,6 +38,8 @@ PAST = 1e-6
 """Largest error of what a state was, over its size."""
 TRIAL, MOST_LINES = 32, 200_000
 """Lines from whose bends the number of lines is taken, and most lines between two events."""
+NEAR = 10
+"""Times by which lines next to an event are halved."""
 INSIDE = 1e-9
 """Share of the time between two events by which states are looked at behind and before them."""
 
@@ -45,16 +47,7 @@ INSIDE = 1e-9
 def lines_of(playback: Playback, state: int, breaks: Sequence[float], error: float) -> Array:
     """Return starts, values and slopes (lines, 3) of straight lines along a state of a run.
 
-    Parameters
-    ----------
-    playback : Playback
-        The run.
-    state : int
-        Number of the state.
-    breaks : sequence of float
-        Beginning, end, and events between them [s].
-    error : float
-        By how much lines may be off, in the unit of the state.
+    They are off it by an error at most; breaks are beginning, end, and events between them.
     """
     found = [np.empty((0, 3))]
     for a, b in itertools.pairwise(breaks):
@@ -74,8 +67,12 @@ def lines_of(playback: Playback, state: int, breaks: Sequence[float], error: flo
             if off <= error or count >= MOST_LINES:
                 break
             count *= 2
-        starts = a + shares[:-1:2] * (b - a)
-        found.append(np.column_stack([starts, x[:-2:2], np.diff(x[::2]) * count / (b - a)]))
+        # shorter and shorter ones towards events, where slopes count and not values alone
+        near = 0.5 ** np.arange(1.0, NEAR + 1.0) / count
+        nodes = np.unique(np.concatenate([shares[::2], near, 1.0 - near]))
+        x = at(nodes)
+        slopes = np.diff(x) / (np.diff(nodes) * (b - a))
+        found.append(np.column_stack([a + nodes[:-1] * (b - a), x[:-1], slopes]))
     return np.concatenate(found)
 
 

@@ -19,7 +19,7 @@ from stickslip.engine.kernels.state_layout import ContactSizes
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import MatrixMechanism, Mechanism, Stop, stops_of
-from stickslip.mechanisms.drives import BEGINNING, Drive, Piece, parts_of
+from stickslip.mechanisms.drives import BEGINNING, Drive, Piece, is_delayed, parts_of
 from stickslip.quantities import parameters, shadow
 from stickslip.show.formatting import number
 
@@ -338,6 +338,9 @@ def schedule_slopes(
     `columns` and `tables` are those of a schedule.
     """
     runs, m = len(tables), len(paths)
+    for drive in filter(is_delayed, mechanism.drives().values()):
+        for part in parts_of(drive):  # among which delayed feedback says why there are none
+            part.pieces()
     if m == 0:
         return np.zeros((runs, 0, 0, 0))
     width = 1 + 3 * len(mechanism.drives())

@@ -20,6 +20,8 @@ problem of it); Trefethen 2013, chapter 8 (polynomials beyond the interval).
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -38,15 +40,19 @@ from stickslip.mechanisms.drives import (
     without_delays,
 )
 from stickslip.show.formatting import number
-from stickslip.study.sweep.orbits import CUT, Orbit, ReturnMap
 from stickslip.study.sweep.parameter_grid import Array
 from stickslip.study.tolerances import ROUNDING
+
+if TYPE_CHECKING:
+    from stickslip.study.sweep.orbits import Orbit, ReturnMap
 
 Complex = NDArray[np.complex128]
 
 REACH = 2.0
 """Multipliers are known from 1 over this on."""
-PAST = 1e-5
+WHOLE = 1e-6
+"""Part of a period by which a delay may be off."""
+PAST = 1e-6
 """Largest error of the motion that feedback is taken from, over its size: it moves the orbit by as
 little, and multipliers by less."""
 RUNS, LAST = 17, 4
@@ -81,20 +87,17 @@ def delays_of(mechanism: Mechanism) -> list[DelayedFeedback]:
     ]
 
 
-def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
+def delayed_multipliers(orbit: "Orbit", mechanism: Mechanism, map_: "ReturnMap") -> Complex:
     """Return multipliers of a size above 1/2 of an orbit under delayed feedback, the largest first.
 
-    Parameters
-    ----------
-    orbit : Orbit
-        An orbit of the mechanism without its delayed feedback.
-    mechanism : Mechanism
-        The mechanism with it.
+    The map is that of the orbit, which has no delayed feedback, and the mechanism has it.
     """
     count = _periods(orbit, mechanism)
     radius, motions = REACH**count, _motions(orbit, mechanism)
     nodes = chebyshev.chebpts1(RUNS)
-    values = np.array([_monodromy(orbit, mechanism, motions, s) for s in radius * nodes - 1.0])
+    values = np.array(
+        [_monodromy(orbit, mechanism, map_, motions, s) for s in radius * nodes - 1.0]
+    )
     coefficients = chebyshev.chebfit(nodes, values.reshape(RUNS, -1), RUNS - 1)
     terms = np.abs(coefficients).max(axis=1)
     degree = int(np.flatnonzero(terms > FLOOR * terms[-LAST:].max())[-1])
@@ -126,18 +129,21 @@ def delayed_multipliers(orbit: Orbit, mechanism: Mechanism) -> Complex:
         raise SimulationError(
             "the multipliers under delayed feedback could not be told apart. Change the gain."
         )
-    if orbit.section is not None and len(z):  # along a self-excited cycle nothing changes
-        z = np.delete(z, int(np.argmin(np.abs(z - 1.0))))
     multipliers: Complex = 1.0 / np.where(np.abs(z.imag) > ROUNDING * np.abs(z), z, z.real)
     return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
-def _periods(orbit: Orbit, mechanism: Mechanism) -> int:
+def _periods(orbit: "Orbit", mechanism: Mechanism) -> int:
     """Return how many periods the delay lasts; refuse another, in which the feedback remains."""
+    if orbit.section is not None:
+        raise InputError(
+            "multipliers under delayed feedback are known of driven orbits alone: a self-excited"
+            " cycle shifts its phase under it. Leave the feedback out."
+        )
     counts = set()
     for part in delays_of(mechanism):
         ratio = part.delay / orbit.period
-        if round(ratio) < 1 or abs(ratio - round(ratio)) > CUT * ratio:
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE * ratio:
             raise InputError(
                 f"the delay of {number(part.delay, 8)} s is {number(ratio, 6)} periods of the orbit"
                 f" of {number(orbit.period, 8)} s: the feedback does not vanish on it, and what"
@@ -155,7 +161,7 @@ def _periods(orbit: Orbit, mechanism: Mechanism) -> int:
     return counts.pop()
 
 
-def _motions(orbit: Orbit, mechanism: Mechanism) -> dict[str, Array]:
+def _motions(orbit: "Orbit", mechanism: Mechanism) -> dict[str, Array]:
     """Return lines along each state that is fed back, over one period (lines, 3)."""
     playback, found = orbit.bare.playback, {}
     breaks = np.unique([0.0, *(event.t for event in orbit.events), orbit.period]).tolist()
@@ -168,7 +174,9 @@ def _motions(orbit: Orbit, mechanism: Mechanism) -> dict[str, Array]:
     return found
 
 
-def _monodromy(orbit: Orbit, mechanism: Mechanism, motions: Mapping[str, Array], s: float) -> Array:
+def _monodromy(
+    orbit: "Orbit", mechanism: Mechanism, map_: "ReturnMap", motions: Mapping[str, Array], s: float
+) -> Array:
     """Return Phi(s)."""
 
     def change(drive: Drive) -> Drive:
@@ -181,17 +189,5 @@ def _monodromy(orbit: Orbit, mechanism: Mechanism, motions: Mapping[str, Array],
             instead += [Feedback(state=part.state, gain=gain), motion]
         return without_delays(drive, *instead)
 
-    states, cut = tuple(orbit.start), orbit.section.state if orbit.section else ""
-    free = [i for i, q in enumerate(states) if q in orbit.free or q == cut]
-    map_ = ReturnMap(
-        mechanism=redriven(mechanism, change),
-        law=orbit.law,
-        cycles=orbit.cycles,
-        period=orbit.period / orbit.cycles,
-        solver=orbit.solver,
-        states=states,
-        free=tuple(free),
-        moving=(),
-    )
-    start = np.array([orbit.start[states[i]] for i in free])
-    return map_.shoot(start).monodromy
+    start = np.array([orbit.start[name] for name in map_.names])
+    return replace(map_, mechanism=redriven(mechanism, change)).shoot(start).monodromy

@@ -140,7 +140,18 @@ class Orbit(metaclass=Described):
         if self.controlled is not None:
             from stickslip.study.sweep.delayed_orbits import delayed_multipliers
 
-            return delayed_multipliers(self, self.controlled)
+            states = tuple(self.start)
+            map_ = ReturnMap(
+                mechanism=self.mechanism,
+                law=self.law,
+                cycles=self.cycles,
+                period=self.period / self.cycles,
+                solver=self.solver,
+                states=states,
+                free=tuple(states.index(name) for name in self.free),
+                moving=(),
+            )
+            return delayed_multipliers(self, self.controlled, map_)
         found = np.linalg.eigvals(self.monodromy).astype(np.complex128)
         return found[np.argsort(-np.abs(found), kind="stable")]
 

@@ -93,25 +93,7 @@ def passes_of(
     least: int,
     section: Section | None = None,
 ) -> Passes:
-    """Return how a run passes its section, at least a number of times if there is a cycle.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves, without drives in time.
-    law : FrictionLaw or Laws
-        What holds it back.
-    states : sequence of str
-        Names of all states.
-    begin : sequence of float
-        Their values at time 0.
-    solver : EventDriven
-        Runs it.
-    least : int
-        How often the section is passed.
-    section : Section, optional
-        Where it begins; chosen if not given.
-    """
+    """Return how a run passes its section, at least a number of times if there is a cycle."""
     speeds, length = speeds_of(mechanism, states), FIRST_LENGTH
     while True:
         run = solver.bare(mechanism, law, y0=begin, t_end=length)
