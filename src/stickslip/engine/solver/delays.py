@@ -16,7 +16,6 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +27,6 @@ from stickslip.engine.solver.run import FIRST_ROWS, Record
 from stickslip.engine.solver.starts import Inputs, table_of
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.drives import BEGINNING, DelayedFeedback, parts_of, without_delays
-
-if TYPE_CHECKING:
-    from stickslip.engine.solver.event_driven import EventDriven
 
 Array = NDArray[np.float64]
 
@@ -118,7 +114,8 @@ def run_delayed(
     y0: Sequence[float],
     t_end: float,
     tolerance: float,
-    solver: "EventDriven",
+    compiled: bool,
+    most: int,
 ) -> tuple[Inputs, Record]:
     """Run a mechanism with delayed feedback; return its numbers and what was recorded."""
     drives = mechanism.drives()
@@ -136,7 +133,7 @@ def run_delayed(
         start = np.array([[BEGINNING, float(y0[past.state]), 0.0]])
         past.add(start)
         past.lines[0][0, 0] = BEGINNING
-    runner = runner_of(model, compiled=solver.tier != "python")
+    runner = runner_of(model, compiled=compiled)
     w, whole = runner.working(p), runner.whole()
     for i, value in enumerate(y0, runner.header[layout.Y]):
         w[i] = float(value)
@@ -171,7 +168,7 @@ def run_delayed(
         bounds = runner.vector([math.inf] * (2 * len(drives) * len(rows[0])))
         log, events = runner.run(
             w, whole, runner.flat(table), bounds, until, tolerance, time_scale / 6.0,
-            int(solver.max_steps), log, events,
+            most, log, events,
         )  # fmt: skip
         reached = float(w[layout.TIME])
         if reached < until or until >= t_end:

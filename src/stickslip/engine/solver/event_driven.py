@@ -41,6 +41,7 @@ from stickslip.engine.kernels.batch import happened
 from stickslip.engine.kernels.equations import PREPARE, RESTORE, ask_here, field, put_constants
 from stickslip.engine.solver.backend import Playback, runner_of
 from stickslip.engine.solver.certify import Sensing, certify, driving, may_drive
+from stickslip.engine.solver.delays import run_delayed
 from stickslip.engine.solver.reducers import reasons
 from stickslip.engine.solver.run import (
     Record,
@@ -419,10 +420,15 @@ class EventDriven(Solver):
         pair, tolerance = _pair_of(mechanism, law), self.tolerance_for(law)
         start = within_stops(mechanism, y0) if pair.bounded else y0
         if pair.delayed:
-            from stickslip.engine.solver.delays import run_delayed
-
             inputs, record = run_delayed(
-                mechanism, pair.model, pair.p, start, t_end, tolerance, self
+                mechanism,
+                pair.model,
+                pair.p,
+                start,
+                t_end,
+                tolerance,
+                compiled=self.tier != "python",
+                most=int(self.max_steps),
             )
         else:
             inputs = inputs_of(mechanism, pair.p, t_end)

@@ -19,14 +19,14 @@ problem of it); Trefethen 2013, chapter 8 (polynomials beyond the interval).
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from stickslip.engine.solver.backend import Playback
 from stickslip.engine.solver.delays import lines_of
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, redriven
@@ -42,9 +42,6 @@ from stickslip.mechanisms.drives import (
 from stickslip.show.formatting import number
 from stickslip.study.sweep.parameter_grid import Array
 from stickslip.study.tolerances import ROUNDING
-
-if TYPE_CHECKING:
-    from stickslip.study.sweep.orbits import Orbit, ReturnMap
 
 Complex = NDArray[np.complex128]
 
@@ -87,17 +84,34 @@ def delays_of(mechanism: Mechanism) -> list[DelayedFeedback]:
     ]
 
 
-def delayed_multipliers(orbit: "Orbit", mechanism: Mechanism, map_: "ReturnMap") -> Complex:
+@dataclass(frozen=True)
+class Undelayed:
+    """An orbit of a mechanism without its delayed feedback."""
+
+    playback: Playback
+    """Its run over a period."""
+    states: tuple[str, ...]
+    """Names of all states."""
+    period: float
+    """Its period [s]."""
+    advance: Mapping[str, float]
+    """How far coordinates advance in a period."""
+    events: tuple[float, ...]
+    """When something happens [s]."""
+    monodromy: Callable[[Mechanism], Array]
+    """Gives that of the orbit for a mechanism that has it, too."""
+
+
+def delayed_multipliers(orbit: Undelayed, mechanism: Mechanism) -> Complex:
     """Return multipliers of a size above 1/2 of an orbit under delayed feedback, the largest first.
 
-    The map is that of the orbit, which has no delayed feedback, and the mechanism has it.
+    The mechanism is that with the feedback.
     """
     count = _periods(orbit, mechanism)
     radius, motions = REACH**count, _motions(orbit, mechanism)
     nodes = chebyshev.chebpts1(RUNS)
-    values = np.array(
-        [_monodromy(orbit, mechanism, map_, motions, s) for s in radius * nodes - 1.0]
-    )
+    runs = (_with_feedback(mechanism, motions, s) for s in radius * nodes - 1.0)
+    values = np.array([orbit.monodromy(run) for run in runs])
     coefficients = chebyshev.chebfit(nodes, values.reshape(RUNS, -1), RUNS - 1)
     terms = np.abs(coefficients).max(axis=1)
     degree = int(np.flatnonzero(terms > FLOOR * terms[-LAST:].max())[-1])
@@ -133,13 +147,8 @@ def delayed_multipliers(orbit: "Orbit", mechanism: Mechanism, map_: "ReturnMap")
     return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
-def _periods(orbit: "Orbit", mechanism: Mechanism) -> int:
+def _periods(orbit: Undelayed, mechanism: Mechanism) -> int:
     """Return how many periods the delay lasts; refuse another, in which the feedback remains."""
-    if orbit.section is not None:
-        raise InputError(
-            "multipliers under delayed feedback are known of driven orbits alone: a self-excited"
-            " cycle shifts its phase under it. Leave the feedback out."
-        )
     counts = set()
     for part in delays_of(mechanism):
         ratio = part.delay / orbit.period
@@ -161,12 +170,12 @@ def _periods(orbit: "Orbit", mechanism: Mechanism) -> int:
     return counts.pop()
 
 
-def _motions(orbit: "Orbit", mechanism: Mechanism) -> dict[str, Array]:
+def _motions(orbit: Undelayed, mechanism: Mechanism) -> dict[str, Array]:
     """Return lines along each state that is fed back, over one period (lines, 3)."""
-    playback, found = orbit.bare.playback, {}
-    breaks = np.unique([0.0, *(event.t for event in orbit.events), orbit.period]).tolist()
+    playback, found = orbit.playback, {}
+    breaks = np.unique([0.0, *orbit.events, orbit.period]).tolist()
     for part in delays_of(mechanism):
-        index = list(orbit.start).index(part.state)
+        index = orbit.states.index(part.state)
         x = playback.played(np.linspace(0.0, orbit.period, PLACES))[0][:, index]
         size = float(np.abs(x).max()) or 1.0
         lines = lines_of(playback, index, breaks, PAST * size)
@@ -174,10 +183,8 @@ def _motions(orbit: "Orbit", mechanism: Mechanism) -> dict[str, Array]:
     return found
 
 
-def _monodromy(
-    orbit: "Orbit", mechanism: Mechanism, map_: "ReturnMap", motions: Mapping[str, Array], s: float
-) -> Array:
-    """Return Phi(s)."""
+def _with_feedback(mechanism: Mechanism, motions: Mapping[str, Array], s: float) -> Mechanism:
+    """Return a mechanism with feedback of how far it is off a motion in place of a delayed one."""
 
     def change(drive: Drive) -> Drive:
         if not is_delayed(drive):
@@ -189,5 +196,5 @@ def _monodromy(
             instead += [Feedback(state=part.state, gain=gain), motion]
         return without_delays(drive, *instead)
 
-    start = np.array([orbit.start[name] for name in map_.names])
-    return replace(map_, mechanism=redriven(mechanism, change)).shoot(start).monodromy
+    found: Mechanism = redriven(mechanism, change)
+    return found

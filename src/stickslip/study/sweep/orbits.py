@@ -50,6 +50,7 @@ from stickslip.mechanisms.drives import is_delayed, parts_of, without_delays
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
+from stickslip.study.sweep.delayed_orbits import Undelayed, delayed_multipliers
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
@@ -138,20 +139,19 @@ class Orbit(metaclass=Described):
         Under delayed feedback there are infinitely many: those of a size above 1/2.
         """
         if self.controlled is not None:
-            from stickslip.study.sweep.delayed_orbits import delayed_multipliers
-
-            states = tuple(self.start)
-            map_ = ReturnMap(
-                mechanism=self.mechanism,
-                law=self.law,
-                cycles=self.cycles,
-                period=self.period / self.cycles,
-                solver=self.solver,
-                states=states,
-                free=tuple(states.index(name) for name in self.free),
-                moving=(),
+            run = self.solver.bare(
+                self.mechanism, self.law, y0=list(self.start.values()), t_end=self.period
             )
-            return delayed_multipliers(self, self.controlled, map_)
+            times = tuple(event.t for event in self.events)
+            orbit = Undelayed(
+                run.playback,
+                tuple(self.start),
+                self.period,
+                self.advance,
+                times,
+                self._monodromy_of,
+            )
+            return delayed_multipliers(orbit, self.controlled)
         found = np.linalg.eigvals(self.monodromy).astype(np.complex128)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
@@ -178,12 +178,20 @@ class Orbit(metaclass=Described):
             for contact, mode in self.modes.items()
         }
 
-    @cached_property
-    def bare(self) -> BareRun:
-        """The run over one period, without a certificate."""
-        return self.solver.bare(
-            self.mechanism, self.law, y0=list(self.start.values()), t_end=self.period
+    def _monodromy_of(self, mechanism: Mechanism) -> Array:
+        """Return the monodromy for a mechanism that has the same orbit."""
+        states = tuple(self.start)
+        map_ = ReturnMap(
+            mechanism=mechanism,
+            law=self.law,
+            cycles=self.cycles,
+            period=self.period / self.cycles,
+            solver=self.solver,
+            states=states,
+            free=tuple(states.index(name) for name in self.free),
+            moving=(),
         )
+        return map_.shoot(np.array([self.start[name] for name in self.free])).monodromy
 
     def run(self, cycles: int | None = None) -> Trajectory:
         """Return the motion over one period, or over a number of cycles of the drives."""
@@ -267,6 +275,11 @@ def periodic_orbit(
     """
     if any(map(is_delayed, mechanism.drives().values())):
         free = redriven(mechanism, without_delays)
+        if period is None and is_excited(free):
+            raise InputError(
+                "periodic_orbit: multipliers under delayed feedback are known of driven orbits"
+                " alone: a self-excited cycle shifts its phase under it. Leave the feedback out."
+            )
         orbit = periodic_orbit(
             free, law, cycles=cycles, start=start, settle=settle, period=period, section=section,
             solver=solver,
