@@ -673,7 +673,6 @@ def test_a_branch_over_folds_has_a_mean_velocity_at_each_point_whatever_advances
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: periodic_orbit(Axis(inertia=1.0), ROUGH), "has no drive"),
         (lambda: periodic_orbit(CAPSULE, ROUGH, cycles=0), "cycles must be a whole number of 1"),
         (lambda: periodic_orbit(CAPSULE, ROUGH, start={"y": 1.0}), "unknown"),
         (lambda: orbit_diagram(CAPSULE, ROUGH, "frequency", (3.0, 2.0)), "the lower one first"),

@@ -577,8 +577,9 @@ class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, Write
 class OrbitOptions(LawOptions, WriteOptions):
     """Find periodic orbits over a parameter, stable and unstable.
 
-    Branches are followed from settled runs of a driven rig by continuation. Folds, period
-    doublings, grazing contacts and changes of sticking are listed. Writes a table of the orbits and
+    Branches are followed from settled runs of a driven rig, or of one that sticks and slips by
+    itself, by continuation. Folds, period doublings, grazing contacts and changes of sticking are
+    listed. Writes a table of the orbits and
     a figure: solid where stable, dashed where not.
     """
 
@@ -586,7 +587,7 @@ class OrbitOptions(LawOptions, WriteOptions):
     """Range of a parameter in SI units, e.g. drive.frequency=2:20, or values at which runs settle,
     e.g. "drive.frequency=[2, 5.1, 20]"."""
     cycles: Annotated[int, typer.Option("--period")] = 4
-    """Largest period that is sought, in drive cycles."""
+    """Largest period that is sought, in drive cycles or turns of a self-excited motion."""
     values: int = 61
     """Number of values in a range at which settled runs are made."""
     settle: int = 200

@@ -657,8 +657,9 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
         )
     svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
     units = {**found.units, found.path: found.unit, "period": "s"}
-    units |= {f"advance {name}": found.units[name] for name in found.velocities}
-    units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in found.velocities}
+    for name in {name for branch in found.branches for name in branch.advances}:
+        units |= {f"advance {name}": found.units[name]}
+        units |= {f"mean velocity {name}": f"{found.units[name]}/s"}
     table = found.to_dataframe(energy=options.energy)
     (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
     units |= units_of_columns(map(str, table.columns), found.units[travel])

@@ -34,6 +34,7 @@ from stickslip.mechanisms.base import normal_of as normal_of
 from stickslip.mechanisms.base import of_contact as of_contact
 from stickslip.mechanisms.base import only_contact as only_contact
 from stickslip.mechanisms.base import quantity_at as quantity_at
+from stickslip.mechanisms.base import redriven as redriven
 from stickslip.mechanisms.base import repeats as repeats
 from stickslip.mechanisms.base import slip_among as slip_among
 from stickslip.mechanisms.base import slip_names as slip_names

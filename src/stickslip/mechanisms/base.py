@@ -6,7 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
@@ -288,6 +288,14 @@ class Mechanism(quantities.Parametrised, ABC):
 
     def start(self) -> Mapping[str, Scalar]:
         """Return the states at time 0 that are not 0 unless ``y0`` says otherwise, by name."""
+        return {}
+
+    def carried(self) -> Mapping[str, Scalar]:
+        """Return how fast a belt or a pulled spring carries coordinates along [m/s] or [rad/s].
+
+        Time is in the equations through these alone: moved on by speed times time, the coordinates
+        obey the equations of time 0, so that motions may repeat themselves with any period.
+        """
         return {}
 
     def guided(self) -> Mapping[str, Guide]:
@@ -867,6 +875,7 @@ def cycle_of(mechanism: Mechanism) -> float:
         _period(f"{name}: the drive {key!r}", part)
         for key, drive in mechanism.drives().items()
         for part in parts_of(drive)
+        if not part.steady
     ]
     if not periods:
         raise InputError(
@@ -880,6 +889,28 @@ def cycle_of(mechanism: Mechanism) -> float:
                 " have no common period equal to the longer one; give the period [s] explicitly."
             )
     return longest
+
+
+def redriven(root: Any, change: Callable[[Drive], Drive]) -> Any:
+    """Return a mechanism, or a part of one, with its drives changed.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=1.0, frequency=2.0))
+    >>> redriven(axis, lambda drive: replace(drive, amplitude=3.0)).drive.amplitude
+    3.0
+    """
+    if isinstance(root, Drive):
+        return change(root)
+    if isinstance(root, tuple):
+        return tuple(redriven(part, change) for part in root)
+    if not isinstance(root, quantities.Parametrised):
+        return root
+    old = {known.name: getattr(root, known.name) for known in dataclasses.fields(root)}
+    new = {name: redriven(part, change) for name, part in old.items()}
+    return replace(root, **{name: part for name, part in new.items() if part != old[name]})
 
 
 def cycle_or_none(mechanism: Mechanism) -> float | None:

@@ -224,6 +224,10 @@ class TowedBlock(base.Mechanism):
         return base.gear_inputs(pull, 0.0, position=q["x"])
 
     @override
+    def carried(self) -> Mapping[str, Scalar]:
+        return {"x": self.speed}
+
+    @override
     def drives(self) -> Mapping[str, Drive]:
         return {} if self.modulation is None else {"modulation": self.modulation}
 
@@ -451,6 +455,10 @@ class BlockChain(base.Mechanism):
             f"block-{i}": base.gear_inputs(0.0, pull, position=q[x])
             for i, (x, pull) in enumerate(named, 1)
         }
+
+    @override
+    def carried(self) -> Mapping[str, Scalar]:
+        return {} if self.speed is None else dict.fromkeys(self.coordinates, -self.speed)
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -858,6 +858,7 @@ def _derived(
         bristles=symbols.bristles,
         constants=symbols.constants,
         board=board,
+        closed=symbols.closed,
     )
     return symbols, mechanics, modes
 

@@ -20,7 +20,7 @@ What holds in which mode is worked out by the kernels (`kernels.contacts`).
 """
 
 import enum
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import symengine as se
@@ -87,6 +87,7 @@ class _Context:
     bristles: list[se.Symbol]
     constants: frozenset[str]
     board: trace.Switchboard
+    closed: Callable[[se.Expr], se.Expr]
 
     def traced(self, value: se.Expr) -> trace.Traced:
         return trace.Traced(value, self.board)
@@ -129,11 +130,12 @@ def mode_equations(
     bristles: Sequence[se.Symbol],
     constants: frozenset[str],
     board: trace.Switchboard,
+    closed: Callable[[se.Expr], se.Expr],
 ) -> Mapping[Mode, ModeEquations]:
-    """Return the equations of every mode that the law has."""
+    """Return the equations of every mode that the law has; drives may have switches too."""
     velocity = coordinate_rates[mechanics.slip]
     context = _Context(
-        mechanics, law, velocity, list(coordinate_rates), list(bristles), constants, board
+        mechanics, law, velocity, list(coordinate_rates), list(bristles), constants, board, closed
     )
     modes = {}
     for mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD):
@@ -248,6 +250,7 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
     guards = dict(equations.guards)
     # A margin may have switches in turn, and so have theirs: until no new symbol appears.
     pending = [*equations.rates, *guards.values(), *equations.limits.values()]
+    pending = [context.closed(e) for e in pending] if context.board.switches else []
     while pending:
         names = {str(s) for e in pending for s in e.free_symbols} - used
         used |= names

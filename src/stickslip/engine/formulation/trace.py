@@ -370,13 +370,16 @@ def symbols_of(
     n = len(twin.coordinates)
     y = [se.Symbol(f"y{i}") for i in range(2 * n + bristles)]
     t = se.Symbol("t")
+    names = (*twin.coordinates, *twin.rates)
+    seen = {name: Traced(s, board) for name, s in zip(names, y, strict=False)}
     drives, inputs = {}, {}
     for k, (name, drive) in enumerate(twin.drives().items()):
         value, slope, start = (se.Symbol(f"p{3 * k + i}") for i in range(3))
         drives[name] = se.Symbol(f"d{k}")
         # A drive is a straight line in each piece; what shapes it is traced along with it.
         linear = value + slope * (t - start)
-        inputs[drives[name]] = expression(drive.shaped(Traced(linear, board), Traced(t, board)))
+        shaped = drive.shaped(Traced(linear, board), Traced(t, board)) + drive.fed(seen)
+        inputs[drives[name]] = expression(shaped)
     given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
     return Symbols(t, y[:n], y[n : 2 * n], y[2 * n :], drives, inputs, given, constants)
 

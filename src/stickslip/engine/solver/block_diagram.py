@@ -310,8 +310,12 @@ class Diagram(BlockDiagram):
         if state.law is None:
             n, names = self.coordinates, self.mechanism.coordinates
             straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
-            drives = {name: drive.shaped(linear, t) for (name, drive), linear in straight}
             q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
+            seen = {**q, **dict(zip(self.mechanism.rates, y[n : 2 * n], strict=True))}
+            drives = {
+                name: drive.shaped(linear, t) + drive.fed(seen)
+                for (name, drive), linear in straight
+            }
             (contact,) = self.mechanism.contacts()
             inputs = self.mechanism.contact_inputs(t, q, q_dot, drives)
             state.law = bound(law, of_contact(inputs, contact.name))

@@ -41,6 +41,7 @@ from stickslip.engine.kernels.batch import happened
 from stickslip.engine.kernels.equations import PREPARE, RESTORE, ask_here, field, put_constants
 from stickslip.engine.solver.backend import Playback, runner_of
 from stickslip.engine.solver.certify import Sensing, certify, driving, may_drive
+from stickslip.engine.solver.delays import run_delayed
 from stickslip.engine.solver.reducers import reasons
 from stickslip.engine.solver.run import (
     Record,
@@ -62,6 +63,7 @@ from stickslip.engine.trajectory import Certificate, Event, Status, Trajectory
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
+from stickslip.mechanisms.drives import is_delayed
 from stickslip.quantities import Quantity, kept_by_identity, parameters, unchecked
 from stickslip.show.formatting import number, quantity
 
@@ -415,10 +417,22 @@ class EventDriven(Solver):
                 " event-driven solution: run it with solver=FixedStep(...), or use the corrected"
                 f" law {law.corrected.__name__}."
             )
-        pair = _pair_of(mechanism, law)
-        inputs, tolerance = inputs_of(mechanism, pair.p, t_end), self.tolerance_for(law)
+        pair, tolerance = _pair_of(mechanism, law), self.tolerance_for(law)
         start = within_stops(mechanism, y0) if pair.bounded else y0
-        record = self._executed(pair.model, inputs, start, t_end, tolerance)
+        if pair.delayed:
+            inputs, record = run_delayed(
+                mechanism,
+                pair.model,
+                pair.p,
+                start,
+                t_end,
+                tolerance,
+                compiled=self.tier != "python",
+                most=int(self.max_steps),
+            )
+        else:
+            inputs = inputs_of(mechanism, pair.p, t_end)
+            record = self._executed(pair.model, inputs, start, t_end, tolerance)
         run = trajectory_of(mechanism, law, pair.model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
@@ -536,6 +550,8 @@ class _Pair:
     """Whether runs cannot begin anywhere: there are hard stops, or masses that may vanish."""
     reasons: Sequence[str | None]
     """Names of what happens, by their codes."""
+    delayed: bool
+    """Whether a drive feeds back what a state was a while ago."""
 
 
 @kept_by_identity
@@ -553,6 +569,7 @@ def _pair_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Pair:
         any(map(may_drive, dict(law.members).values() if isinstance(law, Laws) else [law])),
         isinstance(mechanism, MatrixMechanism) or bool(stops_of(mechanism)),
         reasons(model),
+        any(map(is_delayed, mechanism.drives().values())),
     )
 
 

@@ -19,7 +19,7 @@ from stickslip.engine.kernels.state_layout import ContactSizes
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import MatrixMechanism, Mechanism, Stop, stops_of
-from stickslip.mechanisms.drives import BEGINNING, Drive, Piece, parts_of
+from stickslip.mechanisms.drives import BEGINNING, Drive, Piece, is_delayed, parts_of
 from stickslip.quantities import parameters, shadow
 from stickslip.show.formatting import number
 
@@ -254,6 +254,12 @@ def inputs_of(mechanism: Mechanism, p: list[float], t_end: float) -> Inputs:
     )
 
 
+def table_of(drives: Sequence[Drive], t_end: float) -> tuple[Array, float]:
+    """Return the table of drives in one run, and the time in which they change much [s]."""
+    plan = _scheduled(drives, 1, t_end)
+    return plan.table[0], float(plan.time_scale[0])
+
+
 def refuse_turned(mechanism: Mechanism, model: Model) -> None:
     """Refuse parameters at which the change of coordinates is singular, if it depends on any."""
     if model.turning and isinstance(model.sizes, ContactSizes):
@@ -332,6 +338,9 @@ def schedule_slopes(
     `columns` and `tables` are those of a schedule.
     """
     runs, m = len(tables), len(paths)
+    for drive in filter(is_delayed, mechanism.drives().values()):
+        for part in parts_of(drive):  # among which delayed feedback says why there are none
+            part.pieces()
     if m == 0:
         return np.zeros((runs, 0, 0, 0))
     width = 1 + 3 * len(mechanism.drives())

@@ -7,6 +7,11 @@ from stickslip.mechanisms.drives.base import Piece as Piece
 from stickslip.mechanisms.drives.base import Straight as Straight
 from stickslip.mechanisms.drives.base import Sum as Sum
 from stickslip.mechanisms.drives.base import parts_of as parts_of
+from stickslip.mechanisms.drives.feedback import DelayedFeedback as _DelayedFeedback
+from stickslip.mechanisms.drives.feedback import Feedback as _Feedback
+from stickslip.mechanisms.drives.feedback import Relay as _Relay
+from stickslip.mechanisms.drives.feedback import is_delayed as is_delayed
+from stickslip.mechanisms.drives.feedback import without_delays as without_delays
 from stickslip.mechanisms.drives.shapes import DRIVES as DRIVES
 from stickslip.mechanisms.drives.shapes import HalfSine as _HalfSine
 from stickslip.mechanisms.drives.shapes import PROFILES as PROFILES
@@ -27,6 +32,26 @@ from stickslip.mechanisms.drives.shapes import ThreePhase as _ThreePhase
 from stickslip.mechanisms.drives.shapes import TimedThreePhase as _TimedThreePhase
 from stickslip.quantities import Given as _Given
 from typing import Literal as _Literal
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class DelayedFeedback(_DelayedFeedback):
+    def __init__(
+        self,
+        *,
+        state: str,
+        gain: _Given,
+        delay: _Given,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Feedback(_Feedback):
+    def __init__(
+        self,
+        *,
+        state: str,
+        gain: _Given,
+        reference: _Given = ...,
+    ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class HalfSine(_HalfSine):
@@ -56,6 +81,17 @@ class Ramp(_Ramp):
         *,
         rate: _Given,
         start: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Relay(_Relay):
+    def __init__(
+        self,
+        *,
+        state: str,
+        above: _Given,
+        below: _Given,
+        level: _Given = ...,
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -156,6 +192,9 @@ class TimedThreePhase(_TimedThreePhase):
     ) -> None: ...
 
 __all__ = [
+    "DelayedFeedback",
+    "Feedback",
+    "Relay",
     "Drive",
     "HalfSine",
     "Piece",

@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, final
 
@@ -39,7 +39,7 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Drive(Parametrised, ABC):
-    """A force, torque or position given in time: a smooth part and a piecewise linear one.
+    """A force, torque or position: a smooth part and a piecewise linear one in time, and feedback.
 
     The solver stops at the start of every piece and loads its numbers, so jumps and kinks are met
     exactly however short they are.
@@ -97,6 +97,10 @@ class Drive(Parametrised, ABC):
         """
         return linear + self.smooth(t)
 
+    def fed(self, states: Mapping[str, Scalar]) -> Scalar:
+        """Return the part that follows states, from coordinates and rates by name."""
+        return 0.0
+
     @abstractmethod
     def smooth_bound(self) -> tuple[Scalar, Scalar]:
         """Return the least and the largest value of the smooth part."""
@@ -109,8 +113,13 @@ class Drive(Parametrised, ABC):
         """Return the duration of a cycle [s], None where the drive does not repeat itself."""
         return None
 
+    @property
+    def steady(self) -> bool:
+        """Whether it does not depend on time from time 0 on."""
+        return False
+
     def value(self, t: float) -> float:
-        """Return the value at a time.
+        """Return the value at a time, without what follows states.
 
         Examples
         --------
@@ -184,6 +193,10 @@ class Sum(Drive):
     @override
     def smooth(self, t: Scalar) -> Scalar:
         return sum((part.smooth(t) for part in self.parts), 0.0)
+
+    @override
+    def fed(self, states: Mapping[str, Scalar]) -> Scalar:
+        return sum((part.fed(states) for part in self.parts), 0.0)
 
     @override
     def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:

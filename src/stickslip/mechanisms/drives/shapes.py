@@ -17,6 +17,7 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.mechanisms.drives import base
 from stickslip.mechanisms.drives.base import Drive, Piece, Straight, repeated
+from stickslip.mechanisms.drives.feedback import DelayedFeedback, Feedback, Relay
 from stickslip.quantities import Numbers, Quantity
 from stickslip.show.formatting import number
 
@@ -1112,6 +1113,11 @@ class Sampled(base.Straight):
         object.__setattr__(self, "times", tuple(t))
         object.__setattr__(self, "values", tuple(u))
 
+    @property
+    @override
+    def steady(self) -> bool:
+        return len(self.values) == 1
+
     @override
     def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         if self.hold == "first":
@@ -1167,10 +1173,13 @@ class PiecewiseAffine(base.Straight):
 
 DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
     {
+        "delayed-feedback": DelayedFeedback,
+        "feedback": Feedback,
         "half-sine": HalfSine,
         "piecewise-linear": PiecewiseLinear,
         "pulse": Pulse,
         "ramp": Ramp,
+        "relay": Relay,
         "sampled": Sampled,
         "sine": Sine,
         "square": Square,

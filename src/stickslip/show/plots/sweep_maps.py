@@ -32,6 +32,7 @@ from stickslip.show.plots.theme import (
     shade,
 )
 from stickslip.study.sweep import (
+    CYCLE,
     Basins,
     Branch,
     Orbit,
@@ -371,6 +372,7 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
         _name_orbits(axes, branches, kinds, chosen=dots[2])
         axes.set_xlabel(labelled(result.path, result.unit))
         what = f"mean velocity of {name}" if velocity else f"{name} at the start of a cycle"
+        what = "length of a cycle" if name == CYCLE else what
         axes.set_ylabel(f"{what}, {unit}")
         axes.grid(axis="y")
 
@@ -416,6 +418,8 @@ def _shown(result: OrbitDiagram | Branch, show: str | None) -> tuple[str, bool]:
     """Return what stands over the parameter, and whether it is a mean velocity."""
     advance = result.velocities if isinstance(result, OrbitDiagram) else result.advances
     moving, free = tuple(advance), result.states
+    if show is None and CYCLE in free:
+        return CYCLE, False
     if show is None:
         return (moving[0], True) if moving else (free[0], False)
     if show not in (*moving, *free):
@@ -437,6 +441,8 @@ def _heights(branch: Branch, name: str, *, velocity: bool) -> Any:
 
 
 def _height(orbit: Orbit, name: str, *, velocity: bool) -> float:
+    if name == CYCLE:
+        return orbit.period / orbit.cycles
     return orbit.mean_velocity[name] if velocity else orbit.start[name]
 
 

@@ -29,9 +29,11 @@ from stickslip.study.sweep.mean_velocity import average_velocity as average_velo
 from stickslip.study.sweep.mean_velocity import velocity_band as velocity_band
 from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
+from stickslip.study.sweep.orbits import CYCLE as CYCLE
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
 from stickslip.study.sweep.validation import Band as Band
+from stickslip.study.sweep.sections import Section as Section
 from stickslip.study.sweep.validation import ParameterAgreement as ParameterAgreement
 from stickslip.study.sweep.validation import Refit as Refit
 from stickslip.study.sweep.validation import Spread as Spread
@@ -43,6 +45,7 @@ from stickslip.study.sweep.validation import compare_estimates as compare_estima
 from stickslip.study.sweep.validation import validate as validate
 
 __all__ = [
+    "Section",
     "Attractor",
     "Band",
     "Basins",

@@ -59,6 +59,7 @@ from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
 from stickslip.study.energy import energy_balance
 from stickslip.study.sweep.orbits import (
+    CYCLE,
     Orbit,
     ReturnMap,
     Shot,
@@ -190,21 +191,21 @@ class Branch(OnAxes, Tabular):
     unit: str
     """Its SI unit."""
     cycles: int
-    """Cycles of the drives after which the orbits close."""
+    """Cycles of the drives, or passes of the section, after which the orbits close."""
     states: tuple[str, ...]
-    """Free states (k,), as in `Orbit.free`."""
+    """Free states (k,), as in `Orbit.free`; ``cycle`` in the place of the state of a section."""
     units: Mapping[str, str]
     """SI units of all states."""
     values: Array
     """The parameter (n,)."""
     starts: Array
-    """Free states at time 0 (n, k)."""
+    """Free states at time 0 (n, k), the length of a cycle [s] among them if it is unknown."""
     periods: Array
     """Length of the orbits (n,) [s]."""
     multipliers: NDArray[np.complex128]
     """Floquet multipliers (n, k), the largest first."""
     advances: Mapping[str, Array]
-    """Advance in a period (n,) of each coordinate on which nothing depends."""
+    """Advance in a period (n,) of each coordinate on which nothing depends, or that is carried."""
     events: tuple[BranchEvent, ...]
     """What changes along the branch."""
     ends: tuple[str, str]
@@ -380,6 +381,11 @@ def continue_orbit(
     check_step("continue_orbit", step, LEAST_STEP)
     check_path("continue_orbit", path)
     mechanism, law = orbit.mechanism, orbit.law
+    if orbit.controlled is not None:
+        raise InputError(
+            "continue_orbit: branches under delayed feedback are those without it, but for their"
+            " multipliers, which are not followed: find the orbit of a mechanism without it."
+        )
     full, _ = axis_of(mechanism, law, path, [low, high])
     if full.startswith("initial."):
         raise InputError(
@@ -395,15 +401,17 @@ def continue_orbit(
             " an orbit inside."
         )
     cycles = orbit.cycles * (2 if doubled else 1)
-    map_ = return_map(mechanism, law, cycles, period, orbit.solver, full)
-    if map_.names != orbit.free:
+    cycle = orbit.period / orbit.cycles if orbit.section else None
+    map_ = return_map(mechanism, law, cycles, period, orbit.solver, full, orbit.section, cycle)
+    if set(map_.unknowns) - {CYCLE} != set(orbit.free):
+        own = (*orbit.free, *((orbit.section.state,) if orbit.section else ()))
         map_ = replace(
             map_,
-            free=tuple(map_.states.index(name) for name in orbit.free),
-            moving=tuple(map_.states.index(name) for name in orbit.advance),
+            free=tuple(i for i, name in enumerate(map_.states) if name in own),
+            moving=tuple(map_.states.index(q) for q in orbit.advance if q not in own),
         )
     map_ = within(map_, (low, high))
-    y = np.array([orbit.start[name] for name in orbit.free])
+    y = map_.unknowns_of(orbit)
     unit = unit_of(mechanism, law, full)
     curve = Curve(map_, low, high, unit, step, int(points), LEAST_STEP)
     return curve.branch(
@@ -434,7 +442,8 @@ def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
     low, high = between
     for value in (low, high, low + INSIDE * (high - low)):
         mechanism, _ = map_.pair(value)
-        map_.duration(mechanism, value)
+        if map_.section is None:
+            map_.duration(mechanism, value)
         refuse_late(mechanism)
         if map_.period is not None:  # which may fit at both ends by chance
             refuse_cut(mechanism, map_.cycles * map_.period)
@@ -742,22 +751,20 @@ class Curve:
         events = [replace(e, index=offset - 1 - e.index) for e in reversed(before)]
         events += [replace(e, index=offset + e.index) for e in after]
         shots = [point.shot for point in points]
-        advances = np.array([shot.advance for shot in shots]).reshape(len(shots), -1)
+        advances = [self.map.advances(shot) for shot in shots]
         multipliers = np.array([point.multipliers for point in points])
         order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
         return Branch(
             path=str(self.map.path),
             unit=self.unit,
             cycles=self.map.cycles,
-            states=self.map.names,
+            states=self.map.unknowns,
             units=units_of(self.map),
             values=np.array([shot.value for shot in shots]),
             starts=np.array([shot.y for shot in shots]),
             periods=np.array([shot.period for shot in shots]),
             multipliers=np.take_along_axis(multipliers, order, axis=1),
-            advances={
-                self.map.states[i]: advances[:, k] for k, i in enumerate(self.map.moving)
-            },
+            advances={q: np.array([own[q] for own in advances]) for q in advances[0]},
             events=tuple(events),
             ends=(begun, ended),
             runs=self.runs,
@@ -1237,7 +1244,10 @@ class Curve:
         shot = base.shoot(y, value)
         self.scale = np.append(shot.scale, self.high - self.low)
         old = self.point(shot).tangent
-        v = np.append(vectors[:, nearest].real / shot.scale, 0.0)
+        v = vectors[:, nearest].real
+        if base.section is not None:
+            v = np.insert(v, base.slot, 0.0)
+        v = np.append(v / shot.scale, 0.0)
         v -= float(v @ old) * old
         v /= _length(v)
         u0 = self.point(shot).unknowns
@@ -1260,7 +1270,8 @@ class Curve:
 def units_of(map_: ReturnMap) -> dict[str, str]:
     """Return the SI units of all states."""
     known = path_units(map_.mechanism, map_.law)
-    return {name: known.get(f"initial.{name}", "1") for name in map_.states}
+    found = {name: known.get(f"initial.{name}", "1") for name in map_.states}
+    return found | ({CYCLE: "s"} if map_.section else {})
 
 
 def _halves_meet(here: Point, there: Point) -> bool:

@@ -10,7 +10,8 @@
 4. Right behind each loss of stability a run settles from there, as in a sweep: what takes over is
    often not connected. Beside each end of a branch within the range runs settle from random states;
    so they do where no orbit is known that is stable, until it is or places are near each other:
-   there something else is, be it of a longer period or of none.
+   there something else is, be it of a longer period or of none. What nothing drives in time may
+   slide steadily there.
 """
 
 from collections.abc import Mapping
@@ -30,12 +31,14 @@ from stickslip.engine.simulation import (
 )
 from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError, SimulationError
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.quantities import vary
 from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
 from stickslip.show.formatting import joined, number, percent, quantity, span
 from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.lyapunov import diverges, have_left
-from stickslip.study.sweep.orbits import ReturnMap, Shot, return_map, solved
+from stickslip.study.sweep.orbits import ReturnMap, Shot, is_excited, return_map, solved
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
@@ -46,10 +49,12 @@ from stickslip.study.sweep.parameter_grid import (
     compiled,
     counted,
     early_ends,
+    states_of,
     unit_of,
     where_of,
     whole_run,
 )
+from stickslip.study.sweep.sections import given_section, passes_of
 from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
@@ -106,7 +111,7 @@ class OrbitDiagram(OnAxes, Tabular):
     between: tuple[float, float]
     """Its range."""
     states: tuple[str, ...]
-    """Free states (k,), as in `Orbit.free`."""
+    """Free states (k,), as in `Branch.states`."""
     units: Mapping[str, str]
     """SI units of all states."""
     branches: tuple[Branch, ...]
@@ -241,6 +246,7 @@ def orbit_diagram(
     seed: int = 0,
     y0: Mapping[str, float] | None = None,
     period: float | None = None,
+    section: Mapping[str, float] | None = None,
     solver: EventDriven | None = None,
     progress: Progress | None = None,
 ) -> OrbitDiagram:
@@ -254,7 +260,7 @@ def orbit_diagram(
     Parameters
     ----------
     mechanism : Mechanism
-        What moves, with a periodic drive.
+        What moves, with a periodic drive or none.
     law : FrictionLaw, type or str, or mapping of str to these
         What holds it back, as in `simulate`.
     path : str
@@ -278,7 +284,9 @@ def orbit_diagram(
     y0 : mapping, optional
         States from which the first run at each value begins, as in `simulate`.
     period : float, optional
-        Length of a cycle [s]; that of the drives if not given.
+        Length of a cycle [s]; that of the drives if not given, or else sought.
+    section : mapping, optional
+        Where cycles of unknown length begin, as in `periodic_orbit`; else it has no effect.
     solver : EventDriven, optional
         Compiled if not given.
     progress : callable, optional
@@ -331,8 +339,12 @@ def orbit_diagram(
         whole_run(owner, mechanism, settle + 2 * cycles)
     else:
         PERIOD.check(owner, "period", period)
-    first = return_map(mechanism, laws, 1, period, compiled(solver), full)
-    first = within(first, (low, high))
+    first = within(
+        _excited_map(mechanism, laws, grid, full, y0, section, settle, compiled(solver))
+        if period is None and is_excited(mechanism)
+        else return_map(mechanism, laws, 1, period, compiled(solver), full),
+        (low, high),
+    )
     search = _Search(
         first,
         (low, high),
@@ -358,6 +370,32 @@ def orbit_diagram(
         search.settle_at(*found)
         tally.tell(len(grid))
     return search.diagram()
+
+
+def _excited_map(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    values: Array,
+    path: str,
+    y0: Mapping[str, float] | None,
+    given: Mapping[str, float] | None,
+    settle: int,
+    solver: EventDriven,
+) -> ReturnMap:
+    """Return the map of cycles that nothing drives in time, at the first value with any."""
+    states, lack = states_of(mechanism, law), ""
+    section = given_section(states, given)
+    for value in values.tolist():
+        prefix = path.partition(".")[0]
+        driven = vary(mechanism, prefix, {path: value}) if prefix == "mechanism" else mechanism
+        own = vary(law, prefix, {path: value}) if prefix == "friction" else law
+        begin = initial_state("orbit_diagram", driven, own, dict(y0 or {}))
+        found = passes_of(driven, own, states, begin, solver, settle + 2, section)
+        if not found.lack:
+            cycle = float(found.times[-1] - found.times[-2])
+            return return_map(mechanism, law, 1, None, solver, path, found.section, cycle)
+        lack = lack or found.lack
+    raise SimulationError(f"orbit_diagram, at the first of all values: {lack}")
 
 
 class _Search:
@@ -401,11 +439,18 @@ class _Search:
         self.run(value, columns)
         self.seconds["brute"] += process_time() - begun
         begun = process_time()
-        for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
+        for i, points in enumerate(self.samples[first:], first):
+            closed = self.closed[i]
             if closed and not self.is_near(closed, value, points[:closed]):
                 # it fails at a grazing contact, say: settled runs at other values lead there
-                with suppress(SimulationError, InputError):
-                    self.follow(solved(replace(self.map, cycles=closed), points[-1], value))
+                try:
+                    y = points[-1].copy()
+                    if self.map.section is not None:  # the mean of their lengths
+                        y[self.map.slot] = points[-closed:, self.map.slot].mean()
+                    self.follow(solved(replace(self.map, cycles=closed), y, value))
+                except (SimulationError, InputError):
+                    if self.map.section is not None:  # what dies away towards steady sliding
+                        self.closed[i] = 0
         self.seconds["branches"] += process_time() - begun
 
     def place(self) -> tuple[float, Mapping[str, Array]] | None:
@@ -427,7 +472,8 @@ class _Search:
                     beside = end + off * span
                     if low < beside < high and self.is_new(beside, BESIDE * span):
                         return beside, self.starts(beside, FEW)
-        for begin, end in self.gaps():
+        # where nothing drives it, steady sliding may be all there is
+        for begin, end in self.gaps() if self.map.section is None else ():
             inside = self.looked[(begin < self.looked) & (self.looked < end)]
             known = [begin, *np.sort(inside).tolist(), end]
             widths = np.diff(known)
@@ -540,6 +586,8 @@ class _Search:
     ) -> tuple[Array, Array, NDArray[np.object_]]:
         """Return free states once a cycle after some, mean velocities, and how each run ended."""
         mechanism, law = self.map.pair(value)
+        if self.map.section is not None:
+            return self.passed(mechanism, law, columns, settle)
         cycle, keep, kept = self.map.duration(mechanism, value), 2 * self.cycles, self.map.kept
         begin = initial_state("orbit_diagram", mechanism, law, self.y0)
         form = self.map.form_at(value)
@@ -567,6 +615,37 @@ class _Search:
                 states = run.at(np.array(times))[:, kept]
                 points[row] = states[1:, :free]
                 velocities[row] = (states[-1, free:] - states[0, free:]) / (keep * cycle)
+        return points, velocities, status
+
+    def passed(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw | Laws,
+        columns: Mapping[str, Array],
+        settle: int,
+    ) -> tuple[Array, Array, NDArray[np.object_]]:
+        """Return what `sampled` does, where a section is passed, with the lengths between."""
+        map_, keep = self.map, 2 * self.cycles
+        assert map_.section is not None
+        begin = initial_state("orbit_diagram", mechanism, law, self.y0)
+        count = len(next(iter(columns.values())))
+        points = np.full((count, keep, len(map_.free)), np.nan)
+        velocities = np.full((count, len(map_.moving)), np.nan)
+        status = np.empty(count, dtype=object)
+        for row in range(count):
+            start = list(begin)
+            for i, name in zip(map_.free, map_.names, strict=True):
+                known = name != map_.section.state and f"initial.{name}" in columns
+                start[i] = float(columns[f"initial.{name}"][row]) if known else start[i]
+            found = passes_of(
+                mechanism, law, map_.states, start, map_.solver, settle + keep + 1, map_.section
+            )
+            status[row] = found.status
+            if not found.lack:
+                points[row] = found.starts[-1 - keep : -1, map_.free]
+                points[row, :, map_.slot] = np.diff(found.times[-1 - keep :])
+                came = found.starts[-1, map_.moving] - found.starts[-1 - keep, map_.moving]
+                velocities[row] = came / (found.times[-1] - found.times[-1 - keep])
         return points, velocities, status
 
     def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
@@ -636,7 +715,7 @@ class _Search:
         self.lost += self.losses(branch)
         for event in branch.events:
             if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
-                y = np.array([event.orbit.start[name] for name in branch.states])
+                y = self.map.unknowns_of(event.orbit)
                 # nothing leaves where a multiplier jumps across -1
                 with suppress(SimulationError, InputError):
                     doubled = self.curve(2 * branch.cycles)
@@ -659,7 +738,7 @@ class _Search:
             path=str(self.map.path),
             between=self.between,
             unit=self.unit,
-            states=self.map.names,
+            states=self.map.unknowns,
             units=units_of(self.map),
             branches=tuple(self.branches),
             values=np.array(self.values),

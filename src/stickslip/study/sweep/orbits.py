@@ -1,4 +1,4 @@
-"""Periodic orbits of driven mechanisms, by shooting.
+"""Periodic orbits of driven and of self-excited mechanisms, by shooting.
 
 The drives repeat after a cycle T. An orbit closes after m cycles, but for how far the mechanism
 has advanced: a coordinate on which nothing depends (the place of a capsule on even ground) is left
@@ -18,8 +18,16 @@ out of the unknowns, so that the problem is solved in the quotient by its transl
 
 With respect to a parameter p, dF/dp = dPhi/dp + Phi'(m T) m dT/dp, as the cycle may depend on p.
 
-Sources: Aprille and Trick 1972 (shooting); Leine and Nijmeijer 2004, chapters 4, 7 and 8 (saltation
-matrices, shooting with friction); Nordmark 1991 (grazing).
+Without drives in time T is unknown, and each point of a cycle may be its first. A section is the
+phase condition (`sections`): the state y_k begins at a level, and T takes its place among the
+unknowns, dF/dT = m f with the velocity f of all states at the end. What a belt carries along is
+seen from what stands still: c m T is taken off the end, and c off f. Multipliers are those of the
+return to the section, along f: M - f M_k / f_k without row and column k, whence 1 is not among
+them.
+
+Sources: Aprille and Trick 1972 (shooting); Seydel 2010, chapters 6 and 7 (phase conditions);
+Leine and Nijmeijer 2004, chapters 4, 7 and 8 (saltation matrices, shooting with friction); Nordmark
+1991 (grazing).
 """
 
 import math
@@ -37,12 +45,13 @@ from stickslip.engine.solver import BareRun, EventDriven, Form
 from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, cycle_of, stops_of
-from stickslip.mechanisms.drives import parts_of
+from stickslip.mechanisms import Mechanism, cycle_of, redriven, stops_of
+from stickslip.mechanisms.drives import is_delayed, parts_of, without_delays
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
 from stickslip.study.energy import EnergyBalance, energy_balance
+from stickslip.study.sweep.delayed_orbits import Undelayed, delayed_multipliers
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
@@ -51,6 +60,7 @@ from stickslip.study.sweep.parameter_grid import (
     states_of,
     whole_run,
 )
+from stickslip.study.sweep.sections import STEADY, Section, given_section, passes_of, speeds_of
 from stickslip.study.tolerances import ROUNDING
 
 __all__ = ["Orbit", "periodic_orbit"]
@@ -77,6 +87,11 @@ POWERS = 5
 """Values of a parameter at which it is seen how the cycle goes with it."""
 ORBIT_TIMES = 33
 """Times of an orbit at which the size of its states is looked at."""
+CYCLE = "cycle"
+"""What the length of a cycle is called where it is unknown."""
+REPEATED = 1e-6
+"""How much of its size a cycle may be off after its second turn, over what one multiplier makes of
+what the first one left."""
 TRIAL_SHARE, TRIAL_RATE = 0.01, 1.0
 """Share of a cycle, and rate [m/s] or [rad/s] from which contacts slip, of the run that shows on
 which coordinates nothing depends."""
@@ -91,17 +106,20 @@ class Orbit(metaclass=Described):
     law: FrictionLaw | Laws
     """What holds it back."""
     cycles: int
-    """Cycles of the drives after which it closes."""
+    """Cycles of the drives, or passes of the section, after which it closes."""
     period: float
     """How long that is [s]."""
     start: Mapping[str, float]
     """All states at time 0."""
     free: tuple[str, ...]
-    """States whose start is solved for (n,); of the others nothing depends, or drives tell."""
+    """States whose start is solved for (n,); of the others nothing depends, or drives tell, or a
+    section does."""
     advance: Mapping[str, float]
-    """How far each coordinate on which nothing depends has come after the period [m] or [rad]."""
+    """How far each coordinate on which nothing depends has come after the period [m] or [rad], and
+    each that is carried along."""
     monodromy: Array
-    """Derivatives (n, n) of the free states after the period with respect to their start."""
+    """Derivatives (n, n) of the free states after the period with respect to their start; with a
+    section, where it is passed again."""
     residual: float
     """Largest distance of the end from the start, over the size of the state in the orbit."""
     events: tuple[Event, ...]
@@ -110,10 +128,31 @@ class Orbit(metaclass=Described):
     """Mode at the start, by contact, as `Event.from_mode`."""
     solver: EventDriven
     """What it was run with."""
+    section: Section | None = None
+    """Where it begins if nothing drives it in time."""
+    controlled: Mechanism | None = None
+    """The mechanism with its delayed feedback, which vanishes on the orbit; None without one."""
 
     @cached_property
     def multipliers(self) -> NDArray[np.complex128]:
-        """Floquet multipliers (n,), the largest first; 0 along directions lost to sticking."""
+        """Floquet multipliers (n,), the largest first; 0 along directions lost to sticking.
+
+        Under delayed feedback there are infinitely many: those of a size above 1/2.
+        """
+        if self.controlled is not None:
+            run = self.solver.bare(
+                self.mechanism, self.law, y0=list(self.start.values()), t_end=self.period
+            )
+            times = tuple(event.t for event in self.events)
+            orbit = Undelayed(
+                run.playback,
+                tuple(self.start),
+                self.period,
+                self.advance,
+                times,
+                self._monodromy_of,
+            )
+            return delayed_multipliers(orbit, self.controlled)
         found = np.linalg.eigvals(self.monodromy).astype(np.complex128)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
@@ -140,6 +179,21 @@ class Orbit(metaclass=Described):
             for contact, mode in self.modes.items()
         }
 
+    def _monodromy_of(self, mechanism: Mechanism) -> Array:
+        """Return the monodromy for a mechanism that has the same orbit."""
+        states = tuple(self.start)
+        map_ = ReturnMap(
+            mechanism=mechanism,
+            law=self.law,
+            cycles=self.cycles,
+            period=self.period / self.cycles,
+            solver=self.solver,
+            states=states,
+            free=tuple(states.index(name) for name in self.free),
+            moving=(),
+        )
+        return map_.shoot(np.array([self.start[name] for name in self.free])).monodromy
+
     def run(self, cycles: int | None = None) -> Trajectory:
         """Return the motion over one period, or over a number of cycles of the drives."""
         length = self.period if cycles is None else self.period * cycles / self.cycles
@@ -165,25 +219,34 @@ def periodic_orbit(
     start: Mapping[str, float] | None = None,
     settle: int = 100,
     period: float | None = None,
+    section: Mapping[str, float] | None = None,
     solver: EventDriven | None = None,
 ) -> Orbit:
     """Find a periodic orbit, stable or not, by shooting.
 
+    Without drives in time, as of a block on a belt, the period is solved for too. With delayed
+    feedback the orbit is that without it, as the feedback vanishes; its multipliers change.
+
     Parameters
     ----------
     mechanism : Mechanism
-        What moves, with a periodic drive.
+        What moves, with a periodic drive or none.
     law : FrictionLaw, type or str, or mapping of str to these
         What holds it back, as in `simulate`.
     cycles : int
-        Cycles of the drives after which the orbit closes.
+        Cycles of the drives after which the orbit closes; without drives, passes of the section.
     start : mapping, optional
         States near the orbit at time 0; where the mechanism begins if not given.
     settle : int
         Cycles that are run before shooting begins, so that a stable orbit is found from any start
         that leads to it; 0 to find unstable ones from a start that is near.
     period : float, optional
-        Length of a cycle [s]; that of the drives if not given.
+        Length of a cycle [s]; that of the drives if not given, or else solved for.
+    section : mapping, optional
+        A state and the level that it passes upwards where a cycle of unknown period begins, such
+        as ``{"v": 0.01}``; places are those seen by what does not move along. If not given, the
+        rate of what is carried along passes the speed of that, or else the first state that comes
+        back passes the middle of its range.
     solver : EventDriven, optional
         Compiled if not given.
 
@@ -212,11 +275,40 @@ def periodic_orbit(
     >>> orbit = periodic_orbit(axis, Coulomb(kinetic_coefficient=0.5))
     >>> orbit.stable, orbit.cycles, [event.reason for event in orbit.events]
     (True, 1, ['reversal', 'reversal'])
+
+    A block on a belt sticks and slips by itself:
+
+    >>> from stickslip import TowedBlock
+    >>> block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    >>> orbit = periodic_orbit(block, Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5))
+    >>> round(orbit.period, 5), round(orbit.sticking[""], 5), orbit.stable
+    (7.61126, 0.65682, True)
     """
+    if any(map(is_delayed, mechanism.drives().values())):
+        free = redriven(mechanism, without_delays)
+        if period is None and is_excited(free):
+            raise InputError(
+                "periodic_orbit: multipliers under delayed feedback are known of driven orbits"
+                " alone: a self-excited cycle shifts its phase under it. Leave the feedback out."
+            )
+        orbit = periodic_orbit(
+            free, law, cycles=cycles, start=start, settle=settle, period=period, section=section,
+            solver=solver,
+        )  # fmt: skip
+        found_orbit = replace(orbit, controlled=mechanism)
+        _ = found_orbit.multipliers  # a delay with which they are not known is refused
+        return found_orbit
     found = event_driven_law(mechanism, law)
     counted("periodic_orbit", "cycles", cycles, 1)
     counted("periodic_orbit", "settle", settle, 0)
     begin = initial_state("periodic_orbit", mechanism, found, dict(start or {}))
+    if period is None and is_excited(mechanism):
+        return _excited(mechanism, found, int(cycles), begin, settle, section, compiled(solver))
+    if section is not None:
+        raise InputError(
+            "periodic_orbit: section is for cycles of unknown period, but"
+            f" {'the period is given' if period else 'drives tell it'}: leave section out."
+        )
     if period is None:
         whole_run("periodic_orbit", mechanism, cycles + settle)
     else:
@@ -232,6 +324,51 @@ def periodic_orbit(
     return map_.orbit(solved(map_, np.array(begin)[list(map_.free)]))
 
 
+def is_excited(mechanism: Mechanism) -> bool:
+    """Whether no drive of a mechanism depends on time, so that cycles have a length of their own.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> is_excited(Axis(inertia=1.0)), is_excited(Axis(inertia=1.0, drive=Sine(amplitude=1.0)))
+    (True, False)
+    """
+    return all(part.steady for drive in mechanism.drives().values() for part in parts_of(drive))
+
+
+def _excited(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    cycles: int,
+    begin: Sequence[float],
+    settle: int,
+    given: Mapping[str, float] | None,
+    solver: EventDriven,
+) -> Orbit:
+    """Return the cycle to which a run settles that nothing drives in time."""
+    states = states_of(mechanism, law)
+    section, least = given_section(states, given), settle + cycles + 1
+    found = passes_of(mechanism, law, states, begin, solver, least, section)
+    if found.lack:
+        raise SimulationError(f"periodic_orbit, {found.lack}")
+    length = float(found.times[-1] - found.times[-1 - cycles]) / cycles
+    map_ = return_map(mechanism, law, cycles, None, solver, section=found.section, cycle=length)
+    y = found.starts[-1 - cycles, map_.free]
+    y[map_.slot] = length
+    shot = solved(map_, y)
+    # where time is in the equations, an end may be a start once, but not again
+    twice = replace(map_, cycles=2 * cycles).shoot(shot.y)
+    grown = 1.0 + float(np.abs(np.linalg.eigvals(shot.monodromy)).max(initial=0.0))
+    if twice.error > REPEATED * grown:
+        raise SimulationError(
+            f"no cycle was found: what closes after {number(shot.period, 4)} s does not do so"
+            f" again. Time is in the equations of {type(mechanism).__name__} beside its drives; a"
+            " mechanism tells by `carried` what moves along steadily."
+        )
+    return map_.orbit(shot)
+
+
 @dataclass(frozen=True)
 class Derivatives:
     """Derivatives of the states at the end of a run, which cost more than the run."""
@@ -244,12 +381,14 @@ class Derivatives:
     """The parameter."""
     run: BareRun
     """The run."""
+    period: float
+    """Its length [s]."""
     rate: Array
-    """Velocity of all states that are kept, at the end."""
+    """Velocity of all states that are kept, at the end, less that at which they are carried."""
 
     @cached_property
     def raw(self) -> Array:
-        """With respect to y and p (free states and coordinates that advance, n + 1).
+        """With respect to starts and p (free states and coordinates that advance, n + 1).
 
         What has none is no finite number.
         """
@@ -271,9 +410,23 @@ class Derivatives:
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        if map_.path is not None and (stretch := map_.stretch(self.mechanism, self.value)):
+        if map_.path is not None:
             found = found.copy()
-            found[:, -1] += self.rate * stretch
+            if map_.section is None and (stretch := map_.stretch(self.mechanism, self.value)):
+                found[:, -1] += self.rate * stretch
+            carried, level = map_.drift(self.mechanism, self.value)
+            found[:, -1] -= self.period * carried
+            if map_.section is not None:
+                found[:, -1] += found[:, map_.slot] * level
+        return found
+
+    @cached_property
+    def by_unknowns(self) -> Array:
+        """With respect to y and p, among which the length of a cycle may be (n + 1 columns)."""
+        found, map_ = self.all, self.map
+        if map_.section is not None:
+            found = found.copy()
+            found[:, map_.slot] = map_.cycles * self.rate
         return found
 
 
@@ -282,7 +435,7 @@ class Shot:
     """One run over the period of an orbit that is sought."""
 
     y: Array
-    """Free states at the start (n,)."""
+    """Free states at the start, in the place of one perhaps the length of a cycle (n,)."""
     value: float
     """The parameter; NaN if none varies."""
     mechanism: Mechanism
@@ -292,9 +445,9 @@ class Shot:
     period: float
     """Length of the run [s]."""
     residual: Array
-    """F (n,)."""
+    """F (n,); in the place of the length of a cycle how much too late it ends."""
     scale: Array
-    """Size of each free state in the run (n,)."""
+    """Size of each unknown in the run (n,)."""
     error: float
     """Largest residual over the size of its state."""
     came: Array
@@ -313,23 +466,32 @@ class Shot:
         """Free states once a cycle, those at the start first (m, n)."""
         map_ = self.derivatives.map
         times: Array = np.arange(1.0, map_.cycles) * (self.period / map_.cycles)
-        later = self.run.at(times)[:, list(map_.free)] if len(times) else ()
+        if not len(times):
+            return self.y[None]
+        later = (self.run.at(times) - times[:, None] * map_.speeds(self.mechanism))[:, map_.free]
+        if map_.section is not None:
+            later[:, map_.slot] = self.y[map_.slot]
         return np.vstack([self.y, *later])
 
     @property
     def monodromy(self) -> Array:
-        """M (n, n)."""
-        return self.derivatives.all[: len(self.y), : len(self.y)]
+        """M (n, n); with a section, of the return to it (n - 1, n - 1)."""
+        found, map_ = self.derivatives.all[: len(self.y), : len(self.y)], self.derivatives.map
+        if map_.section is None:
+            return found
+        rate = self.derivatives.rate[: len(self.y)]
+        back = found - np.outer(rate / rate[map_.slot], found[map_.slot])
+        return np.delete(np.delete(back, map_.slot, axis=0), map_.slot, axis=1)
 
     @property
     def slope(self) -> Array:
         """dF/dp (n,); 0 if no parameter varies."""
-        return self.derivatives.all[: len(self.y), -1]
+        return self.jacobian[:, -1]
 
     @property
     def rise(self) -> Array:
         """Derivatives of the advance with respect to y and p (coordinates, n + 1)."""
-        return self.derivatives.all[len(self.y) :]
+        return self.derivatives.by_unknowns[len(self.y) :]
 
     def sensed(self) -> "Shot":
         """Return the shot if it has derivatives, without which it is a `SimulationError`."""
@@ -351,8 +513,11 @@ class Shot:
         """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
         # How the end changes as each start changes by its size.
         value = abs(self.value) if math.isfinite(self.value) else 0.0
-        end = np.abs(self.derivatives.all[: len(self.y)])
-        return np.asarray(end @ [*self.scale.tolist(), value] <= LOST * self.scale)
+        end = np.abs(self.derivatives.by_unknowns[: len(self.y)])
+        found = np.asarray(end @ [*self.scale.tolist(), value] <= LOST * self.scale)
+        if self.derivatives.map.section is not None:
+            found[self.derivatives.map.slot] = False
+        return found
 
     def moved(self, y: Array) -> Array:
         """Return a start, with what is lost exactly where it ends."""
@@ -361,8 +526,13 @@ class Shot:
     @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
-        found = self.derivatives.all[: len(self.y)].copy()
+        found, map_ = self.derivatives.by_unknowns[: len(self.y)].copy(), self.derivatives.map
         found.flat[:: found.shape[1] + 1] -= 1.0
+        if map_.section is not None:
+            # its start is at the level, and it ends too late by what it is off over its velocity
+            found[map_.slot, map_.slot] += 1.0
+            found[map_.slot, -1] -= map_.drift(self.mechanism, self.value)[1]
+            found[map_.slot] /= self.derivatives.rate[map_.slot]
         return found
 
 
@@ -386,6 +556,8 @@ class ReturnMap:
     """Indices of those that are solved for."""
     moving: tuple[int, ...]
     """Indices of the coordinates on which nothing depends."""
+    section: Section | None = None
+    """Where cycles begin whose length is unknown."""
     path: str | None = None
     """Full path of the parameter."""
     between: tuple[float, float] | None = None
@@ -405,6 +577,40 @@ class ReturnMap:
     def kept(self) -> list[int]:
         """Indices of the states that are solved for, then of those on which nothing depends."""
         return [*self.free, *self.moving]
+
+    @cached_property
+    def slot(self) -> int:
+        """Place among the unknowns of the length of a cycle, where the section's state would be."""
+        return self.names.index(self.section.state) if self.section else -1
+
+    @cached_property
+    def unknowns(self) -> tuple[str, ...]:
+        """Names of what is solved for."""
+        if self.section is None:
+            return self.names
+        return tuple(CYCLE if k == self.slot else name for k, name in enumerate(self.names))
+
+    def unknowns_of(self, orbit: Orbit) -> Array:
+        """Return what an orbit has of what is solved for."""
+        known = {**orbit.start, CYCLE: orbit.period / orbit.cycles}
+        return np.array([known[name] for name in self.unknowns])
+
+    def speeds(self, mechanism: Mechanism) -> Array:
+        """Return how fast each state is carried along."""
+        return speeds_of(mechanism, self.states)
+
+    def drift(self, mechanism: Mechanism, value: float) -> tuple[Array, float]:
+        """Return how the speeds of what is kept change with the parameter, and the level."""
+        if not mechanism.carried() or not str(self.path).startswith("mechanism."):
+            return np.zeros(len(self.kept)), 0.0
+        h = PERIOD_STEP * (abs(value) or 1.0)
+        above, below = (
+            replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h)
+        )
+        found = (self.speeds(above) - self.speeds(below))[self.kept] / (2.0 * h)
+        if self.section is None:
+            return found, 0.0
+        return found, (self.section.at(above) - self.section.at(below)) / (2.0 * h)
 
     @cached_property
     def paths(self) -> list[str]:
@@ -478,8 +684,10 @@ class ReturnMap:
             return found
         return vary(root, prefix, {path: value})
 
-    def duration(self, mechanism: Mechanism, value: float) -> float:
-        """Return m T [s] at a value of the parameter."""
+    def duration(self, mechanism: Mechanism, value: float, y: Array | None = None) -> float:
+        """Return m T [s] at a value of the parameter; T is among the unknowns with a section."""
+        if self.section is not None and y is not None:
+            return self.cycles * float(y[self.slot])
         if self.period is not None:
             return self.cycles * self.period
         if self.power is None:
@@ -505,6 +713,8 @@ class ReturnMap:
         start = [float(begin.get(name, 0.0)) for name in self.states]
         for i, x in zip(self.free, given, strict=True):
             start[i] = 0.0 if abs(x) <= least else x
+        if self.section is not None:
+            start[self.free[self.slot]] = self.section.at(mechanism)
         return start
 
     def run(
@@ -516,7 +726,9 @@ class ReturnMap:
         """
         mechanism, law = self.pair(value)
         start = self.begin(mechanism, y)
-        period = self.duration(mechanism, value)
+        period = self.duration(mechanism, value, y)
+        if not period > 0.0:
+            raise SimulationError("a step has led to no length of a cycle.")
         run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=self.form_at(value))
         if not run.status.complete:
             raise SimulationError(run.status.value)
@@ -535,17 +747,29 @@ class ReturnMap:
         """
         mechanism, law, start, run = self.run(y, value)
         period = run.differentiate.t_end
-        y = np.array([start[i] for i in self.free])
-        states, n = run.at(period * _SHARES)[:, self.kept], len(self.free)
+        times, n, begun = period * _SHARES, len(self.free), np.array([start[i] for i in self.free])
+        states = (run.at(times) - times[:, None] * self.speeds(mechanism))[:, self.kept]
         ends = states[ORBIT_TIMES - 1 :]  # right before the end, too
-        residual = ends[0, :n] - y
-        if most is not None and (np.abs(residual) > most).any():
-            raise SimulationError("a step has led farther from an orbit.")
+        residual, half = ends[0, :n] - begun, states[ORBIT_TIMES // 2, :n] - begun
         size = np.abs(states[:, :n]).max(axis=0)
         if not size.all():
             size[size == 0.0] = max(size.max(initial=0.0), _TINY)
         # One-sided differences of second order: behind the end there is no run.
         rate = _BACKWARD @ ends / period
+        if self.section is not None:
+            if (np.ptp(states[:, :n], axis=0) <= STEADY * size).all():
+                raise SimulationError("the cycle has shrunk to steady sliding.")
+            if not rate[self.slot] * period > LOST * size[self.slot]:
+                raise SimulationError(
+                    f"{self.section.state} does not pass the level at which cycles begin upwards:"
+                    " give another section."
+                )
+            residual[self.slot] /= rate[self.slot]
+            begun[self.slot] = size[self.slot] = y[self.slot]
+            half[self.slot] = 0.0
+        y = begun
+        if most is not None and (np.abs(residual) > most).any():
+            raise SimulationError("a step has led farther from an orbit.")
         return Shot(
             y=y,
             value=value,
@@ -557,8 +781,8 @@ class ReturnMap:
             error=float((np.abs(residual) / size).max(initial=0.0)),
             came=ends[0, n:] - [start[i] for i in self.moving],
             off=np.zeros(n + 1),
-            half=states[ORBIT_TIMES // 2, :n] - y,
-            derivatives=Derivatives(self, mechanism, value, run, rate),
+            half=half,
+            derivatives=Derivatives(self, mechanism, value, run, period, rate),
             run=run,
         )
 
@@ -571,7 +795,7 @@ class ReturnMap:
             value=value,
             mechanism=mechanism,
             law=law,
-            period=self.duration(mechanism, value),
+            period=self.duration(mechanism, value, y),
             residual=np.zeros_like(shot.residual),
             error=0.0,
             off=np.append(y - shot.y, value - shot.value),
@@ -589,8 +813,9 @@ class ReturnMap:
     def orbit(self, shot: Shot) -> Orbit:
         """Return the orbit that a shot has closed."""
         begin = dict(zip(self.names, shot.y.tolist(), strict=True))
+        if self.section is not None:
+            begin[self.section.state] = self.section.at(shot.mechanism)
         start = initial_state("orbit", shot.mechanism, shot.law, begin)
-        moving = [self.states[i] for i in self.moving]
         events = shot.run.events()
         return Orbit(
             mechanism=shot.mechanism,
@@ -598,14 +823,21 @@ class ReturnMap:
             cycles=self.cycles,
             period=shot.period,
             start=dict(zip(self.states, start, strict=True)),
-            free=self.names,
-            advance=dict(zip(moving, shot.advance.tolist(), strict=True)),
+            free=tuple(name for name in self.unknowns if name != CYCLE),
+            advance=self.advances(shot),
             monodromy=shot.monodromy,
             residual=shot.error,
             events=events,
             modes=first_modes(shot.mechanism, shot.run, events),
             solver=self.solver,
+            section=self.section,
         )
+
+    def advances(self, shot: Shot) -> dict[str, float]:
+        """Return how far each coordinate comes on which nothing depends, or that is carried."""
+        moving = [self.states[i] for i in self.moving]
+        carried = {q: float(v) * shot.period for q, v in shot.mechanism.carried().items()}
+        return carried | dict(zip(moving, shot.advance.tolist(), strict=True))
 
 
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
@@ -648,8 +880,13 @@ def return_map(
     period: float | None,
     solver: EventDriven,
     path: str | None = None,
+    section: Section | None = None,
+    cycle: float | None = None,
 ) -> ReturnMap:
-    """Return the map whose fixed points are sought, with its free states."""
+    """Return the map whose fixed points are sought, with its free states.
+
+    With a section the length of a cycle is unknown, of which only the size is given.
+    """
     refuse_late(mechanism)
     states = states_of(mechanism, law)
     prescribed = {
@@ -658,7 +895,7 @@ def return_map(
         if q in mechanism.guided()
         for name in (q, rate)
     }
-    cycle = cycle_of(mechanism) if period is None else period
+    cycle = cycle or (cycle_of(mechanism) if period is None else period)
     moving = _translations(mechanism, law, states, prescribed, cycle, solver)
     known = prescribed | set(moving)
     return ReturnMap(
@@ -670,6 +907,7 @@ def return_map(
         states=states,
         free=tuple(i for i, name in enumerate(states) if name not in known),
         moving=tuple(states.index(name) for name in moving),
+        section=section,
         path=path,
     )
 
@@ -713,7 +951,7 @@ def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
         if shot.error <= map_.tolerance:
             return shot
         # Scaled by the sizes of states, by which least squares choose within a continuum.
-        matrix = (shot.monodromy - np.eye(len(y))) * shot.scale / shot.scale[:, None]
+        matrix = shot.jacobian[:, :-1] * shot.scale / shot.scale[:, None]
         step = -np.linalg.lstsq(matrix, shot.residual / shot.scale, rcond=1e-12)[0] * shot.scale
         better = _halved(map_, shot, step)
         if better is None:
