@@ -32,8 +32,8 @@ from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
 from stickslip.study.sweep.orbits import CYCLE as CYCLE
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
-from stickslip.study.sweep.validation import Band as Band
 from stickslip.study.sweep.sections import Section as Section
+from stickslip.study.sweep.validation import Band as Band
 from stickslip.study.sweep.validation import ParameterAgreement as ParameterAgreement
 from stickslip.study.sweep.validation import Refit as Refit
 from stickslip.study.sweep.validation import Spread as Spread
