@@ -52,20 +52,19 @@ from numpy.typing import NDArray
 
 from stickslip.engine.solver import path_units
 from stickslip.errors import InputError, SimulationError, UnknownNameError
-from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,
+    Returns,
     Shot,
     Signature,
     refuse_cut,
     refuse_late,
     return_map,
     solved,
+    value_of,
 )
 from stickslip.study.sweep.parameter_grid import (
     Array,
@@ -366,7 +365,7 @@ def continue_orbit(
             f"continue_orbit: {full} is not a parameter of the equations; give one of the"
             " mechanism or of the law."
         )
-    value = _value(mechanism, law, full)
+    value = value_of(law if full.startswith("friction.") else mechanism, full)
     if not low <= value <= high:
         unit = unit_of(mechanism, law, full)
         raise InputError(
@@ -387,7 +386,7 @@ def continue_orbit(
     unit = unit_of(mechanism, law, full)
     curve = Curve(map_, low, high, unit, step, int(points), LEAST_STEP)
     return curve.branch(
-        curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
+        curve.doubled(map_, orbit, y, value) if doubled else curve.point(solved(map_, y, value))
     )
 
 
@@ -419,11 +418,6 @@ def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
         if map_.period is not None:  # which may fit at both ends by chance
             refuse_cut(mechanism, map_.cycles * map_.period)
     return replace(map_, between=between)
-
-
-def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
-    roots = ((mechanism, "mechanism"), (law, "friction"))
-    return next(v for root, prefix in roots for p, _, v in parameters(root, prefix) if p == full)
 
 
 @dataclass(frozen=True)
@@ -564,7 +558,7 @@ class Curve:
 
     def __init__(
         self,
-        map_: ReturnMap,
+        map_: Returns,
         low: float,
         high: float,
         unit: str,
@@ -573,6 +567,9 @@ class Curve:
         least: float,
     ) -> None:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
+        self.box = [(-1, low, high, unit)]
+        self.tests = TESTS
+        self.accept: Callable[[Point], object] = _nothing
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
@@ -709,8 +706,8 @@ class Curve:
 
     # -- the walk
 
-    def branch(self, first: Point) -> Branch:
-        """Follow a branch to both sides of a point."""
+    def both(self, first: Point) -> tuple[list[Point], list[Event], tuple[str, str]]:
+        """Follow a branch to both sides of a point; return why it ends, too."""
         self.backward = True  # events are told in the order of the points
         turned = replace(first, along=-first.tangent)
         scale = self.scale  # that of the tangent; a walk goes on to others
@@ -721,27 +718,35 @@ class Curve:
         offset = len(back) - 1
         events = [replace(e, index=offset - 1 - e.index) for e in reversed(before)]
         events += [replace(e, index=offset + e.index) for e in after]
+        return points, events, (begun, ended)
+
+    def branch(self, first: Point) -> Branch:
+        """Follow a branch to both sides of a point."""
+        map_ = self.map
+        if not isinstance(map_, ReturnMap):
+            raise TypeError("a branch is one of a return map.")
+        points, events, ends = self.both(first)
         shots = [point.shot for point in points]
         advances = np.array([shot.advance for shot in shots]).reshape(len(shots), -1)
         multipliers = np.array([point.multipliers for point in points])
         order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
         return Branch(
-            path=str(self.map.path),
+            path=str(map_.path),
             unit=self.unit,
-            cycles=self.map.cycles,
-            states=self.map.names,
-            units=units_of(self.map),
+            cycles=map_.cycles,
+            states=map_.names,
+            units=units_of(map_),
             values=np.array([shot.value for shot in shots]),
             starts=np.array([shot.y for shot in shots]),
             periods=np.array([shot.period for shot in shots]),
             multipliers=np.take_along_axis(multipliers, order, axis=1),
             advances={
-                self.map.states[i]: advances[:, k] for k, i in enumerate(self.map.moving)
+                map_.states[i]: advances[:, k] for k, i in enumerate(map_.moving)
             },
             events=tuple(events),
-            ends=(begun, ended),
+            ends=ends,
             runs=self.runs,
-            map=self.map,
+            map=map_,
         )  # fmt: skip
 
     def walk(self, first: Point) -> tuple[list[Point], str, list[Event]]:
@@ -782,6 +787,7 @@ class Curve:
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
+            self.accept(there)
             ended = self.ended(first, points)
             if ended:
                 return [*points[:-1], *self.before_known(here, there)], ended, events
@@ -945,24 +951,39 @@ class Curve:
         value = quantity(last.shot.value, self.unit, 5)
         return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
 
-    def limit(self, here: Point, there: Point) -> float | None:
-        """Return the end of the range that a step leaves behind, from within or from it."""
-        if there.shot.value < self.low <= here.shot.value:
-            return self.low
-        return self.high if there.shot.value > self.high >= here.shot.value else None
+    def limit(self, here: Point, there: Point) -> tuple[float, int, float, str] | None:
+        """Return what end of a range a step leaves behind, from within or from it, if any.
+
+        That is the share of the step, the place among the unknowns, the end and its unit.
+        """
+        a, b = self.unscaled(here.shot), self.unscaled(there.shot)
+        left = [
+            ((edge - a[i]) / (b[i] - a[i]), i, edge, unit)
+            for i, low, high, unit in self.box
+            for edge, side in ((low, 1.0), (high, -1.0))
+            if side * b[i] < side * edge <= side * a[i]
+        ]
+        return min(left, default=None)
 
     def cut(
-        self, points: list[Point], there: Point, edge: float, events: list[Event]
+        self,
+        points: list[Point],
+        there: Point,
+        end: tuple[float, int, float, str],
+        events: list[Event],
     ) -> tuple[list[Point], str, list[Event]]:
-        """End a branch right at the end of the range."""
-        here = points[-1]
-        share = (edge - here.shot.value) / (there.shot.value - here.shot.value)
-        with suppress(SimulationError, InputError):  # else the last point stands a step before it
-            if share > 0.0:
-                shot = solved(self.map, here.shot.y + share * (there.shot.y - here.shot.y), edge)
+        """End a branch right at the end of a range."""
+        here, (share, i, edge, unit) = points[-1], end
+        if share > 0.0:  # else the last point stands right there
+            u0, chord = here.unknowns, there.unknowns - here.unknowns
+            across = np.eye(len(u0))[i]
+            found = self.correct(u0, across, edge / self.scale[i] - u0[i], u0 + share * chord)
+            if found is not None:
+                y, value = found[0].y, found[0].value
+                shot = self.map.nearby(found[0], y, edge if i == -1 else value)
                 points.append(self.point(shot, there.tangent))
         inside = [e for e in events if self.low <= e.value <= self.high]
-        return points, f"It reaches {quantity(edge, self.unit, 6)}.", inside
+        return points, f"It reaches {quantity(edge, unit, 6)}.", inside
 
     def closes(self, first: Point, here: Point, there: Point) -> bool:
         """Whether a step passes the first point: the branch is a closed curve."""
@@ -1139,7 +1160,7 @@ class Curve:
         """Return the events in a step in which the same happens, each located."""
         found: list[tuple[float, Event]] = []
         step = _Part(0.0, ds, here, there)
-        for kind, sentence, test in TESTS:
+        for kind, sentence, test in self.tests:
             ends = test(here), test(there)
             if ends[0] * ends[1] < 0.0:
                 least = ROUNDING * max(map(abs, ends))
@@ -1148,7 +1169,7 @@ class Curve:
         crossed = {event.kind for _, event in found}
         if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
             found = [pair for pair in found if pair[1].kind != "fold"]
-        near_torus = self.torus(step, u0, here.tangent)
+        near_torus = self.torus(step, u0, here.tangent) if self.tests is TESTS else None
         if near_torus is not None:
             s, a = near_torus
             found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
@@ -1203,8 +1224,8 @@ class Curve:
 
     # -- doubled branches
 
-    def doubled(self, orbit: Orbit, y: Array, value: float) -> Point:
-        """Return a point of the branch that leaves at a period doubling."""
+    def doubled(self, map_: ReturnMap, orbit: Orbit, y: Array, value: float) -> Point:
+        """Return a point of the branch of a map that leaves at a period doubling."""
         values, vectors = np.linalg.eig(orbit.monodromy)
         nearest = int(np.argmin(np.abs(values + 1.0)))
         if abs(values[nearest] + 1.0) > AT_CIRCLE:
@@ -1213,7 +1234,7 @@ class Curve:
                 " `orbit` of a period doubling among a branch's events; the nearest multiplier is"
                 f" {number(float(values[nearest].real), 3)}."
             )
-        base = replace(self.map, cycles=orbit.cycles)
+        base = replace(map_, cycles=orbit.cycles)
         shot = base.shoot(y, value)
         self.scale = np.append(shot.scale, self.high - self.low)
         old = self.point(shot).tangent
@@ -1235,6 +1256,10 @@ class Curve:
             f"no branch of period {self.map.cycles} leaves at"
             f" {quantity(value, self.unit, 6)}: what is near there closes after {orbit.cycles}."
         )
+
+
+def _nothing(_: Point) -> None:
+    """Note nothing of a point."""
 
 
 def units_of(map_: ReturnMap) -> dict[str, str]:

@@ -587,7 +587,7 @@ class _Search:
                 # nothing leaves where a multiplier jumps across -1
                 with suppress(SimulationError, InputError):
                     doubled = self.curve(2 * branch.cycles)
-                    self.followed(doubled, doubled.doubled(event.orbit, y, event.value))
+                    self.followed(doubled, doubled.doubled(self.map, event.orbit, y, event.value))
         for shot in curve.halved:
             half = replace(self.map, cycles=branch.cycles // 2)
             with suppress(SimulationError, InputError):

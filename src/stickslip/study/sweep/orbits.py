@@ -27,7 +27,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias, TypeVar
+from typing import Protocol, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -243,20 +243,90 @@ class Derivatives:
         A run that has none is a `SimulationError`.
         """
         map_, n = self.map, len(self.map.free)
-        # States that the mechanism begins with change with its parameters.
-        told = tuple(name for name in self.mechanism.start() if name not in map_.names)
-        sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
-        taken = sense(np.array([sense.t_end]), map_.paths)[0][map_.kept]
+        taken = self.at(self.run.differentiate.t_end)[map_.kept]
         if not math.isfinite(taken.sum()):
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        found = np.zeros((len(taken), n + 1))
+        found = np.zeros((len(taken), max(n + 1, taken.shape[1])))
         found[:, : taken.shape[1]] = taken
-        if map_.path is not None and (stretch := map_.stretch(self.mechanism, self.value)):
-            found[:, n] += self.rate * stretch
+        for column, path in enumerate(map_.paths[n:], n):
+            if stretch := map_.stretch(self.mechanism, self.value, path):
+                found[:, column] += self.rate * stretch
         return found
+
+    def at(self, time: float) -> Array:
+        """Return those of all states at a time (states, paths), which may not be finite."""
+        map_ = self.map
+        # States that the mechanism begins with change with its parameters.
+        told = tuple(name for name in self.mechanism.start() if name not in map_.names)
+        sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
+        return np.asarray(sense(np.array([time]), map_.paths)[0])
+
+    @property
+    def monodromy(self) -> Array:
+        """M (n, n)."""
+        n = len(self.map.free)
+        return self.all[:n, :n]
+
+
+class Sensed(Protocol):
+    """Derivatives of a shot."""
+
+    @property
+    def map(self) -> "Returns":
+        """Whose run it was."""
+        ...
+
+    @property
+    def all(self) -> Array:
+        """With respect to y and p, of the free states and of coordinates that advance."""
+        ...
+
+    @property
+    def monodromy(self) -> Array:
+        """Derivatives of the free states after the period with respect to their start."""
+        ...
+
+
+class Returns(Protocol):
+    """What a continuation needs of a map."""
+
+    @property
+    def cycles(self) -> int:
+        """Cycles after which orbits close."""
+        ...
+
+    @property
+    def free(self) -> tuple[int, ...]:
+        """Indices of the states that are solved for."""
+        ...
+
+    @property
+    def tolerance(self) -> float:
+        """Largest residual over the size of each unknown."""
+        ...
+
+    def shoot(self, y: Array, value: float = ..., most: Array | None = ...) -> "Shot":
+        """Run over the period, as `ReturnMap.shoot`."""
+        ...
+
+    def happens(self, y: Array, value: float) -> Signature:
+        """Return what happens in the period."""
+        ...
+
+    def nearby(self, shot: "Shot", y: Array, value: float) -> "Shot":
+        """Return what closes so near a shot that derivatives and events are those of its run."""
+        ...
+
+    def signature(self, mechanism: Mechanism, run: BareRun) -> Signature:
+        """Return what happens in a run."""
+        ...
+
+    def orbit(self, shot: "Shot") -> Orbit:
+        """Return the orbit that a shot has closed."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -285,7 +355,7 @@ class Shot:
     """What y and p are beyond those of the run (n + 1,)."""
     half: Array
     """Free states after half the period less those at the start (n,)."""
-    derivatives: "Derivatives"
+    derivatives: Sensed
     """Derivatives of the run, taken when they are asked for."""
     run: BareRun
     """The run."""
@@ -296,17 +366,17 @@ class Shot:
         map_ = self.derivatives.map
         times: Array = np.arange(1.0, map_.cycles) * (self.period / map_.cycles)
         later = self.run.at(times)[:, list(map_.free)] if len(times) else ()
-        return np.vstack([self.y, *later])
+        return np.vstack([self.y, *(np.append(one, self.y[len(one) :]) for one in later)])
 
     @property
     def monodromy(self) -> Array:
         """M (n, n)."""
-        return self.derivatives.all[: len(self.y), : len(self.y)]
+        return self.derivatives.monodromy
 
     @property
     def slope(self) -> Array:
         """dF/dp (n,); 0 if no parameter varies."""
-        return self.derivatives.all[: len(self.y), -1]
+        return self.derivatives.all[: len(self.y), len(self.y)]
 
     @property
     def rise(self) -> Array:
@@ -334,7 +404,8 @@ class Shot:
         # How the end changes as each start changes by its size.
         value = abs(self.value) if math.isfinite(self.value) else 0.0
         end = np.abs(self.derivatives.all[: len(self.y)])
-        return np.asarray(end @ [*self.scale.tolist(), value] <= LOST * self.scale)
+        sizes = np.array([*self.scale.tolist(), value])
+        return np.asarray(end[:, : len(sizes)] @ sizes <= LOST * self.scale)
 
     def moved(self, y: Array) -> Array:
         """Return a start, with what is lost exactly where it ends."""
@@ -372,6 +443,8 @@ class ReturnMap:
     """Full path of the parameter."""
     between: tuple[float, float] | None = None
     """Values of it that were checked, as all between them are: what is asked of it are bounds."""
+    beside: tuple[str, ...] = ()
+    """Full paths of further parameters with derivatives."""
 
     @property
     def tolerance(self) -> float:
@@ -391,7 +464,11 @@ class ReturnMap:
     @cached_property
     def paths(self) -> list[str]:
         """Paths of derivatives: starts of the free states, and the parameter."""
-        return [*map("initial.{}".format, self.names), *([self.path] if self.path else [])]
+        return [
+            *map("initial.{}".format, self.names),
+            *([self.path] if self.path else []),
+            *self.beside,
+        ]
 
     @cached_property
     def power(self) -> int | None:
@@ -554,12 +631,16 @@ class ReturnMap:
             off=np.append(y - shot.y, value - shot.value),
         )
 
-    def stretch(self, mechanism: Mechanism, value: float) -> float:
-        """Return how the period changes with the parameter, m dT/dp."""
-        if self.power is not None:
+    def stretch(self, mechanism: Mechanism, value: float, path: str) -> float:
+        """Return how the period changes with a parameter, m dT/dp."""
+        if path != self.path:
+            if self.period is not None or not path.startswith("mechanism."):
+                return 0.0
+            value = value_of(mechanism, path)
+        elif self.power is not None:
             return self.power * self.duration(mechanism, value) / value if self.power else 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
-        near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
+        near = (replaced(mechanism, "mechanism", path, value + s) for s in (h, -h))
         above, below = map(cycle_of, near)
         return self.cycles * (above - below) / (2.0 * h)
 
@@ -588,6 +669,12 @@ class ReturnMap:
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _BACKWARD = np.array([1.5, -2.0, 0.5]) / END_STEP
 _SHARES = np.append(np.linspace(0.0, 1.0, ORBIT_TIMES), 1.0 - END_STEP * np.array([1.0, 2.0]))
+
+
+def value_of(root: Mechanism | FrictionLaw | Laws, path: str) -> float:
+    """Return the value of the parameter at a full path."""
+    known = parameters(root, path.partition(".")[0])
+    return next(float(value) for full, _, value in known if full == path)
 
 
 def refuse_cut(mechanism: Mechanism, period: float) -> None:
