@@ -752,6 +752,7 @@ class Curve:
     def walk(self, first: Point) -> tuple[list[Point], str, list[Event]]:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
         (first,) = self.fit(first)
+        self.accept(first)
         points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
         self.trails.append(self.unscaled(first.shot)[None])
         while len(points) <= self.most:

@@ -184,6 +184,9 @@ def margins(run: BareRun, t: Array) -> Array:
 class _Condition(Protocol):
     """What makes an orbit one at an event."""
 
+    at: float
+    """Time over the period at which the last run was looked at."""
+
     def __call__(self, shot: Shot) -> tuple[float, bool]:
         """Return g, and whether the run lies beyond the contact."""
         ...
@@ -192,7 +195,7 @@ class _Condition(Protocol):
         """Return the derivatives of g with respect to y, p and q, each over its size (n + 2,)."""
         ...
 
-    def accept(self, shot: Shot, scale: Array) -> None:
+    def accept(self, shot: Shot, scale: Array, at: float) -> None:
         """Take the next point of the curve for what its neighbours are solved with."""
         ...
 
@@ -200,17 +203,19 @@ class _Condition(Protocol):
 class _Singular:
     """M + s is singular: bordered system."""
 
+    at = 0.0
+
     def __init__(self, sign: float, shot: Shot) -> None:
         self.sign, self.scale = sign, shot.scale
         self.border = self.other = np.empty(0)
-        self.accept(shot, shot.scale)
+        self.accept(shot, shot.scale, 0.0)
 
     def matrix(self, shot: Shot) -> Array:
         """Return M + s in scaled states."""
         found: Array = shot.monodromy * self.scale / self.scale[:, None]
         return found + self.sign * np.eye(len(found))
 
-    def accept(self, shot: Shot, scale: Array) -> None:
+    def accept(self, shot: Shot, scale: Array, at: float) -> None:
         self.scale = scale
         left, _, right = np.linalg.svd(self.matrix(shot))
         b, c = left[:, -1], right[-1]
@@ -253,9 +258,8 @@ class _Distance:
     at = 0.0
     """The same of the last run."""
 
-    def accept(self, shot: Shot, scale: Array) -> None:
-        self(shot)
-        self.phase = self.at
+    def accept(self, shot: Shot, scale: Array, at: float) -> None:
+        self.phase = at
 
     def __call__(self, shot: Shot) -> tuple[float, bool]:
         raise NotImplementedError
@@ -333,14 +337,15 @@ class _Turn(_Distance):
         columns = shot.run.playback(np.clip(turn.t + period * ALONG * _AROUND, 0.0, period))
         friction, load = (_column(columns, n, self.contact) for n in _HOLDS[:2])
         level = level_of(shot.law, self.contact, -turn.from_mode, load[1])
+        side, beyond = (1.0 if self.sticks else -1.0), (turn.reason == "stop") != self.sticks
         if turn.margin != 0.0:
-            return turn.margin / level, (turn.reason == "stop") != self.sticks
+            return side * turn.margin / level, beyond
         # one-sided values at the turn; the acceleration is linear in the friction
         before, after = 2.0 * friction[1] - friction[0], 2.0 * friction[2] - friction[3]
         rate = columns[_rate_of(shot.mechanism, self.contact)]
         a, b = 2.0 * rate[1] - 0.5 * rate[0], 2.0 * rate[2] - 0.5 * rate[3]
         needed = before + a * (after - before) / (a + b)
-        return 1.0 - abs(needed) / level, (turn.reason == "stop") != self.sticks
+        return side * (1.0 - abs(needed) / level), beyond
 
 
 _AROUND = np.array([-2.0, -1.0, 1.0, 2.0])
@@ -394,16 +399,21 @@ class Plane:
 
     def shoot(self, y: Array, value: float = np.nan, most: Array | None = None) -> Shot:
         """Run over the period from free states and the first parameter in one vector."""
-        bound = None if most is None else most[:-1]
-        u = np.append(y, value)
-        shot = self.at(value).shoot(y[:-1], float(y[-1]), bound)
+        found = self.near(np.append(y, value))
+        if most is not None and (np.abs(found.residual) > most).any():
+            raise SimulationError("a step has led farther from an orbit.")
+        return found
+
+    def near(self, u: Array) -> Shot:
+        """Return what a run from unknowns tells, or one in front of a contact near them."""
+        shot = self.at(float(u[-1])).shoot(u[:-2], float(u[-2]))
         g, beyond = self.condition(shot)
         if not beyond:
             return self.shot(u, u, shot, g)
         back = self.back / float(self.back @ self.back) * self.sizes(shot)
         for k in range(MOST_BACK):
             moved = u + 2.0**k * (abs(g) + SAFE) * back
-            other = self.at(moved[-1]).shoot(moved[:-2], float(moved[-2]), bound)
+            other = self.at(moved[-1]).shoot(moved[:-2], float(moved[-2]))
             least, beyond = self.condition(other)
             if not beyond:
                 return self.shot(u, moved, other, least)
@@ -412,7 +422,7 @@ class Plane:
     def shot(self, u: Array, moved: Array, shot: Shot, g: float) -> Shot:
         """Return what a run tells at unknowns, extrapolated from those that it was made at."""
         width = self.widths[0]
-        derivatives = Sensing(self, shot, float(moved[-1]))
+        derivatives = Sensing(self, shot, float(moved[-1]), self.condition.at)
         residual, off = np.append(shot.residual, g * width), u - moved
         scale = np.append(shot.scale, width)
         if off.any():
@@ -472,6 +482,8 @@ class Sensing:
     """The run of the orbit."""
     value: float
     """The second parameter."""
+    at: float
+    """Time over the period at which the contact is touched."""
 
     @cached_property
     def all(self) -> Array:
@@ -715,7 +727,8 @@ def continue_event(
         )
 
     def accept(point: Point) -> None:
-        plane.condition.accept(plane.base_of(point.shot), curve.scale[:-2])
+        if isinstance(own := point.shot.derivatives, Sensing):
+            plane.condition.accept(own.shot, curve.scale[:-2], own.at)
 
     curve.accept = accept
     return _curve(event.kind, curve, plane, first[0], full, units)
@@ -726,7 +739,6 @@ def _curve(
 ) -> EventCurve:
     """Follow a curve from its first orbit to both sides."""
     begin = curve.point(first)
-    curve.accept(begin)
     found, events, ends = curve.both(begin)
     (low, high), met = curve.box[1][1:3], []
     for event in events:
