@@ -53,12 +53,14 @@ from stickslip.study.sweep import (
     Factor,
     Levels,
     Normal,
+    OrbitChart,
     OrbitDiagram,
     SensitivityIndices,
     Uniform,
     VelocityBand,
     VelocityMap,
     average_velocity,
+    orbit_chart,
     orbit_diagram,
     velocity_band,
 )
@@ -549,6 +551,9 @@ def _numbers(text: str) -> tuple[str, list[float], bool]:
 # ``stickslip orbits``.
 
 DIAGRAM_SIZE = (880, 400)
+CHART_SIZE = (880, 560)
+ORBIT_VALUES, CHART_CELLS = 61, 40
+"""Values at which runs settle, and cells of a chart along each parameter."""
 
 
 def run_orbits(options: option_groups.OrbitOptions) -> None:
@@ -557,7 +562,12 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
 
     output = options.output
     figure = _figure_beside(output, force=options.force)
-    name, between, values = _range(options.vary)
+    if not 1 <= len(options.vary) <= MOST_AXES:
+        raise InputError(f"--vary is given once or twice, got {len(options.vary)}.")
+    if len(options.vary) == MOST_AXES:
+        _run_chart(options, figure)
+        return
+    name, between, values = _range(options.vary[0])
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
     law = inputs.friction_of(chosen)
@@ -568,7 +578,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
             name,
             between,
             cycles=options.cycles,
-            values=options.values if values is None else values,
+            values=(options.values or ORBIT_VALUES) if values is None else values,
             settle=options.settle,
             y0=rig.start(law),
             progress=progress,
@@ -585,6 +595,60 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
     terminal.show_summary(found.in_short())
     stdout().print(f"\nWritten: {output}, {figure}")
+
+
+def _run_chart(options: option_groups.OrbitOptions, figure: Path) -> None:
+    """Find motions and curves over two parameters, write table and figure, show."""
+    from stickslip.show.plots import draw_orbit_chart, standalone_svg
+
+    ranges = [_range(text) for text in options.vary]
+    if any(values is not None for _, _, values in ranges):
+        raise InputError("--vary of a chart takes PATH=LOW:HIGH twice, got a list of values.")
+    rig, chosen = inputs.rig_and_friction(options)
+    terminal.refuse_inputs(options.output, rig.files)
+    law, cells = inputs.friction_of(chosen), options.values or CHART_CELLS
+    with Drawing("Following", "lines") as progress:
+        found = orbit_chart(
+            rig.mechanism,
+            law,
+            {name: between for name, between, _ in ranges},
+            cycles=options.cycles,
+            values=(cells, cells),
+            settle=options.settle,
+            y0=rig.start(law),
+            progress=progress,
+        )
+    svg = standalone_svg(draw_orbit_chart(found), size=CHART_SIZE, title="Periodic orbits")
+    units = {**found.units, **dict(zip(found.paths, found.parameter_units, strict=True))}
+    table = table_bytes(found.to_dataframe(), options.output, units)
+    write_files({options.output: table, figure: svg})
+    files = [str(options.output), str(figure)]
+    if options.as_json:
+        content = inputs.rig_content(rig, chosen) | _chart_content(found) | {"files": files}
+        terminal.print_json(document("orbits", content))
+        return
+    inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
+    terminal.show_summary(found.in_short())
+    stdout().print(f"\nWritten: {', '.join(files)}")
+
+
+def _chart_content(found: OrbitChart) -> dict[str, Any]:
+    return {
+        "axes": dict(zip(found.paths, found.axes, strict=True)),
+        "count": found.count,
+        "velocities": found.velocities,
+        "curves": [
+            {
+                **{name: getattr(curve, name) for name in ("kind", "cycles", "values", "ends")},
+                "points": [
+                    {name: getattr(p, name) for name in ("kind", "values", "sentence")}
+                    for p in curve.points
+                ],
+            }
+            for curve in found.curves
+        ],
+        "lost": found.lost,
+    }
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:

@@ -22,10 +22,15 @@ from stickslip.study.sweep.design import Levels as Levels
 from stickslip.study.sweep.design import Normal as Normal
 from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
 from stickslip.study.sweep.design import Uniform as Uniform
+from stickslip.study.sweep.event_curves import CodimensionTwo as CodimensionTwo
+from stickslip.study.sweep.event_curves import EventCurve as EventCurve
+from stickslip.study.sweep.event_curves import continue_event as continue_event
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
 from stickslip.study.sweep.mean_velocity import VelocityMap as VelocityMap
 from stickslip.study.sweep.mean_velocity import average_velocity as average_velocity
 from stickslip.study.sweep.mean_velocity import velocity_band as velocity_band
+from stickslip.study.sweep.orbit_charts import OrbitChart as OrbitChart
+from stickslip.study.sweep.orbit_charts import orbit_chart as orbit_chart
 from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
 from stickslip.study.sweep.orbits import Orbit as Orbit
@@ -39,6 +44,11 @@ from stickslip.study.sweep.validation import compare_estimates as compare_estima
 from stickslip.study.sweep.validation import validate as validate
 
 __all__ = [
+    "CodimensionTwo",
+    "EventCurve",
+    "OrbitChart",
+    "continue_event",
+    "orbit_chart",
     "Attractor",
     "Band",
     "Basins",

@@ -568,7 +568,7 @@ class Curve:
     ) -> None:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
         self.box = [(-1, low, high, unit)]
-        self.tests = TESTS
+        self.tests, self.hops = TESTS, False
         self.accept: Callable[[Point], object] = _nothing
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
@@ -835,6 +835,12 @@ class Curve:
         """
         here, free, ahead = points[-1], np.inf, _Predictor.of(points)
         shot = self.alike(here, ahead(ds))
+        if shot is None and self.hops:
+            # a border may run so near that the predictor is beyond it, and the curve is not
+            found = self.correct(u0, here.tangent, ds, ahead(ds), ds)
+            there = found and self.point(found[0], here.tangent)
+            if found and there and self.is_next(here, there, u0, ds):
+                return _Step(there, ds, found[1], free)
         if shot is None:
             ds, free = self.clear(here, ahead, ds)
             if ds == 0.0:

@@ -712,7 +712,7 @@ def continue_event(
     plane = Plane(base, full[1], widths, condition, shot, values[1])
     curve = Curve(plane, *ranges[1], units[1], step, int(points), LEAST_STEP)
     curve.box.append((-2, *ranges[0], units[0]))
-    curve.tests = tuple(WITH[event.kind])
+    curve.tests, curve.hops = tuple(WITH[event.kind]), True
     curve.scale = np.append(shot.scale, widths)
     curve.widest = curve.scale
     u = np.array([*shot.y.tolist(), shot.value, values[1]]) / curve.scale

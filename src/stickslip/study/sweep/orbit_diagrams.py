@@ -127,6 +127,8 @@ class OrbitDiagram(OnAxes, Tabular):
     """Processor time of the settled runs [s]."""
     branch_seconds: float
     """Processor time of the branches [s]."""
+    map: ReturnMap
+    """The map of period one whose runs settle."""
 
     @property
     def events(self) -> tuple[tuple[int, BranchEvent], ...]:
@@ -302,7 +304,7 @@ def orbit_diagram(
         PERIOD.check(owner, "period", period)
     first = return_map(mechanism, laws, 1, period, compiled(solver), full)
     first = within(first, (low, high))
-    search = _Search(
+    search = Search(
         first,
         (low, high),
         int(cycles),
@@ -329,7 +331,7 @@ def orbit_diagram(
     return search.diagram()
 
 
-class _Search:
+class Search:
     """Settled runs, and the branches that they lead to."""
 
     def __init__(
@@ -620,4 +622,5 @@ class _Search:
             branch_cycles=sum(branch.runs * branch.cycles for branch in self.branches),
             brute_seconds=self.seconds["brute"],
             branch_seconds=self.seconds["branches"],
+            map=self.map,
         )  # fmt: skip
