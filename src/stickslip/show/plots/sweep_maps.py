@@ -441,8 +441,8 @@ COINCIDE: Final = ("cusp", "fold-flip", "with fold", "with flip", "with grazing"
 """Ends of names of points of codimension two."""
 POINT_MARKS: Final = "*Dos^v"
 """Their marks."""
-HATCHES: Final = ("////", None, "....", "xxxx")
-"""Cells with no, one, two and more stable motions."""
+NAMED: Final = 0.01
+"""Least share of the cells of a region that has its number of stable motions written in it."""
 
 
 def draw_orbit_chart(result: OrbitChart | EventCurve) -> Draw:
@@ -452,7 +452,7 @@ def draw_orbit_chart(result: OrbitChart | EventCurve) -> Draw:
     ----------
     result : OrbitChart or EventCurve
         The curves. Cells of a chart are coloured by the mean velocity of the fastest stable motion
-        and hatched by the number of stable motions.
+        and regions have the number of stable motions written in them.
 
     Returns
     -------
@@ -514,17 +514,34 @@ def _motions(figure: Figure, axes: Axes, result: OrbitChart) -> None:
         bar = figure.colorbar(mesh, ax=axes, pad=0.02)
         bar.set_label(f"mean velocity of {name}, {unit}")
         bar.outline.set_visible(False)
-    for number, hatch in enumerate(HATCHES):
-        inside = result.count == number if number < len(HATCHES) - 1 else result.count >= number
-        if hatch is None or not inside.any():
-            continue
-        cells = np.ma.masked_where(~inside.T, np.zeros(inside.T.shape))
-        axes.pcolor(*edges, cells, alpha=0.0, hatch=hatch, edgecolor=DATA, linewidth=0.0)
-        words = "no" if number == 0 else str(number) if number < len(HATCHES) - 1 else f"{number}+"
-        label = f"{words} stable motion{'s' * (number != 1)}"
-        axes.add_patch(
-            Rectangle((xs[0], ys[0]), 0.0, 0.0, label=label, **{**STOPPED, "hatch": hatch})
-        )
+    for number in np.unique(result.count).tolist():
+        for i, j in _middles(result.count == number):
+            axes.text(xs[i], ys[j], str(number), color=INK, ha="center", va="center")
+    axes.plot([], [], linestyle="none", label="numbers: stable motions")
+
+
+def _middles(chosen: Any) -> list[tuple[int, int]]:
+    """Return the cell farthest from the edge of each part of a grid, of parts of some size."""
+    left, found = chosen.copy(), []
+    depth, inside = np.zeros(chosen.shape), np.pad(chosen, 1, mode="edge")
+    while inside.any():  # cells that have all four neighbours stay
+        depth += inside[1:-1, 1:-1]
+        cross = (inside[:-2, 1:-1], inside[2:, 1:-1], inside[1:-1, :-2], inside[1:-1, 2:])
+        inside = np.pad(inside[1:-1, 1:-1] & np.logical_and.reduce(cross), 1)
+    while left.any():
+        part = np.zeros_like(left)
+        part[tuple(np.argwhere(left)[0])] = True
+        while True:
+            wide = np.pad(part, 1)
+            grown = wide[:-2, 1:-1] | wide[2:, 1:-1] | wide[1:-1, :-2] | wide[1:-1, 2:] | part
+            if (grown & left == part).all():
+                break
+            part = grown & left
+        left &= ~part
+        if part.sum() >= NAMED * chosen.size:
+            i, j = np.unravel_index(np.argmax(np.where(part, depth, -1.0)), part.shape)
+            found.append((int(i), int(j)))
+    return found
 
 
 def draw_basins(result: Basins) -> Draw:
