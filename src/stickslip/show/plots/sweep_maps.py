@@ -523,7 +523,7 @@ def _motions(figure: Figure, axes: Axes, result: OrbitChart) -> None:
 def _middles(chosen: Any) -> list[tuple[int, int]]:
     """Return the cell farthest from the edge of each part of a grid, of parts of some size."""
     left, found = chosen.copy(), []
-    depth, inside = np.zeros(chosen.shape), np.pad(chosen, 1, mode="edge")
+    depth, inside = np.zeros(chosen.shape), np.pad(chosen, 1)
     while inside.any():  # cells that have all four neighbours stay
         depth += inside[1:-1, 1:-1]
         cross = (inside[:-2, 1:-1], inside[2:, 1:-1], inside[1:-1, :-2], inside[1:-1, 2:])
