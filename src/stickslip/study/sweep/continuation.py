@@ -54,6 +54,7 @@ from stickslip.engine.solver import path_units
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
+from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,
@@ -144,6 +145,20 @@ AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 4e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
+THROUGH: Final = (1e-3, 1e-4, 4e-3)
+"""Arcs behind a hard stop that is touched at which the branch is sought."""
+STEEP = 1e-3
+"""Least part of the growth of the derivative there that is of rank one, over the arc."""
+BOUNDS: Final = (0.25, 2.0 / 3.0)
+WINDOWS: Final = (
+    "motions of longer periods follow one another (period adding)",
+    "longer periods with chaos between them",
+    "chaos at once",
+)
+"""What follows for largest multipliers below these bounds, and above."""
+BEYOND, SETTLES, MOST_CLOSES = 1e-3, 300, 12
+"""Distance, over the range, behind the touch at which a run settles, its periods, and the longest
+period that is told."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
 
@@ -986,9 +1001,10 @@ class Curve:
             across = np.eye(len(u0))[i]
             found = self.correct(u0, across, edge / self.scale[i] - u0[i], u0 + share * chord)
             if found is not None:
-                y, value = found[0].y, found[0].value
-                shot = self.map.nearby(found[0], y, edge if i == -1 else value)
-                points.append(self.point(shot, there.tangent))
+                with suppress(SimulationError, InputError):
+                    value = edge if i == -1 else found[0].value
+                    shot = self.map.shoot(found[0].y, value).sensed()
+                    points.append(self.point(shot, there.tangent))
         inside = [e for e in events if self.low <= e.value <= self.high]
         return points, f"It reaches {quantity(edge, unit, 6)}.", inside
 
@@ -1072,7 +1088,36 @@ class Curve:
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
-        return next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
+        found = next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
+        return found or next(filter(None, (self.through(here, arc) for arc in THROUGH)), None)
+
+    def through(self, here: Point, arc: float) -> Point | None:
+        """Return a point behind a hard stop that is touched, by the normal form of the map there.
+
+        Right behind, the residual is that of an orbit without impact, and b v with the speed
+        v = (k d)^(1/2) of the impact and its depth d along a direction e. The derivative grows by
+        b e' dv/dd, of rank one, which tells b and e; a run tells k. To first order d = 0, and the
+        branch goes on along du, F_u du = -b v, e' du = 0: the start has that, and the depth of v.
+        """
+        u0 = here.unknowns
+        for ds in self.behind:
+            with suppress(SimulationError, InputError, np.linalg.LinAlgError):
+                far = self.point(self.shoot(u0 + ds * here.tangent).sensed())
+                if far.signature == here.signature:
+                    continue
+                left, sizes, right = np.linalg.svd(far.slopes - here.slopes)
+                if sizes[0] * self.least < STEEP * sizes[1] * ds or not hits(here, far):
+                    return None
+                b, e = left[:, 0], right[0] * np.sign(right[0] @ here.tangent)
+                b = b * np.sign(b @ far.shot.residual)
+                speed = _length(far.shot.residual / self.scale[:-1])
+                du = np.linalg.solve(np.vstack([here.slopes, e]), np.append(-b, 0.0))
+                depth = (arc / _length(du) / speed) ** 2 * ds * float(e @ here.tangent)
+                along = du / _length(du)
+                found = self.correct(u0, along, arc, u0 + arc * along + depth * e, MOST_STEP)
+                point = found and self.point(found[0], along)
+                return point if point and point.signature == far.signature else None
+        return None
 
     def across(self, here: Point, ds: float) -> Point | None:
         """Return a point at which something else happens, from a start behind the last one.
@@ -1104,8 +1149,39 @@ class Curve:
         kind, sentence = self.change(here, there)
         back = here.tangent[-1] * there.tangent[-1] < 0.0
         wide = _length(there.unknowns - here.unknowns) > CLEAN
-        more = TURNS_BACK if back else "; stepped over" if wide else ""
+        passed = "; passed by its square root" if hits(here, there) else "; stepped over"
+        more = TURNS_BACK if back else passed if wide else ""
+        more += self.survives(here, there) if hits(here, there) else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
+
+    def survives(self, here: Point, there: Point | None) -> str:
+        """Return what is stable behind a hard stop that is touched: by eigenvalues, and by a run.
+
+        Of the map without impact, whose largest eigenvalue decides where all are real and positive
+        (Nordmark 1997; Chin, Ott, Nusse and Grebogi 1994).
+        """
+        if self.searching:
+            return ""
+        free = min(filter(None, (here, there)), key=lambda p: _hit(p.signature))
+        values = free.multipliers
+        largest = float(np.abs(values).max(initial=0.0))
+        real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
+        at = next((i for i, bound in enumerate(BOUNDS) if largest < bound), len(BOUNDS))
+        what = WINDOWS[at] if real else "no rule for complex or negative ones"
+        text = f"; largest multiplier without impact {number(largest, 2)}: {what}"
+        # to the side on which the orbit without impact is none any more
+        ahead = float(here.tangent[-1]) if free is here else -float(here.tangent[-1])
+        value = free.shot.value + math.copysign(BEYOND * (self.high - self.low), ahead)
+        with suppress(SimulationError, InputError):
+            y, states = free.shot.y, []
+            for k in range(SETTLES + 2 * MOST_CLOSES):
+                shot = self.map.shoot(y, value)
+                y = y + shot.residual
+                states += [y] if k >= SETTLES else []
+            closes = period_of(np.array(states), free.shot.scale, SAME)
+            ends = f"closes after {closes * self.map.cycles} cycles" if closes else "does not close"
+            text += f"; a run behind {ends}"
+        return text
 
     def reason(self, here: Point) -> tuple[str, str]:
         """Return why a branch cannot be followed any farther: the kind of event, if any, in words.
@@ -1126,12 +1202,13 @@ class Curve:
             if after == here.signature:
                 continue
             kind, sentence = _change(here.signature, after)
-            if kind != "grazing":
+            if kind != "grazing" or _hit(after) == _hit(here.signature):
                 return kind, f"{at}: {sentence}, and no orbit like it follows."
             large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
             return kind, (
                 f"{at} in grazing: {sentence}. The saltation factor of a grazing contact is"
-                f" infinite: right behind, the largest multiplier is {number(large, 2)}."
+                f" infinite: right behind, the largest multiplier is {number(large, 2)}"
+                f"{self.survives(here, None)}."
             )
         return "", f"{at}: the corrector does not converge."
 
@@ -1283,6 +1360,16 @@ def _halves_meet(here: Point, there: Point) -> bool:
         return False
     # one step may end right before the doubling, and the next one be too near to tell
     return float(here.half @ there.half) / far < min(HALVED, 0.5 * far)
+
+
+def _hit(signature: Signature) -> int:
+    """Return how often hard stops are hit in a period."""
+    return sum(count for _, what, count in signature if what.endswith("hits stop"))
+
+
+def hits(here: Point, there: Point) -> bool:
+    """Whether a hard stop is hit more often in the one than in the other."""
+    return _hit(here.signature) != _hit(there.signature)
 
 
 def _length(x: Array) -> float:

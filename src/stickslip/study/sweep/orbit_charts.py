@@ -96,7 +96,8 @@ class OrbitChart(OnAxes, Tabular):
         import pandas as pd
 
         frames = [curve.to_dataframe().assign(curve=i) for i, curve in enumerate(self.curves)]
-        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+        names = [*self.paths, "event", "cycles", *self.states, "curve"]
+        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=names)
 
     def _summary(self) -> Summary:
         share = [(n, float((self.count == n).mean())) for n in np.unique(self.count).tolist()]
