@@ -10,16 +10,27 @@ on, and counts if it closes still, and far better.
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measuring import Section, Target
-from stickslip import Capsule, Coulomb, ensemble
+from stickslip import Capsule, Coulomb, EventDriven, ensemble
 from stickslip.engine import Samples
+from stickslip.errors import SimulationError
 from stickslip.mechanisms import SoftStop, Torque
-from stickslip.mechanisms.drives import Sine
-from stickslip.study.sweep import OrbitDiagram, average_velocity, orbit_diagram
+from stickslip.mechanisms.drives import Sine, Square
+from stickslip.study.sweep import (
+    EventCurve,
+    OrbitChart,
+    OrbitDiagram,
+    average_velocity,
+    continue_orbit,
+    orbit_chart,
+    orbit_diagram,
+    periodic_orbit,
+)
 from stickslip.study.sweep.attractors import period_of
 
 Array = NDArray[np.float64]
@@ -50,7 +61,18 @@ NEAR = 2e-3
 """Distance from an orbit, over the size of the states, of a settled run that lies on it."""
 BETWEEN = 0.01
 """The same from a straight line between two orbits of a branch."""
-GOAL_SWEEP, GOAL_BRANCHES = 1.5, 20.0
+GOAL_SWEEP, GOAL_BRANCHES = 1.5, 12.0
+BOX = {PATH: (10.0, 18.0), "mechanism.drive.drive.amplitude": (0.15, 0.25)}
+CELLS, GOAL_CHART = 40, 60.0
+"""Cells of a chart along each parameter, and its processor time [s]."""
+CHECKED, GOAL_ERROR = 20, 1e-6
+"""Points of each curve that a branch over one parameter meets, and the error over the range."""
+BESIDE = 0.01
+"""Range of such a branch to each side, over that of the chart."""
+NO_CAUSE = ("too short", "not converge", "give more")
+"""What ends of curves say that have no cause in the motion."""
+CAPSULES, CAPSULE_CYCLES = 720, 200
+"""Random capsules, and cycles of each run."""
 
 
 def sweep(rig: Capsule) -> float:
@@ -141,6 +163,128 @@ def branches(name: str) -> tuple[tuple[str, ...], Target]:
     return row, Target(work=f"branches, {name}", goal=goal, measured=measured, met=met, reason=why)
 
 
+def error_of(curve: EventCurve) -> float:
+    """Return the largest error of a curve against branches over the first parameter."""
+    (low, high), worst = BOX[PATH], 0.0
+    beside = BESIDE * (high - low)
+    inside = np.flatnonzero(np.abs(curve.values[:, 0] - 0.5 * (low + high)) < 0.499 * (high - low))
+    for k in inside[np.linspace(0, len(inside) - 1, min(CHECKED, len(inside))).astype(int)]:
+        frequency, amplitude = curve.values[k].tolist()
+        drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
+        rig = replace(RIGS[FOLLOWED[0]], drive=drive)
+        start = dict(zip(curve.states, curve.starts[k].tolist(), strict=True))
+        try:
+            orbit = periodic_orbit(rig, LAW, start=start, cycles=curve.cycles, settle=0)
+            branch = continue_orbit(orbit, PATH, (frequency - beside, frequency + beside), step=0.5)
+        except SimulationError:  # right at an event there may be no derivative
+            continue
+        off = [abs(event.value - frequency) for event in branch.events if event.kind == curve.kind]
+        worst = max(worst, min(off, default=beside) / (high - low))
+    return worst
+
+
+def is_known(chart: OrbitChart, i: int, j: int, points: Array) -> bool:
+    """Whether a settled motion, by its states once a cycle, is one of those of a cell."""
+    starts = np.array([y for _, y in chart.motions.get((i, j), ())]).reshape(-1, points.shape[1])
+    off = np.abs(starts[:, None] - points[None]) / np.abs(points).max()
+    return bool(off.max(axis=2).min(initial=np.inf) <= NEAR)
+
+
+def chart() -> tuple[Target, ...]:
+    """Return what a chart of the soft capsule takes, and how right it is."""
+    soft, begun = RIGS[FOLLOWED[0]], time.process_time()
+    found = orbit_chart(soft, LAW, BOX, values=(CELLS, CELLS))
+    taken = time.process_time() - begun
+    ends = [end for curve in found.curves for end in curve.ends]
+    early = sum(any(word in end for word in NO_CAUSE) for end in ends)
+    smooth = [curve for curve in found.curves if curve.kind != "sticking"]
+    errors = {c.kind: max(error_of(o) for o in smooth if o.kind == c.kind) for c in smooth}
+    noise, missed, closing = np.random.default_rng(SEED), 0, 0
+    for i, j in np.ndindex(CELLS, CELLS):
+        frequency, amplitude = float(found.axes[0][i]), float(found.axes[1][j])
+        drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
+        rig, sizes = replace(soft, drive=drive), (4e-3, 0.05, 0.5)
+        start = {
+            f"initial.{name}": float(size * noise.uniform(-1.0, 1.0))
+            for name, size in zip(found.states, sizes, strict=True)
+        }
+        points = samples(rig, found.states, frequency, start, SETTLE)
+        if 0 < period_of(points, np.abs(points).max(axis=0)) <= 2:
+            closing += 1
+            missed += not is_known(found, i, j, points)
+    counts = f"{CELLS} x {CELLS} cells"
+    told = ", ".join(f"{kind} {error:.1g}" for kind, error in errors.items())
+    return (
+        Target(
+            work=f"chart of {counts}", goal=f"{GOAL_CHART:g} s of processor time",
+            measured=f"{taken:.1f} s, {len(found.curves)} curves", met=taken <= GOAL_CHART,
+            reason="its runs",
+        ),
+        Target(
+            work="ends of its curves with no cause in the motion", goal="0",
+            measured=f"{early} of {len(ends)}", met=early == 0,
+            reason="curves that creep along a border of sticking",
+        ),
+        Target(
+            work=f"settled runs, of one in each of {counts}, of unknown motions", goal="0",
+            measured=f"{missed} of {closing}", met=missed == 0, reason="sheets that no run has met",
+        ),
+        Target(
+            work="error of its curves against branches, over the range", goal=f"{GOAL_ERROR:g}",
+            measured=told, met=max(errors.values()) <= GOAL_ERROR, reason="steep derivatives",
+        ),
+    )  # fmt: skip
+
+
+def random_capsule(noise: np.random.Generator) -> tuple[Capsule, Coulomb, float]:
+    """Return a capsule, its law, and the period of its drive."""
+    kind, gaps = noise.integers(6), noise.uniform(5e-4, 5e-3, 2)
+    below = SoftStop(
+        place=-gaps[1], stiffness=10.0 ** noise.uniform(2.7, 4.3), damping=0.1,
+        sticks=bool(noise.integers(2)),
+    )  # fmt: skip
+    stops: Mapping[str, Any] = (
+        {},
+        {"upper_stop": gaps[0]},
+        {"upper_stop": gaps[0], "lower_stop": -gaps[1]},
+        {"upper_soft_stop": replace(below, place=gaps[0])},
+        {"upper_soft_stop": replace(below, place=gaps[0]), "lower_soft_stop": below},
+        {"upper_stop": gaps[0], "lower_soft_stop": below},
+    )[kind]
+    force, period = 10.0 ** noise.uniform(-1.5, 0.3), 10.0 ** noise.uniform(-1.5, -0.3)
+    drives = (
+        Sine(amplitude=force, frequency=1.0 / period, phase=noise.uniform(0.0, 6.0)),
+        Square(high=force, low=-force, period=period, duty=noise.uniform(0.2, 0.8)),
+    )
+    capsule = Capsule(
+        capsule_mass=noise.uniform(0.02, 0.2), inner_mass=noise.uniform(0.005, 0.1),
+        stiffness=10.0 ** noise.uniform(1.0, 2.5), damping=noise.choice([0.0, 0.03, 0.3]),
+        drive_on=str(noise.choice(["both", "inner mass"])),
+        restitution=noise.choice([0.0, 0.5, 0.9]),
+        drive=Torque(drive=drives[noise.integers(2)]), **stops,
+    )  # fmt: skip
+    kinetic = noise.uniform(0.02, 0.4)
+    static = kinetic * noise.choice([1.0, 1.3, 2.0])
+    return capsule, Coulomb(kinetic_coefficient=kinetic, static_coefficient=static), period
+
+
+def early_ends() -> Target:
+    """Return how many runs of random capsules end early."""
+    noise, solver, early = np.random.default_rng(SEED), EventDriven(tier="compiled"), 0
+    for _ in range(CAPSULES):
+        rig, law, period = random_capsule(noise)
+        inside = noise.uniform(-1.0, 1.0) * min(
+            abs(x) for x in (rig.upper_stop, rig.lower_stop, 5e-3) if x is not None
+        )
+        y0 = [0.0, inside, noise.uniform(-0.1, 0.1), noise.uniform(-0.5, 0.5)]
+        run_ = solver.bare(rig, law, y0=y0, t_end=CAPSULE_CYCLES * period)
+        early += not run_.status.complete
+    return Target(
+        work=f"early ends of {CAPSULES} random capsules, {CAPSULE_CYCLES} cycles each",
+        goal="0", measured=str(early), met=early == 0, reason="see their status",
+    )  # fmt: skip
+
+
 def run() -> Section:
     """Return times of sweeps and branches."""
     sweeps = {name: sweep(rig) for name, rig in RIGS.items()}
@@ -165,5 +309,5 @@ def run() -> Section:
             f" must lie on a branch; those on none count if they close to {CLOSED:g} after"
             f" {FURTHER:,} cycles more. Processor time of one core.",
         ),
-        targets=(target, *(one for _, one in followed)),
+        targets=(target, *(one for _, one in followed), *chart(), early_ends()),
     )

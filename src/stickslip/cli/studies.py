@@ -557,39 +557,47 @@ ORBIT_VALUES, CHART_CELLS = 61, 40
 
 
 def run_orbits(options: option_groups.OrbitOptions) -> None:
-    """Find the branches, write table and figure, show."""
-    from stickslip.show.plots import draw_orbits, standalone_svg
+    """Find the branches or the chart, write table and figure, show."""
+    from stickslip.show.plots import draw_orbit_chart, draw_orbits, standalone_svg
 
     output = options.output
     figure = _figure_beside(output, force=options.force)
     if not 1 <= len(options.vary) <= MOST_AXES:
         raise InputError(f"--vary is given once or twice, got {len(options.vary)}.")
-    if len(options.vary) == MOST_AXES:
-        _run_chart(options, figure)
-        return
-    name, between, values = _range(options.vary[0])
+    ranges = [_range(text) for text in options.vary]
+    name, between, values = ranges[0]
+    of_chart = len(ranges) > 1
+    if of_chart and any(listed is not None for _, _, listed in ranges):
+        raise InputError("--vary of a chart takes PATH=LOW:HIGH twice, got a list of values.")
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
-    law = inputs.friction_of(chosen)
-    with Drawing("Running", "values") as progress:
-        found = orbit_diagram(
-            rig.mechanism,
-            law,
-            name,
-            between,
-            cycles=options.cycles,
-            values=(options.values or ORBIT_VALUES) if values is None else values,
-            settle=options.settle,
-            y0=rig.start(law),
-            progress=progress,
-        )
-    svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
-    units = {**found.units, found.path: found.unit, "period": "s"}
+    law, cells = inputs.friction_of(chosen), options.values or CHART_CELLS
+    with Drawing("Running", "lines" if of_chart else "values") as progress:
+        shared: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
+        shared |= {"y0": rig.start(law), "progress": progress}
+        if of_chart:
+            box = {path: pair for path, pair, _ in ranges}
+            found: OrbitChart | OrbitDiagram = orbit_chart(
+                rig.mechanism, law, box, values=(cells, cells), **shared
+            )
+        else:
+            count = (options.values or ORBIT_VALUES) if values is None else values
+            found = orbit_diagram(rig.mechanism, law, name, between, values=count, **shared)
+    drawing = draw_orbit_chart(found) if isinstance(found, OrbitChart) else draw_orbits(found)
+    size = CHART_SIZE if of_chart else DIAGRAM_SIZE
+    svg = standalone_svg(drawing, size=size, title="Periodic orbits")
+    axes = (
+        dict(zip(found.paths, found.parameter_units, strict=True))
+        if isinstance(found, OrbitChart)
+        else {found.path: found.unit}
+    )
+    units = {**found.units, **axes, "period": "s"}
     units |= {f"advance {name}": found.units[name] for name in found.velocities}
     units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in found.velocities}
     write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
-        content = inputs.rig_content(rig, chosen) | _diagram_content(found)
+        own = _chart_content(found) if isinstance(found, OrbitChart) else _diagram_content(found)
+        content = inputs.rig_content(rig, chosen) | own
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
@@ -597,46 +605,10 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     stdout().print(f"\nWritten: {output}, {figure}")
 
 
-def _run_chart(options: option_groups.OrbitOptions, figure: Path) -> None:
-    """Find motions and curves over two parameters, write table and figure, show."""
-    from stickslip.show.plots import draw_orbit_chart, standalone_svg
-
-    ranges = [_range(text) for text in options.vary]
-    if any(values is not None for _, _, values in ranges):
-        raise InputError("--vary of a chart takes PATH=LOW:HIGH twice, got a list of values.")
-    rig, chosen = inputs.rig_and_friction(options)
-    terminal.refuse_inputs(options.output, rig.files)
-    law, cells = inputs.friction_of(chosen), options.values or CHART_CELLS
-    with Drawing("Following", "lines") as progress:
-        found = orbit_chart(
-            rig.mechanism,
-            law,
-            {name: between for name, between, _ in ranges},
-            cycles=options.cycles,
-            values=(cells, cells),
-            settle=options.settle,
-            y0=rig.start(law),
-            progress=progress,
-        )
-    svg = standalone_svg(draw_orbit_chart(found), size=CHART_SIZE, title="Periodic orbits")
-    units = {**found.units, **dict(zip(found.paths, found.parameter_units, strict=True))}
-    table = table_bytes(found.to_dataframe(), options.output, units)
-    write_files({options.output: table, figure: svg})
-    files = [str(options.output), str(figure)]
-    if options.as_json:
-        content = inputs.rig_content(rig, chosen) | _chart_content(found) | {"files": files}
-        terminal.print_json(document("orbits", content))
-        return
-    inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
-    terminal.show_summary(found.in_short())
-    stdout().print(f"\nWritten: {', '.join(files)}")
-
-
 def _chart_content(found: OrbitChart) -> dict[str, Any]:
     return {
         "axes": dict(zip(found.paths, found.axes, strict=True)),
-        "count": found.count,
-        "velocities": found.velocities,
+        **{name: getattr(found, name) for name in ("count", "velocities", "lost")},
         "curves": [
             {
                 **{name: getattr(curve, name) for name in ("kind", "cycles", "values", "ends")},
@@ -647,7 +619,6 @@ def _chart_content(found: OrbitChart) -> dict[str, Any]:
             }
             for curve in found.curves
         ],
-        "lost": found.lost,
     }
 
 

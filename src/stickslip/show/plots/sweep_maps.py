@@ -522,24 +522,14 @@ def _motions(figure: Figure, axes: Axes, result: OrbitChart) -> None:
 
 def _middles(chosen: Any) -> list[tuple[int, int]]:
     """Return the cell farthest from the edge of each part of a grid, of parts of some size."""
-    left, found = chosen.copy(), []
-    depth, inside = np.zeros(chosen.shape), np.pad(chosen, 1)
-    while inside.any():  # cells that have all four neighbours stay
-        depth += inside[1:-1, 1:-1]
-        cross = (inside[:-2, 1:-1], inside[2:, 1:-1], inside[1:-1, :-2], inside[1:-1, 2:])
-        inside = np.pad(inside[1:-1, 1:-1] & np.logical_and.reduce(cross), 1)
-    while left.any():
-        part = np.zeros_like(left)
-        part[tuple(np.argwhere(left)[0])] = True
-        while True:
-            wide = np.pad(part, 1)
-            grown = wide[:-2, 1:-1] | wide[2:, 1:-1] | wide[1:-1, :-2] | wide[1:-1, 2:] | part
-            if (grown & left == part).all():
-                break
-            part = grown & left
-        left &= ~part
-        if part.sum() >= NAMED * chosen.size:
-            i, j = np.unravel_index(np.argmax(np.where(part, depth, -1.0)), part.shape)
+    from scipy.ndimage import distance_transform_edt, label
+
+    parts, count = label(chosen)
+    depth, found = distance_transform_edt(np.pad(chosen, 1))[1:-1, 1:-1], []
+    for part in range(1, count + 1):
+        own = parts == part
+        if own.sum() >= NAMED * chosen.size:
+            i, j = np.unravel_index(np.argmax(np.where(own, depth, 0.0)), own.shape)
             found.append((int(i), int(j)))
     return found
 

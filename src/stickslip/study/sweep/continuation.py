@@ -58,7 +58,6 @@ from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,
-    Returns,
     Shot,
     Signature,
     refuse_cut,
@@ -573,7 +572,7 @@ class Curve:
 
     def __init__(
         self,
-        map_: Returns,
+        map_: ReturnMap,
         low: float,
         high: float,
         unit: str,
@@ -737,31 +736,28 @@ class Curve:
 
     def branch(self, first: Point) -> Branch:
         """Follow a branch to both sides of a point."""
-        map_ = self.map
-        if not isinstance(map_, ReturnMap):
-            raise TypeError("a branch is one of a return map.")
         points, events, ends = self.both(first)
         shots = [point.shot for point in points]
         advances = np.array([shot.advance for shot in shots]).reshape(len(shots), -1)
         multipliers = np.array([point.multipliers for point in points])
         order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
         return Branch(
-            path=str(map_.path),
+            path=str(self.map.path),
             unit=self.unit,
-            cycles=map_.cycles,
-            states=map_.names,
-            units=units_of(map_),
+            cycles=self.map.cycles,
+            states=self.map.names,
+            units=units_of(self.map),
             values=np.array([shot.value for shot in shots]),
             starts=np.array([shot.y for shot in shots]),
             periods=np.array([shot.period for shot in shots]),
             multipliers=np.take_along_axis(multipliers, order, axis=1),
             advances={
-                map_.states[i]: advances[:, k] for k, i in enumerate(map_.moving)
+                self.map.states[i]: advances[:, k] for k, i in enumerate(self.map.moving)
             },
             events=tuple(events),
             ends=ends,
             runs=self.runs,
-            map=map_,
+            map=self.map,
         )  # fmt: skip
 
     def walk(self, first: Point) -> tuple[list[Point], str, list[Event]]:

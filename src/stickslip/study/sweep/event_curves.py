@@ -10,8 +10,7 @@ the steps are those of `continuation`. With M = dPhi/dy:
    are the null vectors of the last point (Govaerts 2000, chapter 4; Kuznetsov 2004, chapter 10).
 2. Grazing: g is the least distance of a stop or a switch from where it is met, for which its
    velocity is 0. Begin of sticking: g is the break-away level less the friction needed, at the turn
-   of the velocity, or, where a slip begins within a phase of sticking, the least of it in that
-   phase. Derivatives of both are differences of runs.
+   of the velocity. Derivatives of both are differences of runs.
 3. An orbit that touches has no derivative (di Bernardo et al. 2008), so that curves of grazing are
    solved on one side: what a step puts beyond is moved back along the gradient of g and
    extrapolated linearly from there. How far beyond it is, an impact tells by its speed u and
@@ -29,7 +28,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,23 +80,11 @@ WINDOW = 0.06
 """Part of a cycle around the touch of the last point in which it is looked for."""
 PLACES, NARROWER = 33, 4
 """Places in this window, and how often it is made narrower around the least distance."""
-AT_TOUCH = 1e-2
+AT_TOUCH = 5e-2
 """Distance, over the size, of what counts as a touch."""
 OFF = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Distances, over the range, at which an orbit in front of a contact is looked for."""
 KINDS: Final = ("fold", "period doubling", "grazing", "sticking")
-
-
-class _Gap(Protocol):
-    """A distance along a run that an event makes 0."""
-
-    def __call__(self, run: BareRun, mechanism: Mechanism, t: Array) -> Array:
-        """Return it at times (n,); not finite where it means nothing."""
-        ...
-
-    def met(self, run: BareRun, mechanism: Mechanism) -> list[float]:
-        """Return the times at which it has come to 0 and the motion has changed."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -139,25 +126,7 @@ class _Switch:
         return []  # the motion goes on through it, and the distance changes its sign
 
 
-@dataclass(frozen=True)
-class _Held:
-    """Break-away level of a contact less the friction that holds it, while it sticks."""
-
-    contact: str
-    """Name of the contact."""
-
-    def __call__(self, run: BareRun, mechanism: Mechanism, t: Array) -> Array:
-        columns = run.playback(t)
-        friction, load, mode = (_column(columns, n, self.contact) for n in _HOLDS)
-        law = run.differentiate.law
-        levels = [level_of(law, self.contact, f, n) for f, n in zip(friction, load, strict=True)]
-        return np.where(mode == 0, np.array(levels) - np.abs(friction), np.nan)
-
-    def met(self, run: BareRun, mechanism: Mechanism) -> list[float]:
-        return [e.t for e in run.events() if e.reason == "break-away" and e.contact == self.contact]
-
-
-_HOLDS = ("friction", "normal_force", "mode")
+_HOLDS = ("friction", "normal_force")
 
 
 def _column(columns: Mapping[str, Array], name: str, contact: str) -> Array:
@@ -179,25 +148,6 @@ def margins(run: BareRun, t: Array) -> Array:
         equations.load_at(time)
         rows.append(equations("margins", 0, 0, time, y))
     return np.array(rows)
-
-
-class _Condition(Protocol):
-    """What makes an orbit one at an event."""
-
-    at: float
-    """Time over the period at which the last run was looked at."""
-
-    def __call__(self, shot: Shot) -> tuple[float, bool]:
-        """Return g, and whether the run lies beyond the contact."""
-        ...
-
-    def slope(self, plane: "Plane", shot: Shot, value: float) -> Array:
-        """Return the derivatives of g with respect to y, p and q, each over its size (n + 2,)."""
-        ...
-
-    def accept(self, shot: Shot, scale: Array, at: float) -> None:
-        """Take the next point of the curve for what its neighbours are solved with."""
-        ...
 
 
 class _Singular:
@@ -281,7 +231,7 @@ class _Distance:
 class _Touch(_Distance):
     """The least distance of a gap is 0."""
 
-    def __init__(self, gap: _Gap, phase: float, size: float) -> None:
+    def __init__(self, gap: "_HardStop | _Switch", phase: float, size: float) -> None:
         self.gap, self.phase, self.size = gap, phase, size
 
     def __call__(self, shot: Shot) -> tuple[float, bool]:
@@ -335,7 +285,7 @@ class _Turn(_Distance):
         turn = min(turns, key=lambda e: abs(e.t / period - self.phase))
         self.at = turn.t / period
         columns = shot.run.playback(np.clip(turn.t + period * ALONG * _AROUND, 0.0, period))
-        friction, load = (_column(columns, n, self.contact) for n in _HOLDS[:2])
+        friction, load = (_column(columns, n, self.contact) for n in _HOLDS)
         level = level_of(shot.law, self.contact, -turn.from_mode, load[1])
         side, beyond = (1.0 if self.sticks else -1.0), (turn.reason == "stop") != self.sticks
         if turn.margin != 0.0:
@@ -355,6 +305,10 @@ def _rate_of(mechanism: Mechanism, contact: str) -> str:
     """Return the rate along which a contact slips."""
     own = next(c for c in mechanism.contacts() if c.name == contact)
     return mechanism.rates[mechanism.coordinates.index(own.slip)]
+
+
+_Condition: TypeAlias = _Singular | _Touch | _Turn
+"""What makes an orbit one at an event."""
 
 
 class Plane:
@@ -422,7 +376,7 @@ class Plane:
     def shot(self, u: Array, moved: Array, shot: Shot, g: float) -> Shot:
         """Return what a run tells at unknowns, extrapolated from those that it was made at."""
         width = self.widths[0]
-        derivatives = Sensing(self, shot, float(moved[-1]), self.condition.at)
+        derivatives: Any = Sensing(self, shot, float(moved[-1]), self.condition.at)
         residual, off = np.append(shot.residual, g * width), u - moved
         scale = np.append(shot.scale, width)
         if off.any():
@@ -457,7 +411,7 @@ class Plane:
 
     def base_of(self, shot: Shot) -> Shot:
         """Return the run of the orbit alone."""
-        found = shot.derivatives
+        found: Any = shot.derivatives
         return found.shot if isinstance(found, Sensing) else shot
 
     def signature(self, mechanism: Mechanism, run: BareRun) -> Signature:
@@ -710,7 +664,8 @@ def continue_event(
     y = np.array([orbit.start[name] for name in orbit.free])
     shot, condition = _begun(event.kind, base, y, values[0], widths[0])
     plane = Plane(base, full[1], widths, condition, shot, values[1])
-    curve = Curve(plane, *ranges[1], units[1], step, int(points), LEAST_STEP)
+    as_map: Any = plane
+    curve = Curve(as_map, *ranges[1], units[1], step, int(points), LEAST_STEP)
     curve.box.append((-2, *ranges[0], units[0]))
     curve.tests, curve.hops = tuple(WITH[event.kind]), True
     curve.scale = np.append(shot.scale, widths)
@@ -727,7 +682,8 @@ def continue_event(
         )
 
     def accept(point: Point) -> None:
-        if isinstance(own := point.shot.derivatives, Sensing):
+        own: Any = point.shot.derivatives
+        if isinstance(own, Sensing):
             plane.condition.accept(own.shot, curve.scale[:-2], own.at)
 
     curve.accept = accept
@@ -801,7 +757,7 @@ def _touched(kind: str, shot: Shot) -> _Condition:
     times = np.linspace(0.0, period, 32 * PLACES * shot.derivatives.map.cycles)[:-1]
     found: list[tuple[float, _Condition]] = []
 
-    def consider(gap: _Gap) -> None:
+    def consider(gap: "_HardStop | _Switch") -> None:
         values = gap(run, mechanism, times)
         size = float(np.nanmax(np.abs(values), initial=0.0))
         left, right = np.roll(values, 1), np.roll(values, -1)
@@ -822,8 +778,6 @@ def _touched(kind: str, shot: Shot) -> _Condition:
             if turn.reason in ("stop", "reversal"):
                 at = _Turn(turn.contact, turn.t / period, turn.reason == "stop")
                 found.append((abs(at(shot)[0]), at))
-        for contact in mechanism.contacts():
-            consider(_Held(contact.name))
     nearest = min(found, key=lambda pair: pair[0], default=(math.inf, None))
     if nearest[1] is None or nearest[0] > AT_TOUCH:
         raise SimulationError("nothing is touched in the orbit at the event.")

@@ -27,7 +27,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -271,64 +271,6 @@ class Derivatives:
         return self.all[:n, :n]
 
 
-class Sensed(Protocol):
-    """Derivatives of a shot."""
-
-    @property
-    def map(self) -> "Returns":
-        """Whose run it was."""
-        ...
-
-    @property
-    def all(self) -> Array:
-        """With respect to y and p, of the free states and of coordinates that advance."""
-        ...
-
-    @property
-    def monodromy(self) -> Array:
-        """Derivatives of the free states after the period with respect to their start."""
-        ...
-
-
-class Returns(Protocol):
-    """What a continuation needs of a map."""
-
-    @property
-    def cycles(self) -> int:
-        """Cycles after which orbits close."""
-        ...
-
-    @property
-    def free(self) -> tuple[int, ...]:
-        """Indices of the states that are solved for."""
-        ...
-
-    @property
-    def tolerance(self) -> float:
-        """Largest residual over the size of each unknown."""
-        ...
-
-    def shoot(self, y: Array, value: float = ..., most: Array | None = ...) -> "Shot":
-        """Run over the period, as `ReturnMap.shoot`."""
-        ...
-
-    def happens(self, y: Array, value: float) -> Signature:
-        """Return what happens in the period."""
-        ...
-
-    def nearby(self, shot: "Shot", y: Array, value: float) -> "Shot":
-        """Return what closes so near a shot that derivatives and events are those of its run."""
-        ...
-
-    def signature(self, mechanism: Mechanism, run: BareRun) -> Signature:
-        """Return what happens in a run."""
-        ...
-
-    def orbit(self, shot: "Shot") -> Orbit:
-        """Return the orbit that a shot has closed."""
-        ...
-
-
 @dataclass(frozen=True, kw_only=True)
 class Shot:
     """One run over the period of an orbit that is sought."""
@@ -355,7 +297,7 @@ class Shot:
     """What y and p are beyond those of the run (n + 1,)."""
     half: Array
     """Free states after half the period less those at the start (n,)."""
-    derivatives: Sensed
+    derivatives: Derivatives
     """Derivatives of the run, taken when they are asked for."""
     run: BareRun
     """The run."""
