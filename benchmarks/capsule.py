@@ -259,7 +259,7 @@ def random_capsule(noise: np.random.Generator) -> tuple[Capsule, Coulomb, float]
     capsule = Capsule(
         capsule_mass=noise.uniform(0.02, 0.2), inner_mass=noise.uniform(0.005, 0.1),
         stiffness=10.0 ** noise.uniform(1.0, 2.5), damping=noise.choice([0.0, 0.03, 0.3]),
-        drive_on=str(noise.choice(["both", "inner mass"])),
+        drive_on="inner mass" if noise.integers(2) else "both",
         restitution=noise.choice([0.0, 0.5, 0.9]),
         drive=Torque(drive=drives[noise.integers(2)]), **stops,
     )  # fmt: skip

@@ -144,20 +144,12 @@ AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 4e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
-THROUGH: Final = (1e-3, 1e-4, 4e-3)
-"""Arcs behind a hard stop that is touched at which the branch is sought."""
-STEEP = 1e-3
-"""Least part of the growth of the derivative there that is of rank one, over the arc."""
-BOUNDS: Final = (0.25, 2.0 / 3.0)
 WINDOWS: Final = (
-    "motions of longer periods follow one another (period adding)",
-    "longer periods with chaos between them",
-    "chaos at once",
+    (0.25, "motions of longer periods follow one another (period adding)"),
+    (2.0 / 3.0, "longer periods with chaos between them"),
+    (math.inf, "chaos at once"),
 )
-"""What follows for largest multipliers below these bounds, and above."""
-BEYOND, SETTLES, MOST_CLOSES = 1e-3, 300, 12
-"""Distance, over the range, behind the touch at which a run settles, its periods, and the longest
-period that is told."""
+"""What follows behind a hard stop that is touched, for largest multipliers below these bounds."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
 
@@ -1085,7 +1077,7 @@ class Curve:
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
         found = next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
-        return found or next(filter(None, (self.through(here, arc) for arc in THROUGH)), None)
+        return found or next(filter(None, (self.through(here, arc) for arc in BEHIND)), None)
 
     def through(self, here: Point, arc: float) -> Point | None:
         """Return a point behind a hard stop that is touched, by the normal form of the map there.
@@ -1101,8 +1093,8 @@ class Curve:
                 far = self.point(self.shoot(u0 + ds * here.tangent).sensed())
                 if far.signature == here.signature:
                     continue
-                left, sizes, right = np.linalg.svd(far.slopes - here.slopes)
-                if sizes[0] * self.least < STEEP * sizes[1] * ds or not hits(here, far):
+                left, _, right = np.linalg.svd(far.slopes - here.slopes)
+                if not hits(here, far):
                     return None
                 b, e = left[:, 0], right[0] * np.sign(right[0] @ here.tangent)
                 b = b * np.sign(b @ far.shot.residual)
@@ -1150,7 +1142,9 @@ class Curve:
         more += self.survives(here, there) if hits(here, there) else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
 
-    def survives(self, here: Point, there: Point | None) -> str:
+    def survives(
+        self, here: Point, there: Point | None, settle: int = 300, longest: int = 12
+    ) -> str:
         """Return what is stable behind a hard stop that is touched: by eigenvalues, and by a run.
 
         Of the map without impact, whose largest eigenvalue decides where all are real and positive
@@ -1162,18 +1156,18 @@ class Curve:
         values = free.multipliers
         largest = float(np.abs(values).max(initial=0.0))
         real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
-        at = next((i for i, bound in enumerate(BOUNDS) if largest < bound), len(BOUNDS))
-        what = WINDOWS[at] if real else "no rule for complex or negative ones"
+        rule = next(words for bound, words in WINDOWS if largest < bound)
+        what = rule if real else "no rule for complex or negative ones"
         text = f"; largest multiplier without impact {number(largest, 2)}: {what}"
         # to the side on which the orbit without impact is none any more
         ahead = float(here.tangent[-1]) if free is here else -float(here.tangent[-1])
-        value = free.shot.value + math.copysign(BEYOND * (self.high - self.low), ahead)
+        value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
         with suppress(SimulationError, InputError):
             y, states = free.shot.y, []
-            for k in range(SETTLES + 2 * MOST_CLOSES):
+            for k in range(settle + 2 * longest):
                 shot = self.map.shoot(y, value)
                 y = y + shot.residual
-                states += [y] if k >= SETTLES else []
+                states += [y] if k >= settle else []
             closes = period_of(np.array(states), free.shot.scale, SAME)
             ends = f"closes after {closes * self.map.cycles} cycles" if closes else "does not close"
             text += f"; a run behind {ends}"

@@ -42,8 +42,10 @@ from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity, span
 from stickslip.study.sweep.continuation import (
     LEAST_STEP,
+    MOST_NEWTON,
     MOST_POINTS,
     MOST_STEP,
+    NEARBY,
     BranchEvent,
     Curve,
     Point,
@@ -53,6 +55,8 @@ from stickslip.study.sweep.continuation import (
     within,
 )
 from stickslip.study.sweep.orbits import (
+    END_STEP,
+    ORBIT_TIMES,
     Orbit,
     ReturnMap,
     Shot,
@@ -68,22 +72,6 @@ if TYPE_CHECKING:
 
 __all__ = ["EventCurve", "continue_event"]
 
-ALONG = 1e-5
-"""Step along a null vector, over the sizes of the states, for derivatives of a fold."""
-ASIDE = 1e-6
-"""Step of each unknown, over its size, for derivatives of a distance."""
-SAFE = 1e-8
-"""Distance in front of a contact, over the size, to which what lies beyond is moved back."""
-MOST_BACK = 6
-"""Attempts of that, each twice as far as the last."""
-WINDOW = 0.06
-"""Part of a cycle around the touch of the last point in which it is looked for."""
-PLACES, NARROWER = 33, 4
-"""Places in this window, and how often it is made narrower around the least distance."""
-AT_TOUCH = 5e-2
-"""Distance, over the size, of what counts as a touch."""
-OFF = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
-"""Distances, over the range, at which an orbit in front of a contact is looked for."""
 KINDS: Final = ("fold", "period doubling", "grazing", "sticking")
 
 
@@ -102,11 +90,11 @@ class _HardStop:
     def met(self, run: BareRun, mechanism: Mechanism) -> list[float]:
         times = np.array([e.t for e in run.events() if e.reason.endswith("hits stop")])
         near = np.abs(self(run, mechanism, times)) if len(times) else times
-        return [float(t) for t in times[near <= SAFE * self.size(run, mechanism)]]
+        return [float(t) for t in times[near <= NEARBY * self.size(run, mechanism)]]
 
     def size(self, run: BareRun, mechanism: Mechanism) -> float:
         """Return the size of the distance in a run."""
-        times = np.linspace(0.0, run.differentiate.t_end, PLACES)
+        times = np.linspace(0.0, run.differentiate.t_end, ORBIT_TIMES)
         return float(np.abs(self(run, mechanism, times)).max())
 
 
@@ -190,9 +178,9 @@ class _Singular:
         for sign in (1.0, -1.0):
             other, step = shot, 0.0
             with suppress(SimulationError, InputError):
-                near = plane.at(value).shoot(shot.y + sign * ALONG * self.scale * v, shot.value)
+                near = plane.at(value).shoot(shot.y + sign * END_STEP * self.scale * v, shot.value)
                 if near.signature == shot.signature:
-                    other, step = near.sensed(), sign * ALONG
+                    other, step = near.sensed(), sign * END_STEP
             sides.append((other.derivatives.all[:n], step))
         (above, up), (below, down) = sides
         if up == down:
@@ -203,6 +191,11 @@ class _Singular:
 class _Distance:
     """A least distance, or that of a turn, is 0; derivatives by differences of runs."""
 
+    window, narrower, touch = 0.06, 4, 0.05
+    """Part of a cycle around the last touch in which it is looked for, how often that is made
+    narrower around the least distance, and the distance, over the size, of what counts as one."""
+    aside = 1e-6
+    """Step of each unknown, over its size, for differences."""
     phase = 0.0
     """Time of the touch over the period, at the last point."""
     at = 0.0
@@ -218,7 +211,7 @@ class _Distance:
         base, sizes = self(shot)[0], plane.sizes(shot)
         u, found = np.array([*shot.y.tolist(), shot.value, value]), np.empty(len(sizes))
         for i, size in enumerate(sizes):
-            for step in (ASIDE, -ASIDE):  # to whichever side there is no contact
+            for step in (self.aside, -self.aside):  # to whichever side there is no contact
                 moved = u + step * size * np.eye(len(u))[i]
                 near = plane.at(moved[-1]).shoot(moved[:-2], moved[-2])
                 g, beyond = self(near)
@@ -236,7 +229,7 @@ class _Touch(_Distance):
 
     def __call__(self, shot: Shot) -> tuple[float, bool]:
         run, period = shot.run, shot.period
-        half = WINDOW * period / shot.derivatives.map.cycles
+        half = self.window * period / shot.derivatives.map.cycles
         middle = self.phase * period
 
         def gap(t: Array) -> Array:
@@ -252,11 +245,11 @@ class _Touch(_Distance):
                 raise SimulationError("it is met, and not touched.")
             self.at = (at + speed / bend) / period
             return -(speed**2) / (2.0 * bend), True
-        for _ in range(NARROWER):
-            times = np.linspace(middle - half, middle + half, PLACES)
+        for _ in range(self.narrower):
+            times = np.linspace(middle - half, middle + half, ORBIT_TIMES)
             values = gap(times)
             k = int(np.nanargmin(values)) if np.isfinite(values).any() else 0
-            if not 0 < k < PLACES - 1 or not np.isfinite(values[k - 1 : k + 2]).all():
+            if not 0 < k < ORBIT_TIMES - 1 or not np.isfinite(values[k - 1 : k + 2]).all():
                 raise SimulationError("the contact that was touched is not near any more.")
             middle, half = times[k], times[1] - times[0]
         a, b, c = values[k - 1 : k + 2]
@@ -272,7 +265,7 @@ class _Turn(_Distance):
         self.contact, self.phase, self.sticks = contact, phase, sticks
 
     def __call__(self, shot: Shot) -> tuple[float, bool]:
-        half, period = WINDOW / shot.derivatives.map.cycles, shot.period
+        half, period = self.window / shot.derivatives.map.cycles, shot.period
         turns = [
             e
             for e in shot.run.events()
@@ -284,7 +277,7 @@ class _Turn(_Distance):
             raise SimulationError("the velocity does not turn there any more.")
         turn = min(turns, key=lambda e: abs(e.t / period - self.phase))
         self.at = turn.t / period
-        columns = shot.run.playback(np.clip(turn.t + period * ALONG * _AROUND, 0.0, period))
+        columns = shot.run.playback(np.clip(turn.t + period * END_STEP * _AROUND, 0.0, period))
         friction, load = (_column(columns, n, self.contact) for n in _HOLDS)
         level = level_of(shot.law, self.contact, -turn.from_mode, load[1])
         side, beyond = (1.0 if self.sticks else -1.0), (turn.reason == "stop") != self.sticks
@@ -365,8 +358,8 @@ class Plane:
         if not beyond:
             return self.shot(u, u, shot, g)
         back = self.back / float(self.back @ self.back) * self.sizes(shot)
-        for k in range(MOST_BACK):
-            moved = u + 2.0**k * (abs(g) + SAFE) * back
+        for k in range(MOST_NEWTON):
+            moved = u + 2.0**k * (abs(g) + NEARBY) * back
             other = self.at(moved[-1]).shoot(moved[:-2], float(moved[-2]))
             least, beyond = self.condition(other)
             if not beyond:
@@ -528,14 +521,6 @@ class EventCurve(OnAxes, Tabular):
     """Why it ends at its first and at its last point."""
     runs: int
     """Runs over a period that it took, but for derivatives."""
-
-    def crossings(self, path: int, value: float) -> Array:
-        """Return the values of the other parameter (m,) at which its polygon crosses a value."""
-        known, other = self.values[:, path], self.values[:, 1 - path]
-        low, high = known[:-1], known[1:]
-        at = np.flatnonzero((np.minimum(low, high) <= value) & (value <= np.maximum(low, high)))
-        wide = np.where(high[at] == low[at], 1.0, high[at] - low[at])
-        return np.asarray(other[at] + (value - low[at]) / wide * (other[at + 1] - other[at]))
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point."""
@@ -740,7 +725,7 @@ def _begun(
         sign = -1.0 if kind == "fold" else 1.0
         return base.shoot(y, value).sensed(), lambda shot: _Singular(sign, shot)
     error: Exception | None = None
-    for off in (0.0, *itertools.chain(*((d, -d) for d in OFF))):
+    for off in (0.0, *itertools.chain(*((d, -d) for d in NEARBY * 10.0 ** np.arange(1, 6)))):
         try:
             shot = solved(base, y, value + off * width)
             condition = _touched(kind, shot)
@@ -754,14 +739,16 @@ def _begun(
 def _touched(kind: str, shot: Shot) -> _Condition:
     """Return what is touched in a run: whatever comes nearest to it."""
     run, mechanism, period = shot.run, shot.mechanism, shot.period
-    times = np.linspace(0.0, period, 32 * PLACES * shot.derivatives.map.cycles)[:-1]
+    times = np.linspace(0.0, period, 32 * ORBIT_TIMES * shot.derivatives.map.cycles)[:-1]
     found: list[tuple[float, _Condition]] = []
 
     def consider(gap: "_HardStop | _Switch") -> None:
         values = gap(run, mechanism, times)
         size = float(np.nanmax(np.abs(values), initial=0.0))
         left, right = np.roll(values, 1), np.roll(values, -1)
-        least = np.flatnonzero((values <= left) & (values < right) & (values < AT_TOUCH * size))
+        least = np.flatnonzero(
+            (values <= left) & (values < right) & (values < _Distance.touch * size)
+        )
         for phase in (times[least] / period).tolist():
             touch = _Touch(gap, phase, size)
             with suppress(SimulationError):
@@ -779,6 +766,6 @@ def _touched(kind: str, shot: Shot) -> _Condition:
                 at = _Turn(turn.contact, turn.t / period, turn.reason == "stop")
                 found.append((abs(at(shot)[0]), at))
     nearest = min(found, key=lambda pair: pair[0], default=(math.inf, None))
-    if nearest[1] is None or nearest[0] > AT_TOUCH:
+    if nearest[1] is None or nearest[0] > _Distance.touch:
         raise SimulationError("nothing is touched in the orbit at the event.")
     return nearest[1]

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import process_time
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ from stickslip.study.sweep.continuation import (
     units_of,
 )
 from stickslip.study.sweep.event_curves import KINDS, EventCurve, continue_event
-from stickslip.study.sweep.orbit_diagrams import OrbitDiagram, Search, orbit_diagram
+from stickslip.study.sweep.orbit_diagrams import SAME, OrbitDiagram, Search, orbit_diagram
 from stickslip.study.sweep.orbits import ReturnMap, Shot, solved, value_of
 from stickslip.study.sweep.parameter_grid import (
     Array,
@@ -52,15 +52,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["OrbitChart", "orbit_chart"]
-
-SAME = 2e-3
-"""Distance, over the size of the states, within which orbits of a cell are the same."""
-ON_CURVE = 2e-3
-"""Distance, over the range and the size of the states, of an event from a curve that has it."""
-NARROW = 1e-3
-"""Extent of a branch, over the range, below which its events are not followed."""
-CURVE_POINTS: Final = 400
-"""Points of a curve to either side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -371,17 +362,18 @@ def _curves(
     paths: tuple[str, str],
     box: Sequence[tuple[float, float]],
     step: float,
+    most: int = 400,
 ) -> tuple[list[EventCurve], list[str]]:
     """Follow the events of branches, each curve once; return why some have none, too."""
     curves, lost = list[EventCurve](), list[str]()
     width = box[0][1] - box[0][0]
     for diagram in diagrams:
-        wide = [b for b in diagram.branches if np.ptp(b.values) > NARROW * width]
+        wide = [b for b in diagram.branches if np.ptp(b.values) > SAME * width]
         for event in (event for branch in wide for event in branch.events):
             if event.kind not in KINDS or any(_has(curve, event, box) for curve in curves):
                 continue
             try:
-                curves.append(continue_event(event, paths, box, step=step, points=CURVE_POINTS))
+                curves.append(continue_event(event, paths, box, step=step, points=most))
             except (SimulationError, InputError) as error:
                 at = quantity(event.value, diagram.unit, 5)
                 lost.append(f"The {event.kind} at {at} has no curve: {error}")
@@ -403,4 +395,4 @@ def _has(curve: EventCurve, event: BranchEvent, box: Sequence[tuple[float, float
     chords = np.diff(points, axis=0)
     along = ((u - points[:-1]) * chords).sum(axis=1) / np.maximum((chords**2).sum(axis=1), 1e-30)
     places = points[:-1] + np.clip(along, 0.0, 1.0)[:, None] * chords
-    return bool((np.linalg.norm(u - places, axis=1) < ON_CURVE).any())
+    return bool((np.linalg.norm(u - places, axis=1) < SAME).any())

@@ -603,6 +603,7 @@ class Search:
         self.depth -= 1
 
     def diagram(self) -> OrbitDiagram:
+        """Return what was found."""
         velocities = np.array(self.velocities).reshape(len(self.values), -1)
         return OrbitDiagram(
             path=str(self.map.path),
