@@ -75,7 +75,8 @@ def bounces():
     ("second", "box"), [("frequency", (3.0, 8.0)), ("restitution", (0.4, 0.7))]
 )
 def test_a_bouncing_ball_has_its_curves_of_folds_and_doublings(bounces, kind, exact, second, box):
-    event = next(event for event in bounces.events if event.kind == kind)
+    own = [event for event in bounces.events if event.kind == kind]
+    event = min(own, key=lambda event: abs(event.value - exact(0.5)))
     curve = continue_event(event, ("amplitude", second), ((5.0, 31.0), box))
     r = curve.values[:, 1] if second == "restitution" else np.full(len(curve.values), 0.5)
     assert np.ptp(curve.values[:, 1]) == pytest.approx(box[1] - box[0])

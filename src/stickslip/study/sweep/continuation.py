@@ -147,7 +147,8 @@ OVER: Final = (1e-6, 4e-6, 1e-4, 1e-3, 4e-3)
 WINDOWS: Final = (
     (0.25, "motions of longer periods follow one another (period adding)"),
     (2.0 / 3.0, "longer periods with chaos between them"),
-    (math.inf, "chaos at once"),
+    (1.0, "chaos at once"),
+    (math.inf, "that orbit is unstable, too"),
 )
 """What follows behind a hard stop that is touched, for largest multipliers below these bounds."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
@@ -1160,7 +1161,7 @@ class Curve:
         what = rule if real else "no rule for complex or negative ones"
         text = f"; largest multiplier without impact {number(largest, 2)}: {what}"
         # to the side on which the orbit without impact is none any more
-        ahead = float(here.tangent[-1]) if free is here else -float(here.tangent[-1])
+        ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
         value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
         with suppress(SimulationError, InputError):
             y, states = free.shot.y, []
@@ -1169,7 +1170,8 @@ class Curve:
                 y = y + shot.residual
                 states += [y] if k >= settle else []
             closes = period_of(np.array(states), free.shot.scale, SAME)
-            ends = f"closes after {closes * self.map.cycles} cycles" if closes else "does not close"
+            count = closes * self.map.cycles
+            ends = f"closes after {count} cycle{'s' * (count > 1)}" if closes else "does not close"
             text += f"; a run behind {ends}"
         return text
 
