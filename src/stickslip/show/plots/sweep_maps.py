@@ -492,9 +492,9 @@ def draw_orbit_chart(result: OrbitChart | EventCurve) -> Draw:
         across, up = map(labelled, result.paths, result.parameter_units)
         axes.set_xlabel(across)
         axes.set_ylabel(up)
-        axes.legend(
-            loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncols=2 if narrow else 5
-        )
+        # of the figure, as it is wider than the panel beside its colour bar
+        handles = axes.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper left", ncols=2 if narrow else 5)
 
     return draw
 
