@@ -9,6 +9,7 @@ on, and counts if it closes still, and far better.
 
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -170,16 +171,16 @@ def error_of(curve: EventCurve) -> float:
     inside = np.flatnonzero(np.abs(curve.values[:, 0] - 0.5 * (low + high)) < 0.499 * (high - low))
     for k in inside[np.linspace(0, len(inside) - 1, min(CHECKED, len(inside))).astype(int)]:
         frequency, amplitude = curve.values[k].tolist()
-        drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
-        rig = replace(RIGS[FOLLOWED[0]], drive=drive)
         start = dict(zip(curve.states, curve.starts[k].tolist(), strict=True))
-        try:
-            orbit = periodic_orbit(rig, LAW, start=start, cycles=curve.cycles, settle=0)
-            branch = continue_orbit(orbit, PATH, (frequency - beside, frequency + beside), step=0.5)
-        except SimulationError:  # right at an event there may be no derivative
-            continue
-        off = [abs(event.value - frequency) for event in branch.events if event.kind == curve.kind]
-        worst = max(worst, min(off, default=beside) / (high - low))
+        ends, off = (frequency - beside, frequency + beside), [beside]
+        for share in (0.1, -0.1):  # from an orbit on either side: at a fold there is none on one
+            drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency + share * beside))
+            rig = replace(RIGS[FOLLOWED[0]], drive=drive)
+            with suppress(SimulationError):
+                orbit = periodic_orbit(rig, LAW, start=start, cycles=curve.cycles, settle=0)
+                events = continue_orbit(orbit, PATH, ends).events
+                off += [abs(e.value - frequency) for e in events if e.kind == curve.kind]
+        worst = max(worst, min(off) / (high - low))
     return worst
 
 

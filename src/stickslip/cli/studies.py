@@ -515,12 +515,17 @@ def _show_measured(found: VelocityBand, measured: Sequence[tuple[float, float]])
         stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
 
 
-def _axes(vary: Sequence[str]) -> dict[str, Array]:
-    """Read ``path=low:high:n`` or ``path=[values]``, once or twice."""
+def _few(vary: Sequence[str]) -> Sequence[str]:
+    """Return what is varied, if that is one parameter or two."""
     if not 1 <= len(vary) <= MOST_AXES:
         raise InputError(f"--vary is given once or twice, got {len(vary)}.")
+    return vary
+
+
+def _axes(vary: Sequence[str]) -> dict[str, Array]:
+    """Read ``path=low:high:n`` or ``path=[values]``, once or twice."""
     found = {}
-    for text in vary:
+    for text in _few(vary):
         path, numbers, listed = _numbers(text)
         values = np.unique(numbers) if listed else np.empty(0)
         if not listed and len(numbers) == 3 and numbers[2].is_integer():
@@ -562,9 +567,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
 
     output = options.output
     figure = _figure_beside(output, force=options.force)
-    if not 1 <= len(options.vary) <= MOST_AXES:
-        raise InputError(f"--vary is given once or twice, got {len(options.vary)}.")
-    ranges = [_range(text) for text in options.vary]
+    ranges = [_range(text) for text in _few(options.vary)]
     name, between, values = ranges[0]
     of_chart = len(ranges) > 1
     if of_chart and any(listed is not None for _, _, listed in ranges):

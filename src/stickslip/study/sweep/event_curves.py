@@ -348,7 +348,7 @@ class Plane:
         """Run over the period from free states and the first parameter in one vector."""
         found = self.near(np.append(y, value))
         if most is not None and (np.abs(found.residual) > most).any():
-            raise SimulationError("a step has led farther from an orbit.")
+            raise SimulationError("a step along a curve has led away from it.")
         return found
 
     def near(self, u: Array) -> Shot:

@@ -173,9 +173,10 @@ def orbit_chart(
     >>> from stickslip import Axis, Coulomb
     >>> from stickslip.mechanisms.drives import Sine
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
-    >>> few = {"cycles": 1, "values": (3, 3), "lines": 1, "runs": 2, "settle": 50}
     >>> ranges = {"frequency": (1.9, 2.4), "amplitude": (3.0, 4.0)}
-    >>> orbit_chart(axis, Coulomb(kinetic_coefficient=0.5), ranges, **few).count.tolist()
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> found = orbit_chart(axis, law, ranges, values=(3, 3), cycles=1, lines=1, runs=2, settle=50)
+    >>> found.count.tolist()
     [[1, 1, 1], [1, 1, 1], [1, 1, 1]]
     """
     owner, begun = "orbit_chart", process_time()
