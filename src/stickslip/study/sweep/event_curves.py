@@ -608,7 +608,7 @@ def continue_event(
     >>> paths = ("drive.amplitude", "drive.frequency")
     >>> curve = continue_event(event, paths, ((0.5, 2.0), (0.09, 0.12)))
     >>> curve.kind, curve.ends
-    ('grazing', ('It reaches 0.09 Hz.', 'It reaches 0.12 Hz.'))
+    ('grazing', ('It reaches 90 mHz.', 'It reaches 0.12 Hz.'))
     """
     owner = "continue_event"
     if getattr(event, "kind", None) not in KINDS:
