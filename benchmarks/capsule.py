@@ -12,23 +12,31 @@ thousands of cycles, chaotic what does not and has left a start 1e-6 off by then
 
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measuring import Section, Target
-from stickslip import Capsule, Coulomb, ensemble
+from stickslip import Capsule, Coulomb, EventDriven, ensemble
 from stickslip.engine import Samples
+from stickslip.errors import SimulationError
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, Square
 from stickslip.study.optimisation import measure, optimise
 from stickslip.study.optimisation.search import with_values
 from stickslip.study.sweep import (
+    EventCurve,
+    OrbitChart,
     OrbitDiagram,
     average_velocity,
+    continue_orbit,
     lyapunov_exponents,
+    orbit_chart,
     orbit_diagram,
+    periodic_orbit,
 )
 from stickslip.study.sweep.attractors import period_of
 
@@ -60,14 +68,25 @@ NEAR = 2e-3
 """Distance from an orbit, over the size of the states, of a settled run that lies on it."""
 BETWEEN = 0.01
 """The same from a straight line between two orbits of a branch."""
-GOAL_SWEEP, GOAL_BRANCHES = 1.5, 20.0
+GOAL_SWEEP, GOAL_BRANCHES = 1.5, 12.0
+BOX = {PATH: (10.0, 18.0), "mechanism.drive.drive.amplitude": (0.15, 0.25)}
+CELLS, GOAL_CHART = 40, 60.0
+"""Cells of a chart along each parameter, and its processor time [s]."""
+CHECKED, GOAL_ERROR = 20, 1e-6
+"""Points of each curve that a branch over one parameter meets, and the error over the range."""
+BESIDE = 0.01
+"""Range of such a branch to each side, over that of the chart."""
+NO_CAUSE = ("too short", "not converge", "give more")
+"""What ends of curves say that have no cause in the motion."""
+CAPSULES, CAPSULE_CYCLES = 720, 200
+"""Random capsules, and cycles of each run."""
 CHAOTIC, PERIODIC, MARKS_SEED = 40, 200, 2026
 """Motions of each kind with which marks are compared, and the seed of their capsules."""
 LONG, STROBED, LEFT = 3000, 128, 1e-2
 """Cycles of long runs, those at their ends that are sampled, and distance of what has left."""
 GOAL_MARKED, GOAL_FALSE = 38, 2
 DESIGNS, EVALUATIONS, DESIGN_SEED, GOAL_RATIO = 2000, 800, 4, 1.2
-BOX = {
+RANGES = {
     "mechanism.stiffness": (20.0, 200.0),
     "mechanism.upper_soft_stop.place": (5e-4, 5e-3),
     "mechanism.upper_soft_stop.stiffness": (300.0, 3e4),
@@ -232,14 +251,14 @@ def design() -> Target:
     square = Torque(drive=Square(high=0.2, low=-0.2, period=0.1, duty=0.5))
     rig = replace(BARE, upper_soft_stop=SOFT, drive=square)  # a force between both: no free push
     noise = np.random.default_rng(DESIGN_SEED)
-    shares = noise.uniform(size=(DESIGNS, len(BOX)))
-    ends = np.array(list(BOX.values()))
+    shares = noise.uniform(size=(DESIGNS, len(RANGES)))
+    ends = np.array(list(RANGES.values()))
     values = np.where(
         ends[:, 0] > 0.0,
         np.abs(ends[:, 0]) * np.abs(ends[:, 1] / ends[:, 0]) ** shares,
         ends[:, 0] + (ends[:, 1] - ends[:, 0]) * shares,
     )
-    random = [dict(zip(BOX, map(float, row), strict=True)) for row in values]
+    random = [dict(zip(RANGES, map(float, row), strict=True)) for row in values]
     judged = []
     for parameters in random:
         mechanism = with_values(rig, LAW, parameters)[0]
@@ -248,7 +267,7 @@ def design() -> Target:
     best = int(np.argmax(speeds))
     allowed = judged[best].energy
     found = optimise(
-        rig, LAW, BOX, limits={"energy": allowed}, starts=[random[best]], evaluations=EVALUATIONS,
+        rig, LAW, RANGES, limits={"energy": allowed}, starts=[random[best]], evaluations=EVALUATIONS,
         seed=DESIGN_SEED,
     )  # fmt: skip
     means = []
@@ -266,6 +285,140 @@ def design() -> Target:
         met=ratio >= GOAL_RATIO,
         reason="the best random design is near the optimum",
     )
+
+
+def errors_of(curve: EventCurve) -> list[float]:
+    """Return the errors of a curve, over the range, against branches over the first parameter.
+
+    Infinite where none of the branches beside a point has the event, as at the end of a curve.
+    """
+    (low, high), errors = BOX[PATH], list[float]()
+    beside = BESIDE * (high - low)
+    inside = np.flatnonzero(np.abs(curve.values[:, 0] - 0.5 * (low + high)) < 0.499 * (high - low))
+    for k in inside[np.linspace(0, len(inside) - 1, min(CHECKED, len(inside))).astype(int)]:
+        frequency, amplitude = curve.values[k].tolist()
+        start = dict(zip(curve.states, curve.starts[k].tolist(), strict=True))
+        ends, off = (frequency - beside, frequency + beside), [np.inf]
+        for share in (0.1, -0.1):  # from an orbit on either side: at a fold there is none on one
+            drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency + share * beside))
+            rig = replace(RIGS[FOLLOWED[0]], drive=drive)
+            with suppress(SimulationError):
+                orbit = periodic_orbit(rig, LAW, start=start, cycles=curve.cycles, settle=0)
+                events = continue_orbit(orbit, PATH, ends).events
+                off += [abs(e.value - frequency) for e in events if e.kind == curve.kind]
+        errors.append(float(min(off)) / (high - low))
+    return errors
+
+
+def is_known(chart: OrbitChart, i: int, j: int, points: Array) -> bool:
+    """Whether a settled motion, by its states once a cycle, is one of those of a cell."""
+    starts = np.array([y for _, y in chart.motions.get((i, j), ())]).reshape(-1, points.shape[1])
+    off = np.abs(starts[:, None] - points[None]) / np.abs(points).max()
+    return bool(off.max(axis=2).min(initial=np.inf) <= NEAR)
+
+
+def chart() -> tuple[Target, ...]:
+    """Return what a chart of the soft capsule takes, and how right it is."""
+    soft, begun = RIGS[FOLLOWED[0]], time.process_time()
+    found = orbit_chart(soft, LAW, BOX, values=(CELLS, CELLS))
+    taken = time.process_time() - begun
+    ends = [end for curve in found.curves for end in curve.ends]
+    early = sum(any(word in end for word in NO_CAUSE) for end in ends)
+    smooth = [curve for curve in found.curves if curve.kind != "sticking"]
+    errors = {
+        kind: np.array([e for curve in smooth if curve.kind == kind for e in errors_of(curve)])
+        for kind in dict.fromkeys(curve.kind for curve in smooth)
+    }
+    met = {kind: own[own < BESIDE / 2.0] for kind, own in errors.items()}
+    noise, missed, closing = np.random.default_rng(SEED), 0, 0
+    for i, j in np.ndindex(CELLS, CELLS):
+        frequency, amplitude = float(found.axes[0][i]), float(found.axes[1][j])
+        drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
+        rig, sizes = replace(soft, drive=drive), (4e-3, 0.05, 0.5)
+        start = {
+            f"initial.{name}": float(size * noise.uniform(-1.0, 1.0))
+            for name, size in zip(found.states, sizes, strict=True)
+        }
+        points = samples(rig, found.states, frequency, start, SETTLE)
+        if 0 < period_of(points, np.abs(points).max(axis=0)) <= 2:
+            closing += 1
+            missed += not is_known(found, i, j, points)
+    counts = f"{CELLS} x {CELLS} cells"
+    told = ", ".join(
+        f"{kind} {own.max(initial=0.0):.1g} at {len(own)} of {len(errors[kind])} points"
+        for kind, own in met.items()
+    )
+    return (
+        Target(
+            work=f"chart of {counts}", goal=f"{GOAL_CHART:g} s of processor time",
+            measured=f"{taken:.1f} s, {len(found.curves)} curves", met=taken <= GOAL_CHART,
+            reason="its runs",
+        ),
+        Target(
+            work="ends of its curves with no cause in the motion", goal="0",
+            measured=f"{early} of {len(ends)}", met=early == 0,
+            reason="curves that creep along a border of sticking",
+        ),
+        Target(
+            work=f"settled runs, of one in each of {counts}, of unknown motions", goal="0",
+            measured=f"{missed} of {closing}", met=missed == 0, reason="sheets that no run has met",
+        ),
+        Target(
+            work="error of its curves against branches, over the range", goal=f"{GOAL_ERROR:g}",
+            measured=told,
+            met=all(own.max() <= GOAL_ERROR for own in errors.values()),
+            reason="points, ends of curves among them, beside which no branch was followed",
+        ),
+    )  # fmt: skip
+
+
+def random_capsule(noise: np.random.Generator) -> tuple[Capsule, Coulomb, float]:
+    """Return a capsule, its law, and the period of its drive."""
+    kind, gaps = noise.integers(6), noise.uniform(5e-4, 5e-3, 2)
+    below = SoftStop(
+        place=-gaps[1], stiffness=10.0 ** noise.uniform(2.7, 4.3), damping=0.1,
+        sticks=bool(noise.integers(2)),
+    )  # fmt: skip
+    stops: Mapping[str, Any] = (
+        {},
+        {"upper_stop": gaps[0]},
+        {"upper_stop": gaps[0], "lower_stop": -gaps[1]},
+        {"upper_soft_stop": replace(below, place=gaps[0])},
+        {"upper_soft_stop": replace(below, place=gaps[0]), "lower_soft_stop": below},
+        {"upper_stop": gaps[0], "lower_soft_stop": below},
+    )[kind]
+    force, period = 10.0 ** noise.uniform(-1.5, 0.3), 10.0 ** noise.uniform(-1.5, -0.3)
+    drives = (
+        Sine(amplitude=force, frequency=1.0 / period, phase=noise.uniform(0.0, 6.0)),
+        Square(high=force, low=-force, period=period, duty=noise.uniform(0.2, 0.8)),
+    )
+    capsule = Capsule(
+        capsule_mass=noise.uniform(0.02, 0.2), inner_mass=noise.uniform(0.005, 0.1),
+        stiffness=10.0 ** noise.uniform(1.0, 2.5), damping=noise.choice([0.0, 0.03, 0.3]),
+        drive_on="inner mass" if noise.integers(2) else "both",
+        restitution=noise.choice([0.0, 0.5, 0.9]),
+        drive=Torque(drive=drives[noise.integers(2)]), **stops,
+    )  # fmt: skip
+    kinetic = noise.uniform(0.02, 0.4)
+    static = kinetic * noise.choice([1.0, 1.3, 2.0])
+    return capsule, Coulomb(kinetic_coefficient=kinetic, static_coefficient=static), period
+
+
+def early_ends() -> Target:
+    """Return how many runs of random capsules end early."""
+    noise, solver, early = np.random.default_rng(SEED), EventDriven(tier="compiled"), 0
+    for _ in range(CAPSULES):
+        rig, law, period = random_capsule(noise)
+        inside = noise.uniform(-1.0, 1.0) * min(
+            abs(x) for x in (rig.upper_stop, rig.lower_stop, 5e-3) if x is not None
+        )
+        y0 = [0.0, inside, noise.uniform(-0.1, 0.1), noise.uniform(-0.5, 0.5)]
+        run_ = solver.bare(rig, law, y0=y0, t_end=CAPSULE_CYCLES * period)
+        early += not run_.status.complete
+    return Target(
+        work=f"early ends of {CAPSULES} random capsules, {CAPSULE_CYCLES} cycles each",
+        goal="0", measured=str(early), met=early == 0, reason="see their status",
+    )  # fmt: skip
 
 
 def run() -> Section:
@@ -292,5 +445,5 @@ def run() -> Section:
             f" must lie on a branch; those on none count if they close to {CLOSED:g} after"
             f" {FURTHER:,} cycles more. Processor time of one core.",
         ),
-        targets=(target, *(one for _, one in followed), *marks(), design()),
+        targets=(target, *(one for _, one in followed), *chart(), early_ends(), *marks(), design()),
     )

@@ -84,3 +84,18 @@ def test_bad_input_gets_one_message_and_code_2(called, arguments, message):
     assert not shown
     assert message in told
     assert told.count("stickslip:") == 1
+
+
+def test_two_ranges_make_a_chart_of_curves(called, tmp_path):
+    ranges = ("--vary", "kinetic_coefficient=0.5:3.5", "--vary", "drive.frequency=1.9:2.4")
+    quick = ("--values", "4", "--settle", "40", "--period", "1", "-o", "chart.csv")
+    code, shown, _ = called("axis.toml", *ranges, *quick)
+    assert code == 0
+    assert "of 16 cells" in " ".join(shown.split())
+    table = pd.read_csv(tmp_path / "chart.csv")
+    assert set(table["event"]) <= {"fold", "period doubling", "grazing", "sticking"}
+    assert (table["event"] == "sticking").any()
+    assert "numbers: stable motions" in (tmp_path / "chart.svg").read_text()
+    code, _, error = called("axis.toml", *ranges, "--vary", "stiffness=90:110")
+    assert code != 0
+    assert "--vary is given once or twice, got 3" in error

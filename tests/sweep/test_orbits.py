@@ -173,7 +173,41 @@ def test_grazing_is_found_where_the_linear_amplitude_reaches_the_stop():
     event = next(e for e in branch.events if e.kind == "grazing")
     assert event.value == pytest.approx(graze, rel=1e-6)
     assert event.orbit.stable
-    assert "infinite" in branch.ends[1]
+
+
+def test_a_branch_passes_a_touched_hard_stop_by_its_square_root():
+    """Behind, the speed of the impact is proportional to the arc, and orbits are unstable."""
+    law = Viscous(viscous_coefficient=0.4)
+    graze = STOP * abs(complex(1.0 - 0.64, 0.32))
+    orbit = periodic_orbit(stopped(0.8 * graze), law)
+    branch = continue_orbit(orbit, "amplitude", (0.5 * graze, 1.5 * graze))
+    assert branch.values[-1] == pytest.approx(1.5 * graze)
+    event = next(e for e in branch.events if e.kind == "grazing")
+    assert "passed by its square root" in event.sentence
+    # eigenvalues are exp((-0.2 +- i 0.98) T): complex, for which there is no rule
+    assert "largest multiplier without impact 0.21: no rule" in event.sentence
+    speeds, arcs = [], []
+    for index in (event.index + 1, event.index + 2):
+        found = branch.orbit(index)
+        assert not found.stable
+        hit = next(e.t for e in found.events if e.reason == "hits stop")
+        speeds.append(float(found.run().at([hit * (1.0 - 1e-9)])["v"][0]))
+        arcs.append(branch.starts[index] - [event.orbit.start[name] for name in found.free])
+    ratio = np.linalg.norm(arcs[1]) / np.linalg.norm(arcs[0])
+    assert speeds[1] / speeds[0] == pytest.approx(ratio, rel=0.05)
+
+
+def test_what_survives_a_touch_follows_from_real_eigenvalues_and_is_met_by_a_run():
+    law, damping = Viscous(viscous_coefficient=2.5), 2.5
+    graze = STOP * abs(complex(1.0 - 0.64, 0.8 * damping))
+    branch = continue_orbit(
+        periodic_orbit(stopped(0.9 * graze), law), "amplitude", (0.8 * graze, 1.1 * graze)
+    )
+    event = next(e for e in branch.events if e.kind == "grazing")
+    slow = math.exp(-(damping / 2.0 - math.sqrt(damping**2 / 4.0 - 1.0)) * 2.0 * math.pi / 0.8)
+    assert slow < 0.25
+    assert "period adding" in event.sentence
+    assert "a run behind closes after" in event.sentence
 
 
 def test_the_saltation_of_a_touch_grows_like_the_inverse_root_of_its_depth():

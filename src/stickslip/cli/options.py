@@ -575,21 +575,23 @@ class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, Write
 
 @dataclass(frozen=True, kw_only=True)
 class OrbitOptions(LawOptions, WriteOptions):
-    """Find periodic orbits over a parameter, stable and unstable.
+    """Find periodic orbits over a parameter, stable and unstable, or over two.
 
     Branches are followed from settled runs of a driven rig, or of one that sticks and slips by
     itself, by continuation. Folds, period doublings, grazing contacts and changes of sticking are
-    listed. Writes a table of the orbits and
-    a figure: solid where stable, dashed where not.
+    listed. Writes a table of the orbits and a figure: solid where stable, dashed where not. Over
+    two parameters: the number and the speed of stable orbits on a grid, and the curves of these
+    events.
     """
 
-    vary: Annotated[str, typer.Option(metavar="PATH=LOW:HIGH")]
+    vary: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW:HIGH")]
     """Range of a parameter in SI units, e.g. drive.frequency=2:20, or values at which runs settle,
-    e.g. "drive.frequency=[2, 5.1, 20]"."""
+    e.g. "drive.frequency=[2, 5.1, 20]"; twice for a chart."""
     cycles: Annotated[int, typer.Option("--period")] = 4
     """Largest period that is sought, in drive cycles or turns of a self-excited motion."""
-    values: int = 61
-    """Number of values in a range at which settled runs are made."""
+    values: int | None = None
+    """Number of values in a range at which settled runs are made, 61; of a chart, the cells along
+    both, 40."""
     settle: int = 200
     """Number of drive cycles before a run counts as settled."""
     energy: bool = False

@@ -59,12 +59,14 @@ from stickslip.study.sweep import (
     Factor,
     Levels,
     Normal,
+    OrbitChart,
     OrbitDiagram,
     SensitivityIndices,
     Uniform,
     VelocityBand,
     VelocityMap,
     average_velocity,
+    orbit_chart,
     orbit_diagram,
     velocity_band,
 )
@@ -595,12 +597,17 @@ def _show_measured(found: VelocityBand, measured: Sequence[tuple[float, float]])
         stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
 
 
-def _axes(vary: Sequence[str]) -> dict[str, Array]:
-    """Read ``path=low:high:n`` or ``path=[values]``, once or twice."""
+def _few(vary: Sequence[str]) -> Sequence[str]:
+    """Return what is varied, if that is one parameter or two."""
     if not 1 <= len(vary) <= MOST_AXES:
         raise InputError(f"--vary is given once or twice, got {len(vary)}.")
+    return vary
+
+
+def _axes(vary: Sequence[str]) -> dict[str, Array]:
+    """Read ``path=low:high:n`` or ``path=[values]``, once or twice."""
     found = {}
-    for text in vary:
+    for text in _few(vary):
         path, numbers, listed = _numbers(text)
         values = np.unique(numbers) if listed else np.empty(0)
         if not listed and len(numbers) == 3 and numbers[2].is_integer():
@@ -631,46 +638,81 @@ def _numbers(text: str) -> tuple[str, list[float], bool]:
 # ``stickslip orbits``.
 
 DIAGRAM_SIZE = (880, 400)
+CHART_SIZE = (880, 560)
+ORBIT_VALUES, CHART_CELLS = 61, 40
+"""Values at which runs settle, and cells of a chart along each parameter."""
 
 
 def run_orbits(options: option_groups.OrbitOptions) -> None:
-    """Find the branches, write table and figure, show."""
-    from stickslip.show.plots import draw_orbits, standalone_svg
+    """Find the branches or the chart, write table and figure, show."""
+    from stickslip.show.plots import draw_orbit_chart, draw_orbits, standalone_svg
 
     output = options.output
     figure = _figure_beside(output, force=options.force)
-    name, between, values = _range(options.vary)
+    ranges = [_range(text) for text in _few(options.vary)]
+    name, between, values = ranges[0]
+    of_chart = len(ranges) > 1
+    if of_chart and any(listed is not None for _, _, listed in ranges):
+        raise InputError("--vary of a chart takes PATH=LOW:HIGH twice, got a list of values.")
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
-    law = inputs.friction_of(chosen)
-    with Drawing("Running", "values") as progress:
-        found = orbit_diagram(
-            rig.mechanism,
-            law,
-            name,
-            between,
-            cycles=options.cycles,
-            values=options.values if values is None else values,
-            settle=options.settle,
-            y0=rig.start(law),
-            progress=progress,
-        )
-    svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
-    units = {**found.units, found.path: found.unit, "period": "s"}
-    for name in {name for branch in found.branches for name in branch.advances}:
-        units |= {f"advance {name}": found.units[name]}
-        units |= {f"mean velocity {name}": f"{found.units[name]}/s"}
-    table = found.to_dataframe(energy=options.energy)
-    (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
-    units |= units_of_columns(map(str, table.columns), found.units[travel])
+    law, cells = inputs.friction_of(chosen), options.values or CHART_CELLS
+    with Drawing("Running", "lines" if of_chart else "values") as progress:
+        shared: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
+        shared |= {"y0": rig.start(law), "progress": progress}
+        if of_chart:
+            box = {path: pair for path, pair, _ in ranges}
+            found: OrbitChart | OrbitDiagram = orbit_chart(
+                rig.mechanism, law, box, values=(cells, cells), **shared
+            )
+        else:
+            count = (options.values or ORBIT_VALUES) if values is None else values
+            found = orbit_diagram(rig.mechanism, law, name, between, values=count, **shared)
+    drawing = draw_orbit_chart(found) if isinstance(found, OrbitChart) else draw_orbits(found)
+    size = CHART_SIZE if of_chart else DIAGRAM_SIZE
+    svg = standalone_svg(drawing, size=size, title="Periodic orbits")
+    axes = (
+        dict(zip(found.paths, found.parameter_units, strict=True))
+        if isinstance(found, OrbitChart)
+        else {found.path: found.unit}
+    )
+    units = {**found.units, **axes, "period": "s"}
+    velocities = found.velocities
+    if isinstance(found, OrbitDiagram):
+        velocities = tuple({name for branch in found.branches for name in branch.advances})
+        table = found.to_dataframe(energy=options.energy)
+        (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
+        units |= units_of_columns(map(str, table.columns), found.units[travel])
+    else:
+        table = found.to_dataframe()
+    units |= {f"advance {name}": found.units[name] for name in velocities}
+    units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in velocities}
     write_files({output: table_bytes(table, output, units), figure: svg})
     if options.as_json:
-        content = inputs.rig_content(rig, chosen) | _diagram_content(found)
+        own = _chart_content(found) if isinstance(found, OrbitChart) else _diagram_content(found)
+        content = inputs.rig_content(rig, chosen) | own
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
     terminal.show_summary(found.in_short())
     stdout().print(f"\nWritten: {output}, {figure}")
+
+
+def _chart_content(found: OrbitChart) -> dict[str, Any]:
+    return {
+        "axes": dict(zip(found.paths, found.axes, strict=True)),
+        **{name: getattr(found, name) for name in ("count", "velocities", "lost")},
+        "curves": [
+            {
+                **{name: getattr(curve, name) for name in ("kind", "cycles", "values", "ends")},
+                "points": [
+                    {name: getattr(p, name) for name in ("kind", "values", "sentence")}
+                    for p in curve.points
+                ],
+            }
+            for curve in found.curves
+        ],
+    }
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:

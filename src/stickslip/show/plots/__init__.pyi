@@ -83,6 +83,7 @@ from stickslip.show.plots.svg import inline_svg as inline_svg
 from stickslip.show.plots.svg import save as save
 from stickslip.show.plots.svg import standalone_svg as standalone_svg
 from stickslip.show.plots.sweep_maps import draw_basins as draw_basins
+from stickslip.show.plots.sweep_maps import draw_orbit_chart as draw_orbit_chart
 from stickslip.show.plots.sweep_maps import draw_orbits as draw_orbits
 from stickslip.show.plots.sweep_maps import draw_sensitivity as draw_sensitivity
 from stickslip.show.plots.sweep_maps import draw_velocity_band as draw_velocity_band
@@ -138,6 +139,7 @@ __all__ = [
     "draw_friction_map",
     "draw_friction_velocity",
     "draw_motion",
+    "draw_orbit_chart",
     "draw_orbits",
     "draw_overview",
     "draw_pieces",

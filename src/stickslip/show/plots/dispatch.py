@@ -46,6 +46,8 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         sweep.Basins: plot_sweep,
         sweep.OrbitDiagram: plot_sweep,
         sweep.Branch: plot_sweep,
+        sweep.OrbitChart: plot_sweep,
+        sweep.EventCurve: plot_sweep,
         sweep.SensitivityIndices: plot_sweep,
         Optimum: plot_optimum,
         Measurement: plot_measurement,

@@ -35,7 +35,9 @@ from stickslip.study.sweep import (
     CYCLE,
     Basins,
     Branch,
+    EventCurve,
     Orbit,
+    OrbitChart,
     OrbitDiagram,
     SensitivityIndices,
     VelocityBand,
@@ -458,6 +460,111 @@ def _settled(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> tup
     return values, points.ravel(), chaotic
 
 
+CURVES: Final[Mapping[str, Any]] = MappingProxyType(
+    {
+        "fold": {"color": INK, "linewidth": 1.4},
+        "period doubling": {"color": C3, "linewidth": 1.4},
+        "grazing": {"color": C4, "linewidth": 1.4, "linestyle": "--"},
+        "sticking": {"color": MUTED, "linewidth": 0.9, "linestyle": ":"},
+    }
+)
+"""Lines of curves of events."""
+COINCIDE: Final = ("cusp", "fold-flip", "with fold", "with flip", "with grazing", "with sticking")
+"""Ends of names of points of codimension two."""
+POINT_MARKS: Final = "*Dos^v"
+"""Their marks."""
+NAMED: Final = 0.01
+"""Least share of the cells of a region that has its number of stable motions written in it."""
+
+
+def draw_orbit_chart(result: OrbitChart | EventCurve) -> Draw:
+    """Return a drawing of curves of events over two parameters, and of the motions behind them.
+
+    Parameters
+    ----------
+    result : OrbitChart or EventCurve
+        The curves. Cells of a chart are coloured by the mean velocity of the fastest stable motion
+        and regions have the number of stable motions written in them.
+
+    Returns
+    -------
+    callable
+        Draws it, with marks at points of codimension two.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import orbit_chart
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> ranges = {"frequency": (1.9, 2.4), "amplitude": (3.0, 4.0)}
+    >>> callable(
+    ...     draw_orbit_chart(orbit_chart(axis, Coulomb(kinetic_coefficient=0.5), ranges, **few))
+    ... )
+    True
+    """
+    curves = result.curves if isinstance(result, OrbitChart) else (result,)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        if isinstance(result, OrbitChart):
+            _motions(figure, axes, result)
+        named = dict[str, None]()
+        for curve in curves:
+            label = None if curve.kind in named else curve.kind
+            named[curve.kind] = None
+            axes.plot(*curve.values.T, label=label, **CURVES[curve.kind])
+        for ending, mark in zip(COINCIDE, POINT_MARKS, strict=True):
+            points = [p.values for c in curves for p in c.points if p.kind.endswith(ending)]
+            if points:
+                axes.plot(
+                    *np.transpose(points), mark, zorder=4, label=ending, linestyle="none", **MARKED
+                )
+        across, up = map(labelled, result.paths, result.parameter_units)
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
+        # of the figure, as it is wider than the panel beside its colour bar
+        handles = axes.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper left", ncols=2 if narrow else 5)
+
+    return draw
+
+
+def _motions(figure: Figure, axes: Axes, result: OrbitChart) -> None:
+    """Colour cells by the mean velocity, and hatch them by the number of stable motions."""
+    xs, ys = result.axes
+    edges = _edges(xs), _edges(ys)
+    axes.set_xlim(xs[0], xs[-1])
+    axes.set_ylim(ys[0], ys[-1])
+    for name, speeds in [*result.velocities.items()][:1]:
+        factor, unit = scale_of(speeds[np.isfinite(speeds)], f"{result.units[name]}/s")
+        largest = factor * float(np.nanmax(np.abs(speeds), initial=0.0)) or 1.0
+        mesh = axes.pcolormesh(
+            *edges, factor * speeds.T, cmap=DIVERGING, vmin=-largest, vmax=largest, rasterized=True
+        )
+        bar = figure.colorbar(mesh, ax=axes, pad=0.02)
+        bar.set_label(f"mean velocity of {name}, {unit}")
+        bar.outline.set_visible(False)
+    for number in np.unique(result.count).tolist():
+        for i, j in _middles(result.count == number):
+            axes.text(xs[i], ys[j], str(number), color=INK, ha="center", va="center")
+    axes.plot([], [], linestyle="none", label="numbers: stable motions")
+
+
+def _middles(chosen: Any) -> list[tuple[int, int]]:
+    """Return the cell farthest from the edge of each part of a grid, of parts of some size."""
+    from scipy.ndimage import distance_transform_edt, label
+
+    parts, count = label(chosen)
+    depth, found = distance_transform_edt(np.pad(chosen, 1))[1:-1, 1:-1], []
+    for part in range(1, count + 1):
+        own = parts == part
+        if own.sum() >= NAMED * chosen.size:
+            i, j = np.unravel_index(np.argmax(np.where(own, depth, 0.0)), own.shape)
+            found.append((int(i), int(j)))
+    return found
+
+
 def draw_basins(result: Basins) -> Draw:
     """Return a drawing of basins of attraction with the points of the motions they lead to.
 
@@ -560,16 +667,22 @@ def _bars(axes: Axes, result: SensitivityIndices) -> None:
 
 
 def plot_sweep(
-    result: VelocityMap | Basins | SensitivityIndices | OrbitDiagram | Branch,
+    result: VelocityMap
+    | Basins
+    | SensitivityIndices
+    | OrbitDiagram
+    | Branch
+    | OrbitChart
+    | EventCurve,
     ax: Target = None,
 ) -> Axes:
     """Plot mean velocities, orbits, basins, or sensitivity indices.
 
     Parameters
     ----------
-    result : VelocityMap, Basins, SensitivityIndices, OrbitDiagram or Branch
-        What `average_velocity`, `basins`, `CampaignRuns.sensitivity`, `orbit_diagram` or
-        `continue_orbit` returns.
+    result : VelocityMap, Basins, SensitivityIndices, OrbitDiagram, Branch, OrbitChart, EventCurve
+        What `average_velocity`, `basins`, `CampaignRuns.sensitivity`, `orbit_diagram`,
+        `continue_orbit`, `orbit_chart` or `continue_event` returns.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -594,7 +707,9 @@ def plot_sweep(
     >>> plot_sweep(result, Figure()).get_xlabel()
     'frequency, Hz'
     """
-    kinds = (VelocityMap, Basins, SensitivityIndices, OrbitDiagram, Branch)
+    kinds = (
+        VelocityMap, Basins, SensitivityIndices, OrbitDiagram, Branch, OrbitChart, EventCurve
+    )  # fmt: skip
     check_type("result", result, *kinds)
     if isinstance(result, VelocityMap):
         draw = draw_velocity_map(result)
@@ -602,6 +717,8 @@ def plot_sweep(
         draw = draw_sensitivity([result])
     elif isinstance(result, OrbitDiagram | Branch):
         draw = draw_orbits(result)
+    elif isinstance(result, OrbitChart | EventCurve):
+        draw = draw_orbit_chart(result)
     else:
         draw = draw_basins(result)
     return on_axes(draw, ax, SWEEP_SIZE)

@@ -23,10 +23,15 @@ from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndice
 from stickslip.study.sweep.design import Uniform as Uniform
 from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
 from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
+from stickslip.study.sweep.event_curves import CodimensionTwo as CodimensionTwo
+from stickslip.study.sweep.event_curves import EventCurve as EventCurve
+from stickslip.study.sweep.event_curves import continue_event as continue_event
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
 from stickslip.study.sweep.mean_velocity import VelocityMap as VelocityMap
 from stickslip.study.sweep.mean_velocity import average_velocity as average_velocity
 from stickslip.study.sweep.mean_velocity import velocity_band as velocity_band
+from stickslip.study.sweep.orbit_charts import OrbitChart as OrbitChart
+from stickslip.study.sweep.orbit_charts import orbit_chart as orbit_chart
 from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
 from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
 from stickslip.study.sweep.orbits import CYCLE as CYCLE
@@ -46,6 +51,11 @@ from stickslip.study.sweep.validation import validate as validate
 
 __all__ = [
     "Section",
+    "CodimensionTwo",
+    "EventCurve",
+    "OrbitChart",
+    "continue_event",
+    "orbit_chart",
     "Attractor",
     "Band",
     "Basins",

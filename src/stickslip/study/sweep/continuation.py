@@ -52,12 +52,10 @@ from numpy.typing import NDArray
 
 from stickslip.engine.solver import path_units
 from stickslip.errors import InputError, SimulationError, UnknownNameError
-from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
 from stickslip.study.energy import energy_balance
+from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import (
     CYCLE,
     Orbit,
@@ -68,6 +66,7 @@ from stickslip.study.sweep.orbits import (
     refuse_late,
     return_map,
     solved,
+    value_of,
 )
 from stickslip.study.sweep.parameter_grid import (
     Array,
@@ -147,6 +146,13 @@ AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 4e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
+WINDOWS: Final = (
+    (0.25, "motions of longer periods follow one another (period adding)"),
+    (2.0 / 3.0, "longer periods with chaos between them"),
+    (1.0, "chaos at once"),
+    (math.inf, "that orbit is unstable, too"),
+)
+"""What follows behind a hard stop that is touched, for largest multipliers below these bounds."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
 
@@ -392,7 +398,7 @@ def continue_orbit(
             f"continue_orbit: {full} is not a parameter of the equations; give one of the"
             " mechanism or of the law."
         )
-    value = _value(mechanism, law, full)
+    value = value_of(law if full.startswith("friction.") else mechanism, full)
     if not low <= value <= high:
         unit = unit_of(mechanism, law, full)
         raise InputError(
@@ -415,7 +421,7 @@ def continue_orbit(
     unit = unit_of(mechanism, law, full)
     curve = Curve(map_, low, high, unit, step, int(points), LEAST_STEP)
     return curve.branch(
-        curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
+        curve.doubled(map_, orbit, y, value) if doubled else curve.point(solved(map_, y, value))
     )
 
 
@@ -448,11 +454,6 @@ def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
         if map_.period is not None:  # which may fit at both ends by chance
             refuse_cut(mechanism, map_.cycles * map_.period)
     return replace(map_, between=between)
-
-
-def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
-    roots = ((mechanism, "mechanism"), (law, "friction"))
-    return next(v for root, prefix in roots for p, _, v in parameters(root, prefix) if p == full)
 
 
 @dataclass(frozen=True)
@@ -602,6 +603,9 @@ class Curve:
         least: float,
     ) -> None:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
+        self.box = [(-1, low, high, unit)]
+        self.tests, self.hops = TESTS, False
+        self.accept: Callable[[Point], object] = _nothing
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
@@ -738,8 +742,8 @@ class Curve:
 
     # -- the walk
 
-    def branch(self, first: Point) -> Branch:
-        """Follow a branch to both sides of a point."""
+    def both(self, first: Point) -> tuple[list[Point], list[Event], tuple[str, str]]:
+        """Follow a branch to both sides of a point; return why it ends, too."""
         self.backward = True  # events are told in the order of the points
         turned = replace(first, along=-first.tangent)
         scale = self.scale  # that of the tangent; a walk goes on to others
@@ -750,6 +754,11 @@ class Curve:
         offset = len(back) - 1
         events = [replace(e, index=offset - 1 - e.index) for e in reversed(before)]
         events += [replace(e, index=offset + e.index) for e in after]
+        return points, events, (begun, ended)
+
+    def branch(self, first: Point) -> Branch:
+        """Follow a branch to both sides of a point."""
+        points, events, ends = self.both(first)
         shots = [point.shot for point in points]
         advances = [self.map.advances(shot) for shot in shots]
         multipliers = np.array([point.multipliers for point in points])
@@ -766,7 +775,7 @@ class Curve:
             multipliers=np.take_along_axis(multipliers, order, axis=1),
             advances={q: np.array([own[q] for own in advances]) for q in advances[0]},
             events=tuple(events),
-            ends=(begun, ended),
+            ends=ends,
             runs=self.runs,
             map=self.map,
         )  # fmt: skip
@@ -774,6 +783,7 @@ class Curve:
     def walk(self, first: Point) -> tuple[list[Point], str, list[Event]]:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
         (first,) = self.fit(first)
+        self.accept(first)
         points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
         self.trails.append(self.unscaled(first.shot)[None])
         while len(points) <= self.most:
@@ -809,6 +819,7 @@ class Curve:
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
+            self.accept(there)
             ended = self.ended(first, points)
             if ended:
                 return [*points[:-1], *self.before_known(here, there)], ended, events
@@ -855,6 +866,12 @@ class Curve:
         """
         here, free, ahead = points[-1], np.inf, _Predictor.of(points)
         shot = self.alike(here, ahead(ds))
+        if shot is None and self.hops:
+            # a border may run so near that the predictor is beyond it, and the curve is not
+            found = self.correct(u0, here.tangent, ds, ahead(ds), ds)
+            there = found and self.point(found[0], here.tangent)
+            if found and there and self.is_next(here, there, u0, ds):
+                return _Step(there, ds, found[1], free)
         if shot is None:
             ds, free = self.clear(here, ahead, ds)
             if ds == 0.0:
@@ -972,24 +989,40 @@ class Curve:
         value = quantity(last.shot.value, self.unit, 5)
         return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
 
-    def limit(self, here: Point, there: Point) -> float | None:
-        """Return the end of the range that a step leaves behind, from within or from it."""
-        if there.shot.value < self.low <= here.shot.value:
-            return self.low
-        return self.high if there.shot.value > self.high >= here.shot.value else None
+    def limit(self, here: Point, there: Point) -> tuple[float, int, float, str] | None:
+        """Return what end of a range a step leaves behind, from within or from it, if any.
+
+        That is the share of the step, the place among the unknowns, the end and its unit.
+        """
+        a, b = self.unscaled(here.shot), self.unscaled(there.shot)
+        left = [
+            ((edge - a[i]) / (b[i] - a[i]), i, edge, unit)
+            for i, low, high, unit in self.box
+            for edge, side in ((low, 1.0), (high, -1.0))
+            if side * b[i] < side * edge <= side * a[i]
+        ]
+        return min(left, default=None)
 
     def cut(
-        self, points: list[Point], there: Point, edge: float, events: list[Event]
+        self,
+        points: list[Point],
+        there: Point,
+        end: tuple[float, int, float, str],
+        events: list[Event],
     ) -> tuple[list[Point], str, list[Event]]:
-        """End a branch right at the end of the range."""
-        here = points[-1]
-        share = (edge - here.shot.value) / (there.shot.value - here.shot.value)
-        with suppress(SimulationError, InputError):  # else the last point stands a step before it
-            if share > 0.0:
-                shot = solved(self.map, here.shot.y + share * (there.shot.y - here.shot.y), edge)
-                points.append(self.point(shot, there.tangent))
+        """End a branch right at the end of a range."""
+        here, (share, i, edge, unit) = points[-1], end
+        if share > 0.0:  # else the last point stands right there
+            u0, chord = here.unknowns, there.unknowns - here.unknowns
+            across = np.eye(len(u0))[i]
+            found = self.correct(u0, across, edge / self.scale[i] - u0[i], u0 + share * chord)
+            if found is not None:
+                with suppress(SimulationError, InputError):
+                    value = edge if i == -1 else found[0].value
+                    shot = self.map.shoot(found[0].y, value).sensed()
+                    points.append(self.point(shot, there.tangent))
         inside = [e for e in events if self.low <= e.value <= self.high]
-        return points, f"It reaches {quantity(edge, self.unit, 6)}.", inside
+        return points, f"It reaches {quantity(edge, unit, 6)}.", inside
 
     def closes(self, first: Point, here: Point, there: Point) -> bool:
         """Whether a step passes the first point: the branch is a closed curve."""
@@ -1071,7 +1104,36 @@ class Curve:
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
-        return next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
+        found = next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
+        return found or next(filter(None, (self.through(here, arc) for arc in BEHIND)), None)
+
+    def through(self, here: Point, arc: float) -> Point | None:
+        """Return a point behind a hard stop that is touched, by the normal form of the map there.
+
+        Right behind, the residual is that of an orbit without impact, and b v with the speed
+        v = (k d)^(1/2) of the impact and its depth d along a direction e. The derivative grows by
+        b e' dv/dd, of rank one, which tells b and e; a run tells k. To first order d = 0, and the
+        branch goes on along du, F_u du = -b v, e' du = 0: the start has that, and the depth of v.
+        """
+        u0 = here.unknowns
+        for ds in self.behind:
+            with suppress(SimulationError, InputError, np.linalg.LinAlgError):
+                far = self.point(self.shoot(u0 + ds * here.tangent).sensed())
+                if far.signature == here.signature:
+                    continue
+                left, _, right = np.linalg.svd(far.slopes - here.slopes)
+                if not hits(here, far):
+                    return None
+                b, e = left[:, 0], right[0] * np.sign(right[0] @ here.tangent)
+                b = b * np.sign(b @ far.shot.residual)
+                speed = _length(far.shot.residual / self.scale[:-1])
+                du = np.linalg.solve(np.vstack([here.slopes, e]), np.append(-b, 0.0))
+                depth = (arc / _length(du) / speed) ** 2 * ds * float(e @ here.tangent)
+                along = du / _length(du)
+                found = self.correct(u0, along, arc, u0 + arc * along + depth * e, MOST_STEP)
+                point = found and self.point(found[0], along)
+                return point if point and point.signature == far.signature else None
+        return None
 
     def across(self, here: Point, ds: float) -> Point | None:
         """Return a point at which something else happens, from a start behind the last one.
@@ -1103,8 +1165,42 @@ class Curve:
         kind, sentence = self.change(here, there)
         back = here.tangent[-1] * there.tangent[-1] < 0.0
         wide = _length(there.unknowns - here.unknowns) > CLEAN
-        more = TURNS_BACK if back else "; stepped over" if wide else ""
+        passed = "; passed by its square root" if hits(here, there) else "; stepped over"
+        more = TURNS_BACK if back else passed if wide else ""
+        more += self.survives(here, there) if hits(here, there) else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
+
+    def survives(
+        self, here: Point, there: Point | None, settle: int = 300, longest: int = 12
+    ) -> str:
+        """Return what is stable behind a hard stop that is touched: by eigenvalues, and by a run.
+
+        Of the map without impact, whose largest eigenvalue decides where all are real and positive
+        (Nordmark 1997; Chin, Ott, Nusse and Grebogi 1994).
+        """
+        if self.searching:
+            return ""
+        free = min(filter(None, (here, there)), key=lambda p: _hit(p.signature))
+        values = free.multipliers
+        largest = float(np.abs(values).max(initial=0.0))
+        real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
+        rule = next(words for bound, words in WINDOWS if largest < bound)
+        what = rule if real else "no rule for complex or negative ones"
+        text = f"; largest multiplier without impact {number(largest, 2)}: {what}"
+        # to the side on which the orbit without impact is none any more
+        ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
+        value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
+        with suppress(SimulationError, InputError):
+            y, states = free.shot.y, []
+            for k in range(settle + 2 * longest):
+                shot = self.map.shoot(y, value)
+                y = y + shot.residual
+                states += [y] if k >= settle else []
+            closes = period_of(np.array(states), free.shot.scale, SAME)
+            count = closes * self.map.cycles
+            ends = f"closes after {count} cycle{'s' * (count > 1)}" if closes else "does not close"
+            text += f"; a run behind {ends}"
+        return text
 
     def reason(self, here: Point) -> tuple[str, str]:
         """Return why a branch cannot be followed any farther: the kind of event, if any, in words.
@@ -1125,12 +1221,13 @@ class Curve:
             if after == here.signature:
                 continue
             kind, sentence = _change(here.signature, after)
-            if kind != "grazing":
+            if kind != "grazing" or _hit(after) == _hit(here.signature):
                 return kind, f"{at}: {sentence}, and no orbit like it follows."
             large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
             return kind, (
                 f"{at} in grazing: {sentence}. The saltation factor of a grazing contact is"
-                f" infinite: right behind, the largest multiplier is {number(large, 2)}."
+                f" infinite: right behind, the largest multiplier is {number(large, 2)}"
+                f"{self.survives(here, None)}."
             )
         return "", f"{at}: the corrector does not converge."
 
@@ -1166,7 +1263,7 @@ class Curve:
         """Return the events in a step in which the same happens, each located."""
         found: list[tuple[float, Event]] = []
         step = _Part(0.0, ds, here, there)
-        for kind, sentence, test in TESTS:
+        for kind, sentence, test in self.tests:
             ends = test(here), test(there)
             if ends[0] * ends[1] < 0.0:
                 least = ROUNDING * max(map(abs, ends))
@@ -1175,7 +1272,7 @@ class Curve:
         crossed = {event.kind for _, event in found}
         if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
             found = [pair for pair in found if pair[1].kind != "fold"]
-        near_torus = self.torus(step, u0, here.tangent)
+        near_torus = self.torus(step, u0, here.tangent) if self.tests is TESTS else None
         if near_torus is not None:
             s, a = near_torus
             found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
@@ -1230,8 +1327,8 @@ class Curve:
 
     # -- doubled branches
 
-    def doubled(self, orbit: Orbit, y: Array, value: float) -> Point:
-        """Return a point of the branch that leaves at a period doubling."""
+    def doubled(self, map_: ReturnMap, orbit: Orbit, y: Array, value: float) -> Point:
+        """Return a point of the branch of a map that leaves at a period doubling."""
         values, vectors = np.linalg.eig(orbit.monodromy)
         nearest = int(np.argmin(np.abs(values + 1.0)))
         if abs(values[nearest] + 1.0) > AT_CIRCLE:
@@ -1240,7 +1337,7 @@ class Curve:
                 " `orbit` of a period doubling among a branch's events; the nearest multiplier is"
                 f" {number(float(values[nearest].real), 3)}."
             )
-        base = replace(self.map, cycles=orbit.cycles)
+        base = replace(map_, cycles=orbit.cycles)
         shot = base.shoot(y, value)
         self.scale = np.append(shot.scale, self.high - self.low)
         old = self.point(shot).tangent
@@ -1267,6 +1364,10 @@ class Curve:
         )
 
 
+def _nothing(_: Point) -> None:
+    """Note nothing of a point."""
+
+
 def units_of(map_: ReturnMap) -> dict[str, str]:
     """Return the SI units of all states."""
     known = path_units(map_.mechanism, map_.law)
@@ -1282,6 +1383,16 @@ def _halves_meet(here: Point, there: Point) -> bool:
         return False
     # one step may end right before the doubling, and the next one be too near to tell
     return float(here.half @ there.half) / far < min(HALVED, 0.5 * far)
+
+
+def _hit(signature: Signature) -> int:
+    """Return how often hard stops are hit in a period."""
+    return sum(count for _, what, count in signature if what.endswith("hits stop"))
+
+
+def hits(here: Point, there: Point) -> bool:
+    """Whether a hard stop is hit more often in the one than in the other."""
+    return _hit(here.signature) != _hit(there.signature)
 
 
 def _length(x: Array) -> float:

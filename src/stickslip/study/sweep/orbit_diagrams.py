@@ -139,6 +139,8 @@ class OrbitDiagram(OnAxes, Tabular):
     """Processor time of the settled runs [s]."""
     branch_seconds: float
     """Processor time of the branches [s]."""
+    map: ReturnMap
+    """The map of period one whose runs settle."""
 
     @property
     def events(self) -> tuple[tuple[int, BranchEvent], ...]:
@@ -345,7 +347,7 @@ def orbit_diagram(
         else return_map(mechanism, laws, 1, period, compiled(solver), full),
         (low, high),
     )
-    search = _Search(
+    search = Search(
         first,
         (low, high),
         int(cycles),
@@ -398,7 +400,7 @@ def _excited_map(
     raise SimulationError(f"orbit_diagram, at the first of all values: {lack}")
 
 
-class _Search:
+class Search:
     """Settled runs, and the branches that they lead to."""
 
     def __init__(
@@ -719,7 +721,7 @@ class _Search:
                 # nothing leaves where a multiplier jumps across -1
                 with suppress(SimulationError, InputError):
                     doubled = self.curve(2 * branch.cycles)
-                    self.followed(doubled, doubled.doubled(event.orbit, y, event.value))
+                    self.followed(doubled, doubled.doubled(self.map, event.orbit, y, event.value))
         for shot in curve.halved:
             half = replace(self.map, cycles=branch.cycles // 2)
             with suppress(SimulationError, InputError):
@@ -733,6 +735,7 @@ class _Search:
         self.depth -= 1
 
     def diagram(self) -> OrbitDiagram:
+        """Return what was found."""
         velocities = np.array(self.velocities).reshape(len(self.values), -1)
         return OrbitDiagram(
             path=str(self.map.path),
@@ -757,4 +760,5 @@ class _Search:
             branch_cycles=sum(branch.runs * branch.cycles for branch in self.branches),
             brute_seconds=self.seconds["brute"],
             branch_seconds=self.seconds["branches"],
+            map=self.map,
         )  # fmt: skip

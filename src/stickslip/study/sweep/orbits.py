@@ -393,18 +393,15 @@ class Derivatives:
         What has none is no finite number.
         """
         map_, n = self.map, len(self.map.free)
-        # States that the mechanism begins with change with its parameters.
-        told = tuple(name for name in self.mechanism.start() if name not in map_.names)
-        sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
-        taken = sense(np.array([sense.t_end]), map_.paths)[0][map_.kept]
-        found = np.zeros((len(taken), n + 1))
+        taken = self.at(self.run.differentiate.t_end)[map_.kept]
+        found = np.zeros((len(taken), max(n + 1, taken.shape[1])))
         found[:, : taken.shape[1]] = taken
         return found
 
     @cached_property
     def all(self) -> Array:
         """The same; a run that lacks one is a `SimulationError`."""
-        map_, found = self.map, self.raw
+        map_, n, found = self.map, len(self.map.free), self.raw
         if not math.isfinite(found.sum()):
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
@@ -412,12 +409,13 @@ class Derivatives:
             )
         if map_.path is not None:
             found = found.copy()
-            if map_.section is None and (stretch := map_.stretch(self.mechanism, self.value)):
-                found[:, -1] += self.rate * stretch
-            carried, level = map_.drift(self.mechanism, self.value)
-            found[:, -1] -= self.period * carried
-            if map_.section is not None:
-                found[:, -1] += found[:, map_.slot] * level
+            for column, path in enumerate(map_.paths[n:], n):
+                carried, level = map_.drift(self.mechanism, path)
+                found[:, column] -= self.period * carried
+                if map_.section is not None:
+                    found[:, column] += found[:, map_.slot] * level
+                elif stretch := map_.stretch(self.mechanism, self.value, path):
+                    found[:, column] += self.rate * stretch
         return found
 
     @cached_property
@@ -428,6 +426,24 @@ class Derivatives:
             found = found.copy()
             found[:, map_.slot] = map_.cycles * self.rate
         return found
+
+    def at(self, time: float) -> Array:
+        """Return those of all states at a time (states, paths), which may not be finite."""
+        map_ = self.map
+        # States that the mechanism begins with change with its parameters.
+        told = tuple(name for name in self.mechanism.start() if name not in map_.names)
+        sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
+        return np.asarray(sense(np.array([time]), map_.paths)[0])
+
+    @property
+    def monodromy(self) -> Array:
+        """M (n, n); with a section, of the return to it (n - 1, n - 1)."""
+        n, map_ = len(self.map.free), self.map
+        found = self.all[:n, :n]
+        if map_.section is None:
+            return found
+        back = found - np.outer(self.rate[:n] / self.rate[map_.slot], found[map_.slot])
+        return np.delete(np.delete(back, map_.slot, axis=0), map_.slot, axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -456,7 +472,7 @@ class Shot:
     """What y and p are beyond those of the run (n + 1,)."""
     half: Array
     """Free states after half the period less those at the start (n,)."""
-    derivatives: "Derivatives"
+    derivatives: Derivatives
     """Derivatives of the run, taken when they are asked for."""
     run: BareRun
     """The run."""
@@ -471,22 +487,17 @@ class Shot:
         later = (self.run.at(times) - times[:, None] * map_.speeds(self.mechanism))[:, map_.free]
         if map_.section is not None:
             later[:, map_.slot] = self.y[map_.slot]
-        return np.vstack([self.y, *later])
+        return np.vstack([self.y, *(np.append(one, self.y[len(one) :]) for one in later)])
 
     @property
     def monodromy(self) -> Array:
         """M (n, n); with a section, of the return to it (n - 1, n - 1)."""
-        found, map_ = self.derivatives.all[: len(self.y), : len(self.y)], self.derivatives.map
-        if map_.section is None:
-            return found
-        rate = self.derivatives.rate[: len(self.y)]
-        back = found - np.outer(rate / rate[map_.slot], found[map_.slot])
-        return np.delete(np.delete(back, map_.slot, axis=0), map_.slot, axis=1)
+        return self.derivatives.monodromy
 
     @property
     def slope(self) -> Array:
         """dF/dp (n,); 0 if no parameter varies."""
-        return self.jacobian[:, -1]
+        return self.jacobian[:, len(self.y)]
 
     @property
     def rise(self) -> Array:
@@ -514,7 +525,8 @@ class Shot:
         # How the end changes as each start changes by its size.
         value = abs(self.value) if math.isfinite(self.value) else 0.0
         end = np.abs(self.derivatives.by_unknowns[: len(self.y)])
-        found = np.asarray(end @ [*self.scale.tolist(), value] <= LOST * self.scale)
+        sizes = np.array([*self.scale.tolist(), value])
+        found = np.asarray(end[:, : len(sizes)] @ sizes <= LOST * self.scale)
         if self.derivatives.map.section is not None:
             found[self.derivatives.map.slot] = False
         return found
@@ -531,7 +543,8 @@ class Shot:
         if map_.section is not None:
             # its start is at the level, and it ends too late by what it is off over its velocity
             found[map_.slot, map_.slot] += 1.0
-            found[map_.slot, -1] -= map_.drift(self.mechanism, self.value)[1]
+            for column, path in enumerate(map_.paths[len(self.y) :], len(self.y)):
+                found[map_.slot, column] -= map_.drift(self.mechanism, path)[1]
             found[map_.slot] /= self.derivatives.rate[map_.slot]
         return found
 
@@ -562,6 +575,8 @@ class ReturnMap:
     """Full path of the parameter."""
     between: tuple[float, float] | None = None
     """Values of it that were checked, as all between them are: what is asked of it are bounds."""
+    beside: tuple[str, ...] = ()
+    """Full paths of further parameters with derivatives."""
 
     @property
     def tolerance(self) -> float:
@@ -599,14 +614,13 @@ class ReturnMap:
         """Return how fast each state is carried along."""
         return speeds_of(mechanism, self.states)
 
-    def drift(self, mechanism: Mechanism, value: float) -> tuple[Array, float]:
-        """Return how the speeds of what is kept change with the parameter, and the level."""
-        if not mechanism.carried() or not str(self.path).startswith("mechanism."):
+    def drift(self, mechanism: Mechanism, path: str) -> tuple[Array, float]:
+        """Return how the speeds of what is kept change with a parameter, and the level."""
+        if not mechanism.carried() or not path.startswith("mechanism."):
             return np.zeros(len(self.kept)), 0.0
+        value = value_of(mechanism, path)
         h = PERIOD_STEP * (abs(value) or 1.0)
-        above, below = (
-            replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h)
-        )
+        above, below = (replaced(mechanism, "mechanism", path, value + s) for s in (h, -h))
         found = (self.speeds(above) - self.speeds(below))[self.kept] / (2.0 * h)
         if self.section is None:
             return found, 0.0
@@ -615,7 +629,11 @@ class ReturnMap:
     @cached_property
     def paths(self) -> list[str]:
         """Paths of derivatives: starts of the free states, and the parameter."""
-        return [*map("initial.{}".format, self.names), *([self.path] if self.path else [])]
+        return [
+            *map("initial.{}".format, self.names),
+            *([self.path] if self.path else []),
+            *self.beside,
+        ]
 
     @cached_property
     def power(self) -> int | None:
@@ -801,12 +819,16 @@ class ReturnMap:
             off=np.append(y - shot.y, value - shot.value),
         )
 
-    def stretch(self, mechanism: Mechanism, value: float) -> float:
-        """Return how the period changes with the parameter, m dT/dp."""
-        if self.power is not None:
+    def stretch(self, mechanism: Mechanism, value: float, path: str) -> float:
+        """Return how the period changes with a parameter, m dT/dp."""
+        if path != self.path:
+            if self.period is not None or not path.startswith("mechanism."):
+                return 0.0
+            value = value_of(mechanism, path)
+        elif self.power is not None:
             return self.power * self.duration(mechanism, value) / value if self.power else 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
-        near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
+        near = (replaced(mechanism, "mechanism", path, value + s) for s in (h, -h))
         above, below = map(cycle_of, near)
         return self.cycles * (above - below) / (2.0 * h)
 
@@ -843,6 +865,12 @@ class ReturnMap:
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _BACKWARD = np.array([1.5, -2.0, 0.5]) / END_STEP
 _SHARES = np.append(np.linspace(0.0, 1.0, ORBIT_TIMES), 1.0 - END_STEP * np.array([1.0, 2.0]))
+
+
+def value_of(root: Mechanism | FrictionLaw | Laws, path: str) -> float:
+    """Return the value of the parameter at a full path."""
+    known = parameters(root, path.partition(".")[0])
+    return next(float(value) for full, _, value in known if full == path)
 
 
 def refuse_cut(mechanism: Mechanism, period: float) -> None:
