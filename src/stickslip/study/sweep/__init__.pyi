@@ -21,11 +21,11 @@ from stickslip.study.sweep.design import Levels as Levels
 from stickslip.study.sweep.design import Normal as Normal
 from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
 from stickslip.study.sweep.design import Uniform as Uniform
-from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
-from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
 from stickslip.study.sweep.event_curves import CodimensionTwo as CodimensionTwo
 from stickslip.study.sweep.event_curves import EventCurve as EventCurve
 from stickslip.study.sweep.event_curves import continue_event as continue_event
+from stickslip.study.sweep.lyapunov import LyapunovExponents as LyapunovExponents
+from stickslip.study.sweep.lyapunov import lyapunov_exponents as lyapunov_exponents
 from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
 from stickslip.study.sweep.mean_velocity import VelocityMap as VelocityMap
 from stickslip.study.sweep.mean_velocity import average_velocity as average_velocity

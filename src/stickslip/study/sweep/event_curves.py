@@ -317,6 +317,7 @@ class Plane:
         value: float,
     ) -> None:
         self.base, self.second, self.widths = base, second, widths
+        self.section = None
         self.cycles, self.free = base.cycles, base.free
         self.names, self.tolerance = (*base.names, str(base.path)), base.tolerance
         self.maps: dict[float, ReturnMap] = {}
@@ -339,6 +340,10 @@ class Plane:
                 self.maps.clear()
             self.maps[q] = found
         return self.maps[q]
+
+    def speeds(self, mechanism: Mechanism) -> Array:
+        """Return how fast states are carried along."""
+        return self.base.speeds(mechanism)
 
     def sizes(self, shot: Shot) -> Array:
         """Return the sizes of y, p and q (n + 2,)."""
@@ -441,6 +446,11 @@ class Sensing:
         g = self.map.widths[0] * slope / self.map.sizes(self.shot)
         g[n] += 1.0  # as of the states after a period, less those at its start
         return np.vstack([base[:n], g, base[n:]])
+
+    @property
+    def by_unknowns(self) -> Array:
+        """The same: the period is none of the unknowns."""
+        return self.all
 
     @property
     def monodromy(self) -> Array:
@@ -621,6 +631,11 @@ def continue_event(
     counted(owner, "points", points, 1)
     check_step(owner, step, LEAST_STEP)
     orbit, ranges = event.orbit, [between_of(owner, pair) for pair in box]
+    if orbit.section is not None:
+        raise InputError(
+            f"{owner}: the orbit has a period of its own, and curves follow those of drives that"
+            " repeat themselves: follow the event by continue_orbit at several values."
+        )
     mechanism, law = orbit.mechanism, orbit.law
     full, units, values = list[str](), list[str](), list[float]()
     for path, (low, high) in zip(paths, ranges, strict=True):
