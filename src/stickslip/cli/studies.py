@@ -45,7 +45,6 @@ from stickslip.show.formatting import count, joined, number, printable, quantity
 from stickslip.show.report import characterization_page, render, versions
 from stickslip.study import optimisation
 from stickslip.study.characterization import characterize
-from stickslip.study.energy import units_of_columns
 from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
@@ -61,6 +60,7 @@ from stickslip.study.sweep import (
     VelocityMap,
     average_velocity,
     orbit_diagram,
+    units_of_columns,
     velocity_band,
 )
 
