@@ -50,7 +50,6 @@ from stickslip.show.formatting import count, joined, number, printable, quantity
 from stickslip.show.report import characterization_page, render, versions
 from stickslip.study import optimisation
 from stickslip.study.characterization import characterize
-from stickslip.study.energy import units_of_columns
 from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
@@ -68,6 +67,7 @@ from stickslip.study.sweep import (
     average_velocity,
     orbit_chart,
     orbit_diagram,
+    units_of_columns,
     velocity_band,
 )
 

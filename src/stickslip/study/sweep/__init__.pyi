@@ -2,6 +2,7 @@
 from stickslip.mechanisms import cycle_of as cycle_of
 from stickslip.study.energy import EnergyBalance as EnergyBalance
 from stickslip.study.energy import energy_balance as energy_balance
+from stickslip.study.energy import units_of_columns as units_of_columns
 from stickslip.study.sweep.attractors import Attractor as Attractor
 from stickslip.study.sweep.attractors import Basins as Basins
 from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
@@ -96,6 +97,7 @@ __all__ = [
     "lyapunov_exponents",
     "orbit_diagram",
     "periodic_orbit",
+    "units_of_columns",
     "validate",
     "velocity_band",
 ]

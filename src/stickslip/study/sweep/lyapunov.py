@@ -11,7 +11,8 @@ breaking away are part of it.
    tangent vector is followed, which gives the largest exponent alone.
 4. A motion that closes at its end has left transients, chaotic ones included: then the last cycles
    count, 64 at most, by which that is seen. One that does not close is chaotic if its largest
-   exponent is above 0 by three standard errors. Else it is quasi-periodic, of a longer period, or has not settled.
+   exponent is above 0 by three standard errors. Else it is quasi-periodic, of a longer period, or
+   has not settled.
 
 Means of a motion that does not close depend on its start. The same run from starts 1e-9 of its size
 away shows by how much: their spread.
