@@ -267,8 +267,8 @@ def design() -> Target:
     best = int(np.argmax(speeds))
     allowed = judged[best].energy
     found = optimise(
-        rig, LAW, RANGES, limits={"energy": allowed}, starts=[random[best]], evaluations=EVALUATIONS,
-        seed=DESIGN_SEED,
+        rig, LAW, RANGES, limits={"energy": allowed}, starts=[random[best]],
+        evaluations=EVALUATIONS, seed=DESIGN_SEED,
     )  # fmt: skip
     means = []
     for parameters in (random[best], found.best.parameters):

@@ -962,6 +962,7 @@ def test_a_coefficient_without_a_load_is_friction_over_the_load(tmp_path, unit, 
     loaded = read_data([path], guess.reading, mechanism=Axis(inertia=1.0, load=50.0))
     assert loaded.friction.tolist() == pytest.approx([50.0 * size * x for x in (0.31, 0.29, 0.26)])
 
+
 KINDS = {
     "t": T, "x": X, "F": F, "n": 50.0 + 0.01 * np.arange(N), "c": X + 1e-3, "k": np.arange(N),
     "M": 1e3 * T, "U": 1e6 * X, "E": 1e3 * EPOCH + 1e3 * T, "p": TURNED[0] + 0.01,
