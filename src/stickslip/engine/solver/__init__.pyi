@@ -2,6 +2,7 @@
 from dataclasses import dataclass
 
 from stickslip.engine.solver.backend import Equations as Equations
+from stickslip.engine.solver.backend import Playback as Playback
 from stickslip.engine.solver.block_diagram import BreakAway as BreakAway
 from stickslip.engine.solver.block_diagram import BreakAway as _BreakAway
 from stickslip.engine.solver.block_diagram import SoftConstraint as _SoftConstraint
@@ -11,6 +12,7 @@ from stickslip.engine.solver.compile.modules import notice as notice
 from stickslip.engine.solver.compile.modules import object_files as object_files
 from stickslip.engine.solver.compile.modules import warm_up as warm_up
 from stickslip.engine.solver.compile.states import states_along as states_along
+from stickslip.engine.solver.delays import lines_of as lines_of
 from stickslip.engine.solver.ensembles import IncrementalEnsemble as IncrementalEnsemble
 from stickslip.engine.solver.ensembles import IncrementalRun as IncrementalRun
 from stickslip.engine.solver.ensembles import as_numbers as as_numbers

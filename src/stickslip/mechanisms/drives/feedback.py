@@ -69,7 +69,7 @@ class Feedback(StateFeedback):
     >>> axis = Axis(inertia=1.0, drive=pull)
     >>> run = simulate(axis, Coulomb(kinetic_coefficient=0.5), t_end=10.0)
     >>> run.status.name, round(float(run["x"][-1]), 4)
-    ('END_TIME', 0.0966)
+    ('END_TIME', 0.0953)
     """
 
     gain: Annotated[float, Quantity("K")]
@@ -134,7 +134,7 @@ class DelayedFeedback(StateFeedback):
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=damper)
     >>> free = Coulomb(kinetic_coefficient=0.0)
     >>> run = simulate(axis, free, t_end=5.0, y0={"x": 1.0})
-    >>> abs(run["x"][-1]) < 0.1
+    >>> bool(abs(run["x"][-1]) < 0.1)
     True
     """
 

@@ -26,8 +26,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from stickslip.engine.solver.backend import Playback
-from stickslip.engine.solver.delays import lines_of
+from stickslip.engine.solver import Playback, lines_of
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, redriven
 from stickslip.mechanisms.drives import (
