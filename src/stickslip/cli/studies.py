@@ -677,9 +677,9 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
         else {found.path: found.unit}
     )
     units = {**found.units, **axes, "period": "s"}
-    velocities = found.velocities
+    velocities = [*found.velocities]
     if isinstance(found, OrbitDiagram):
-        velocities = tuple({name for branch in found.branches for name in branch.advances})
+        velocities = [*{name for branch in found.branches for name in branch.advances}]
         table = found.to_dataframe(energy=options.energy)
         (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
         units |= units_of_columns(map(str, table.columns), found.units[travel])

@@ -631,10 +631,11 @@ def continue_event(
     counted(owner, "points", points, 1)
     check_step(owner, step, LEAST_STEP)
     orbit, ranges = event.orbit, [between_of(owner, pair) for pair in box]
-    if orbit.section is not None:
+    if orbit.section is not None or orbit.controlled is not None:
+        what = "is under delayed feedback" if orbit.section is None else "has a period of its own"
         raise InputError(
-            f"{owner}: the orbit has a period of its own, and curves follow those of drives that"
-            " repeat themselves: follow the event by continue_orbit at several values."
+            f"{owner}: the orbit {what}, and curves follow those of drives that repeat themselves"
+            " alone. Follow the event by continue_orbit at several values."
         )
     mechanism, law = orbit.mechanism, orbit.law
     full, units, values = list[str](), list[str](), list[float]()

@@ -980,7 +980,7 @@ def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
         if shot.error <= map_.tolerance:
             return shot
         # Scaled by the sizes of states, by which least squares choose within a continuum.
-        matrix = shot.jacobian[:, :-1] * shot.scale / shot.scale[:, None]
+        matrix = shot.jacobian[:, : len(shot.y)] * shot.scale / shot.scale[:, None]
         step = -np.linalg.lstsq(matrix, shot.residual / shot.scale, rcond=1e-12)[0] * shot.scale
         better = _halved(map_, shot, step)
         if better is None:
