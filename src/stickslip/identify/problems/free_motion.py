@@ -389,7 +389,7 @@ class FreeMotionProblem(Problem):
         How the motion starts and what no balance sees of the mechanism are free in it.
         """
         model, law = self.model, Candidate(structure=rung.structure, coefficients=rung.coefficients)
-        runs, x = begun(model.motion, law)
+        runs, x = begun(model.motion, law, alone=True)
         x[KNOTS:] = model.linear.x[KNOTS:]
         left = runs.beside(x)
         residual = np.full(1, np.inf) if left is None else left.residual

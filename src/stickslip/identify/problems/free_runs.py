@@ -27,7 +27,7 @@ Newton's polynomial through values at `KNOTS` speeds.
    tells it: what is small at speeds that were seen need not be small there.
 4. **Readings are not independent** where something that nothing says is left: the Gram matrix is
    multiplied by the sum of the squared scores of rows over that of their sums over `BLOCKS` blocks.
-5. The slopes are taken again about the mean of the posterior, until the run there leaves what the
+5. The slopes are taken again about the most likely curve, until the run there leaves what the
    linear ones do.
 """
 
@@ -43,7 +43,6 @@ from numpy.typing import NDArray
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
-from stickslip.identify.judgement import DRAWS
 from stickslip.identify.own_laws import (
     Slips,
     certain_of,
@@ -700,13 +699,13 @@ class RunModel(Model):
         return np.array(found)
 
 
-def begun(motion: FreeMotion, law: Candidate) -> tuple[Runs, Array]:
-    """Return runs with a law alone, and their unknowns at their means (m,).
+def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:
+    """Return runs with a law, perhaps `alone`, and their unknowns at their means (m,).
 
     A law that is no sum of parts is a curve through the knots.
     """
     curve = is_own(law.structure)
-    runs = Runs(motion) if curve else Runs(motion, law, alone=True)
+    runs = Runs(motion) if curve else Runs(motion, law, alone=alone)
     x = runs.mean.copy()
     if curve:
         x[:KNOTS] = motion.curve(law)
@@ -736,14 +735,13 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         laws = _refined(posterior, laws, grid, part)
         posterior = _weighed(model, laws)
     for _ in range(AGAIN):
-        runs, draws = Runs(model.motion), posterior.draws(DRAWS)
-        each = [
-            model.unknowns(one.node, one.structure, one.law.mean(axis=1), one.random.mean(axis=1))
-            for one in draws
-        ]
-        # that of one law would be another by rounding where several are as likely
-        counts = [one.random.shape[1] for one in draws]
-        there = runs.linear(np.average(each, axis=0, weights=counts))
+        k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
+        node, structure = posterior.nodes[k], posterior.structures[s]
+        law, random = posterior.estimate(node, structure)
+        runs, x = begun(model.motion, Candidate(structure=structure, coefficients=law))
+        x += random
+        x[:KNOTS] += model.root(node) @ random[:KNOTS] - random[:KNOTS]
+        there = runs.linear(x)
         if there is None:
             break
         follower = RunModel(runs, there, model)
