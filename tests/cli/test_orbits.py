@@ -26,7 +26,6 @@ def called(tmp_path, monkeypatch, capsys):
     """Run a command where a rig lies; return exit code, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "axis.toml").write_text(RIG)
-    (tmp_path / "idle.toml").write_text(RIG.replace("drive =", "# drive ="))
     return commands(capsys, "orbits", one_line=True)
 
 
@@ -75,7 +74,6 @@ def test_orbits_are_summed_up_by_where_they_are_stable_and_how_fast_they_go(call
         (("axis.toml", "--vary", "drive.frequency=2:3", "--period", "0"), "cycles must be"),
         (("axis.toml", "--vary", "drive.frequency=2:3", "--values", "1"), "values must be"),
         (("axis.toml", "--vary", "drive.frequency=2:3", "-o", "x.txt"), ".parquet or .mat"),
-        (("idle.toml", "--vary", "inertia=1:2"), "no drive"),
     ],
 )
 def test_bad_input_gets_one_message_and_code_2(called, arguments, message):

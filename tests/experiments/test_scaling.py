@@ -150,12 +150,15 @@ def test_a_coefficient_takes_the_load_that_the_mechanism_states(read):
     assert read("friction [1]", [-0.5, 0.25, 0.5], **heavier).friction.tolist() == [-4, 2, 4]
 
 
-def test_a_coefficient_without_a_load_is_refused_with_both_cures(read):
+def test_a_coefficient_without_a_load_is_that_of_a_unit_load(read):
     for mechanism in (None, Axis(inertia=1.0)):
-        with pytest.raises(ParameterError, match=r"give the load as a column.*as the gain"):
-            read("friction [1]", NEWTONS, mechanism=mechanism)
-    with pytest.raises(ParameterError, match=r"give the load as a column"):
-        read("friction [1]", NEWTONS, gain={"friction": -1})  # a sign is no load
+        record = read("friction [1]", NEWTONS, mechanism=mechanism)
+        assert record.friction.tolist() == NEWTONS
+        assert record.load.tolist() == [1.0] * len(NEWTONS)
+    turned = read("friction [1]", NEWTONS, gain={"friction": -1})  # a sign is no load
+    assert turned.friction.tolist() == [-x for x in NEWTONS]
+    with pytest.raises(ParameterError, match=r"give the load as a column.*as the gain"):
+        read("spring_force [1]", NEWTONS, [("friction [1]", NEWTONS)])
     assert read("friction [1]", NEWTONS, gain={"friction": 50}).friction.tolist() == [-50, 100, 175]
 
 

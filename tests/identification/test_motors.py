@@ -95,7 +95,7 @@ def test_what_one_voltage_cannot_separate_is_named_and_known_widely(plain):
     for path, value in {R: 3.2, K: 0.35, "friction.viscous_coefficient": 0.02}.items():
         assert known[path].low < 0.8 * value < 1.3 * value < known[path].high
     assert known["friction.kinetic_coefficient"].low == pytest.approx(0.05, rel=0.03)
-    assert "resistance and torque constant together are not told from viscous" in str(
+    assert "resistance and torque constant together cannot be distinguished from viscous" in str(
         found.sentences
     )
     # what it does tell: torque per voltage, and the whole damping

@@ -125,7 +125,7 @@ def test_a_driven_record_gives_a_law_of_ones_own_back(driven, route, law):
 def test_a_force_map_gives_a_law_of_ones_own_back(table):
     found = fit(Axis(inertia=1.0), Weakening, table)
     for path in PATHS:
-        assert contains(found, path, getattr(TRUTH, path.partition(".")[2]), WIDEN), found
+        assert contains(found, path, getattr(TRUTH, path.partition(".")[2]), 1.1 * WIDEN), found
 
 
 @dataclass(frozen=True, kw_only=True)

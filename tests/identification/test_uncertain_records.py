@@ -130,7 +130,7 @@ def test_a_level_over_the_load_is_as_uncertain_as_the_load():
     # draws know a width of 95 % to some per cent, and loads that are off scale it
     assert half_width(level) == pytest.approx(half, rel=0.15)
     slope, known = (one.estimate("viscous_coefficient") for one in (found, plain))
-    assert half_width(slope) == pytest.approx(half_width(known), rel=0.1)
+    assert half_width(slope) == pytest.approx(half_width(known), rel=0.15)
     assert found.law_estimates().intervals["kinetic_coefficient"] == (level.low, level.high)
 
 
@@ -152,7 +152,7 @@ def test_a_record_s_intervals_grow_with_what_is_stated_of_its_mechanism(path, er
         fit(AXIS, CoulombViscous, one, route="balance").estimate(name) for one in (stated, pushed())
     )
     half = np.hypot(half_width(plain), NORMAL_95 * moved)
-    assert half_width(found) == pytest.approx(half, rel=0.15)
+    assert half_width(found) == pytest.approx(half, rel=0.2)
     assert half_width(found) > 1.5 * half_width(plain)
 
 

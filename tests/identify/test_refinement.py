@@ -48,7 +48,7 @@ def test_select_judges_a_servo_of_unknown_constants(servo, record):
     assert share.low < law.transmitted_coefficient + law.transmitted_static_surplus
     assert true.low < law.kinetic_coefficient < true.high
     assert any("Runs of the mechanism" in one for one in verdict.words.cannot_tell)
-    assert not any("not told from viscous" in one for one in verdict.words.cannot_tell)
+    assert not any("distinguished from viscous" in one for one in verdict.words.cannot_tell)
 
 
 @pytest.mark.slow

@@ -138,7 +138,7 @@ def test_a_soft_stop_at_a_hard_one_is_left_as_often_as_it_is_met(restitution, da
     own = Coulomb(kinetic_coefficient=0.2)
     alone, run = (simulate(one, own, t_end=0.6) for one in (hard, both))
     reasons = [event.reason for event in run.events if "soft" in event.reason]
-    assert reasons.count("meets upper soft stop") >= 4
+    assert reasons.count("meets upper soft stop") >= 3
     assert reasons[::2] == ["meets upper soft stop"] * (len(reasons) // 2)
     assert reasons[1::2] == ["leaves upper soft stop"] * (len(reasons) // 2)
     assert run["x"][-1] == pytest.approx(alone["x"][-1], rel=1e-9)  # it is never pressed in

@@ -248,6 +248,9 @@ def test_two_coordinates_have_sensitivities_as_well():
     found = case.sensitivities(t)
     for c, (path, size) in enumerate(case.sizes().items()):
         value = case.paths()[path]
+        if path == "mechanism.restitution":  # of no stop, and at its bound
+            assert not found[:, :, c].any()
+            continue
 
         def moved(by, path=path, value=value):
             there = case.run(tight, {path: value + by}).at(t)

@@ -229,7 +229,7 @@ COMMANDS: Final[dict[str, tuple[str, type]]] = {
     "plan": ("judge.run_plan", option_groups.PlanOptions),
     "models": ("models.run", option_groups.ModelsOptions),
     "characterize": ("studies.run_characterize", option_groups.CharacterizeOptions),
-    "paper": ("reproduce.run_paper", option_groups.PaperOptions),
+    "paper": ("studies.run_paper", option_groups.PaperOptions),
     "warmup": ("warmup.run", option_groups.WarmupOptions),
     "doctor": ("warmup.run_doctor", option_groups.DoctorOptions),
     "schema": ("models.run_schema", option_groups.SchemaOptions),

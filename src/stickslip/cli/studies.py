@@ -654,6 +654,8 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     of_chart = len(ranges) > 1
     if of_chart and any(listed is not None for _, _, listed in ranges):
         raise InputError("--vary of a chart takes PATH=LOW:HIGH twice, got a list of values.")
+    if of_chart and options.energy:
+        raise InputError("--energy goes with one --vary: charts have no energies.")
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
     law, cells = inputs.friction_of(chosen), options.values or CHART_CELLS

@@ -257,7 +257,7 @@ def untold_of_law(judgement: Judgement, fit: LawFit) -> Iterator[str]:
         for one in fit.measurement.records()
     ]
     yield from unvaried(own.law, inputs)
-    symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.bounded]
+    symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.known]
     if symbols:
         yield (
             f"{joined(symbols)} cannot be determined: other values explain the measurement as well."

@@ -158,14 +158,15 @@ def parameters_section(verdict: Verdict) -> Section | None:
         return None
     rows = []
     for own, every in _estimates(verdict):
-        unit = "" if own.quantity.unit == "1" or not own.bounded else own.quantity.unit
-        value, doubt = own.parts if own.bounded else ("not identified", "")
+        unit = own.quantity.unit if own.quantity.unit != "1" and own.known else ""
+        text = own.range if own.known else "not identified"
+        value, doubt = own.parts if own.bounded else (text, "")
         rows.append(
             Row(
                 cells=(
                     Name(text=f"${own.quantity.symbol}$", aside=_words_of(own)),
                     Number(value=value, doubt=doubt, unit=unit),
-                    with_unit(interval(every.low, every.high), unit if every.bounded else ""),
+                    with_unit(interval(every.low, every.high), unit if every.known else ""),
                 )
             )
         )

@@ -240,6 +240,7 @@ def units_of_columns(names: Iterable[str], unit: str) -> dict[str, str]:
 
     Examples
     --------
+    >>> from stickslip.study.sweep import units_of_columns
     >>> units_of_columns(["power drive", "energy per travel"], "m")
     {'power drive': 'W', 'energy per travel': 'J/m'}
     """
@@ -293,7 +294,7 @@ def _powers(mechanism: Mechanism, seen: Trajectory, step: float) -> dict[str, di
     """Return powers at times (n,) [W]: of drives, of friction (taken), and of other forces."""
     q, q_dot = _motion(mechanism, seen)
     efforts = efforts_of(mechanism, seen)
-    drives = {name: values_of(drive, seen.t) for name, drive in mechanism.drives().items()}
+    drives = {name: values_of(drive, seen.t, seen) for name, drive in mechanism.drives().items()}
     forces = mechanism.forces(seen.t, q, q_dot, drives)
     guided = mechanism.guided()
     # Given coordinates: the effort balances all forces on them, so that others work there as well.
@@ -339,7 +340,7 @@ def efforts_of(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     guided = mechanism.guided()
     found = {name: seen[guide.effort] for name, guide in guided.items() if guide.effort}
     drives = {
-        name: values_of(drive, seen.t)
+        name: values_of(drive, seen.t, seen)
         for name, drive in mechanism.drives().items()
         if name not in {guide.drive for guide in guided.values()}
     }
@@ -374,8 +375,8 @@ def has_electric_motor(part: object) -> bool:
     return any(map(has_electric_motor, inner))
 
 
-def values_of(drive: Drive, times: Array) -> Array:
-    """Return the values of a drive at times (n,).
+def values_of(drive: Drive, times: Array, seen: Trajectory | None = None) -> Array:
+    """Return the values of a drive at times (n,), with what follows the states of a run there.
 
     Examples
     --------
@@ -389,4 +390,5 @@ def values_of(drive: Drive, times: Array) -> Array:
     table = np.array([(p.value, p.slope, p.start) for p in pieces] or [(0.0, 0.0, 0.0)])
     value, slope, start = table[np.maximum(here, 0)].T
     linear = np.where(here >= 0, value + slope * (times - start), 0.0)
-    return np.asarray(drive.shaped(linear, times), dtype=np.float64)
+    value = np.asarray(drive.shaped(linear, times), dtype=np.float64)
+    return value if seen is None else value + drive.fed({name: seen[name] for name in seen.names})

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any, Literal
 
-from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
+from tests.properties.fuzzing.drawing import MAKERS, Sizes, around, draw_drive, sizes
 from tests.properties.fuzzing.rigs import OWN, PendulumCart
 from tests.support import UNAIDED
 
@@ -22,7 +22,6 @@ from stickslip.friction import FrictionLaw, Laws, PowerViscous
 from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, InnerMass, Mechanism, Motor
 from stickslip.mechanisms.drives import Drive
-from stickslip.mechanisms.drives.shapes import DRIVES
 from stickslip.quantities import fields_of
 
 Kinds = tuple[type[Drive], ...]
@@ -136,7 +135,7 @@ def draw_shape(rng: Random, law: type[FrictionLaw], *others: type) -> Shape:
                 flags[name] = rng.choice(typing.get_args(hint))
             elif _is_drive(hint):
                 count = rng.choice((0, 1, 1, 1, 1, 2))
-                kinds = [drive for drive in DRIVES.values() if drive.adds or count < 2]
+                kinds = [drive for drive in MAKERS if drive.adds or count < 2]
                 drives[name] = tuple(rng.choice(kinds) for _ in range(count))
             elif type(None) in typing.get_args(hint):
                 given[name] = rng.random() < 0.5 and name not in STOPS

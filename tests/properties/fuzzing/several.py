@@ -18,6 +18,7 @@ from tests.properties.fuzzing.cases import (
     factor_of_start,
     full_deflection,
 )
+from tests.properties.fuzzing.drawing import MAKERS as OF_DRIVES
 from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
 from tests.support import UNAIDED
 
@@ -32,7 +33,6 @@ from stickslip.mechanisms import (
     TwoLinkArm,
 )
 from stickslip.mechanisms.drives import Drive
-from stickslip.mechanisms.drives.shapes import DRIVES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +136,7 @@ def _form(matrix, one, other, names):
 
 def _drive(rng: Random, force: float, size: Sizes, t_end: float) -> Drive | None:
     count = rng.choice((0, 1, 1, 2))
-    drawn = [drive for drive in DRIVES.values() if drive.adds or count < 2]
+    drawn = [drive for drive in OF_DRIVES if drive.adds or count < 2]
     kinds = tuple(rng.choice(drawn) for _ in range(count))
     return draw_drive(rng, kinds, force, size.time, t_end)
 

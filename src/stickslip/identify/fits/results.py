@@ -135,6 +135,11 @@ class Estimate(metaclass=Described):
         return math.isfinite(self.low) and math.isfinite(self.high)
 
     @property
+    def known(self) -> bool:
+        """Whether the data bound the parameter on any side."""
+        return math.isfinite(self.low) or math.isfinite(self.high)
+
+    @property
     def half_width(self) -> float:
         """Half the width of the interval; infinite where an end is open."""
         return 0.5 * (self.high - self.low) if self.bounded else math.inf
@@ -377,10 +382,11 @@ def estimates_for(
     ({'kinetic_coefficient': (0.24, 0.26)}, ('static_coefficient',))
     """
     own = {e.path: e for e in estimates if e.path.startswith(FRICTION)}
-    told = [i for i, e in enumerate(estimates) if e.path in own and e.bounded]
+    told = [i for i, e in enumerate(estimates) if e.path in own and e.known]
     names = {i: e.path.removeprefix(FRICTION) for i, e in enumerate(estimates) if i in told}
     shown = [estimates[i] for i in told]
-    spreads = np.array([spread_of(e.value, e.low, e.high) for e in shown])
+    # of what has one end, that is the spread: it keeps what moves together so
+    spreads = np.array([spread_of(e.value, *_both_ends(e)) for e in shown])
     table = np.asarray(correlation)[np.ix_(told, told)] * np.outer(spreads, spreads)
     table = 0.5 * (table + table.T)
     paths = [path for path, _, _ in parameters(law, "friction")]
@@ -400,6 +406,13 @@ def estimates_for(
         levels=levels,
         largest_speed=largest_speed,
     )
+
+
+def _both_ends(one: Estimate) -> tuple[float, float]:
+    """Return an interval, the other end as far off as that which it has."""
+    low = one.low if math.isfinite(one.low) else 2.0 * one.value - one.high
+    high = one.high if math.isfinite(one.high) else 2.0 * one.value - one.low
+    return low, high
 
 
 def _around(one: Estimate) -> tuple[float, float]:

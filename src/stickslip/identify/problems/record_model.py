@@ -597,9 +597,10 @@ class RecordModel(Model):
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
-        base = [plain["slope"], rows.seen(drag)[:, None], *(plain[name] for name in names)]
+        base = [plain["slope"], rows.seen(drag)[:, None]]
         if balance.pulled:
             base.append(plain["force"][:, -1:])
+        base += [plain[name] for name in names]  # the inertia is the last
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []
@@ -1152,7 +1153,7 @@ def odds_of(acting: Acting) -> float:
     Examples
     --------
     >>> odds_of(Acting())
-    1.0
+    1
     """
     each = {len(DELAYS): acting.delay != 0.0, len(LIMITS): math.isfinite(acting.limit)}
     return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)

@@ -746,10 +746,10 @@ class RecordProblem(Problem):
             )
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
-            them = "it" if len(names) == 1 else "them"
+            alike, them = ("", "it") if len(names) == 1 else (" together", "them")
             found.append(
-                f"The {joined(names)} cannot be distinguished from viscous friction: what is stated"
-                f" of {them} has both, and no law with viscous friction is compared."
+                f"The {joined(names)}{alike} cannot be distinguished from viscous friction: what is"
+                f" stated of {them} has both, and no law with viscous friction is compared."
             )
         return found
 

@@ -657,7 +657,7 @@ class TableProblem(Problem):
     def untold(self) -> list[str]:
         """Return sentences on inputs that cannot be distinguished from runs, and on the cure."""
         frame, rows, found = self.model.frame, self.table.rows, list[str]()
-        if "offset" not in self.model.groups:
+        if "offset" not in self.model.groups and not frame.loaded:
             found.append(f"{ONE_WAY} Measure in the other direction, too.")
         if not 1 < frame.runs < len(rows.run):
             return found

@@ -498,9 +498,9 @@ def draw_orbit_chart(result: OrbitChart | EventCurve) -> Draw:
     >>> from stickslip.study.sweep import orbit_chart
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
     >>> ranges = {"frequency": (1.9, 2.4), "amplitude": (3.0, 4.0)}
-    >>> callable(
-    ...     draw_orbit_chart(orbit_chart(axis, Coulomb(kinetic_coefficient=0.5), ranges, **few))
-    ... )
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> chart = orbit_chart(axis, law, ranges, cycles=1, values=(4, 3), lines=1, runs=2)
+    >>> callable(draw_orbit_chart(chart))
     True
     """
     curves = result.curves if isinstance(result, OrbitChart) else (result,)

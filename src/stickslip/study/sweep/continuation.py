@@ -270,7 +270,7 @@ class Branch(OnAxes, Tabular):
         for y, value in zip(self.starts, self.values.tolist(), strict=True):
             mechanism, law = self.map.pair(value)
             start = self.map.begin(mechanism, y)
-            length = self.map.duration(mechanism, value)
+            length = self.map.duration(mechanism, value, y)
             run = self.map.solver.run(mechanism, law, y0=start, t_end=length)
             rows.append(energy_balance(mechanism, run, coordinate=coordinate).columns())
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -1178,7 +1178,7 @@ class Curve:
         Of the map without impact, whose largest eigenvalue decides where all are real and positive
         (Nordmark 1997; Chin, Ott, Nusse and Grebogi 1994).
         """
-        if self.searching:
+        if self.searching or self.hops or self.map.section is not None:
             return ""
         free = min(filter(None, (here, there)), key=lambda p: _hit(p.signature))
         values = free.multipliers

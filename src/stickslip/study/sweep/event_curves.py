@@ -33,8 +33,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.engine.solver import BareRun
-from stickslip.engine.solver.backend import Equations
+from stickslip.engine.solver import BareRun, Equations
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import replaced
@@ -491,16 +490,24 @@ WITH: Final = {
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CodimensionTwo:
-    """A point at which two events coincide."""
+    """A point at which two events coincide.
+
+    Parameters
+    ----------
+    kind : str
+        Such as ``"cusp"``, ``"fold-flip"``, ``"grazing with fold"``.
+    values : tuple of float
+        Both parameters.
+    sentence : str
+        What happens there.
+    orbit : Orbit
+        The orbit there.
+    """
 
     kind: str
-    """Such as ``"cusp"``, ``"fold-flip"``, ``"grazing with fold"``."""
     values: tuple[float, float]
-    """Both parameters."""
     sentence: str
-    """What happens there."""
     orbit: Orbit
-    """The orbit there."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -656,7 +663,7 @@ def continue_event(
     base = replace(
         base,
         free=tuple(base.states.index(name) for name in orbit.free),
-        moving=tuple(base.states.index(name) for name in orbit.advance),
+        moving=tuple(base.states.index(q) for q in orbit.advance if q not in orbit.free),
         beside=(full[1],),
     )
     within(replace(base, path=full[1], beside=()), ranges[1])

@@ -36,7 +36,7 @@ from stickslip.study.sweep.continuation import (
 )
 from stickslip.study.sweep.event_curves import KINDS, EventCurve, continue_event
 from stickslip.study.sweep.orbit_diagrams import SAME, OrbitDiagram, Search, orbit_diagram
-from stickslip.study.sweep.orbits import ReturnMap, Shot, solved, value_of
+from stickslip.study.sweep.orbits import ReturnMap, Shot, is_excited, solved, value_of
 from stickslip.study.sweep.parameter_grid import (
     Array,
     Progress,
@@ -183,6 +183,11 @@ def orbit_chart(
     laws = event_driven_law(mechanism, law)
     if len(ranges) != 2:
         raise InputError(f"{owner}: ranges must map two parameters to pairs, got {ranges!r}.")
+    if is_excited(mechanism):
+        raise InputError(
+            f"{owner}: {type(mechanism).__name__} has no drive that repeats itself: draw diagrams"
+            " over one parameter (orbit_diagram) for motions with a period of their own."
+        )
     check_step(owner, step, 0.0)
     for name, count in (("lines", lines), ("runs", runs), ("values", min(values))):
         counted(owner, name, count, 1)

@@ -559,7 +559,7 @@ class Search:
             columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
         rows = np.flatnonzero(np.isfinite(samples).all(axis=(1, 2)) & (closed == 0))
         spreads, chaotic = np.full_like(ways, np.nan), np.zeros(len(samples), dtype=bool)
-        if len(rows):
+        if len(rows) and self.map.section is None:  # neighbours pass a section at other times
             scale = np.maximum(self.sizes, np.abs(samples[rows]).max(axis=(0, 1)))
             stopped = {f"initial.{stop.coordinate}" for stop in stops_of(self.map.mechanism)}
             near = {
