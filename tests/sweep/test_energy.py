@@ -12,7 +12,7 @@ from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import LAWS
 from stickslip.mechanisms import DCMotor, SoftStop, Torque
-from stickslip.mechanisms.drives import Sine
+from stickslip.mechanisms.drives import Feedback, Relay, Sine
 from stickslip.study.energy import has_electric_motor
 from stickslip.study.sweep import average_velocity, energy_balance, orbit_diagram, periodic_orbit
 
@@ -25,10 +25,17 @@ CAPSULE = Capsule(
 SOFT = replace(
     CAPSULE, upper_stop=None, upper_soft_stop=SoftStop(place=2e-3, stiffness=3000.0, damping=0.1)
 )
+HELD = Axis(
+    inertia=1.0, stiffness=50.0,
+    drive=Sine(amplitude=3.0, frequency=1.3) + Feedback(state="v", gain=-0.4, reference=0.1)
+    + Relay(state="x", above=-1.0, below=1.0, level=0.01),
+)  # fmt: skip
 RIGS = {name: rig for name, rig in SHOWN.items() if not has_electric_motor(rig)}
 
 
-@pytest.mark.parametrize("rig", [*RIGS.values(), CAPSULE, SOFT], ids=[*RIGS, "hard", "soft"])
+@pytest.mark.parametrize(
+    "rig", [*RIGS.values(), CAPSULE, SOFT, HELD], ids=[*RIGS, "hard", "soft", "fed"]
+)
 def test_the_balance_of_every_mechanism_closes(rig):
     run = simulate(rig, RUBS, t_end=1.0, throw=False)
     found, certificate = energy_balance(rig, run), run.certificate

@@ -86,7 +86,9 @@ class Feedback(StateFeedback):
 class Relay(StateFeedback):
     """A force or torque that switches between two values as a state passes a level.
 
-    Runs meet the switch exactly, as an event "relay switches up" or "relay switches down".
+    Runs meet the switch exactly, as an event "relay switches up" or "relay switches down". A run
+    whose state begins at the level, or is held there, ends with `Status.ZENO`: it would switch
+    without end.
 
     Examples
     --------
