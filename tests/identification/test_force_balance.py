@@ -233,11 +233,15 @@ def test_a_trial_with_a_mass_of_its_own_is_refused_where_one_is_looked_for():
 
 
 @pytest.mark.parametrize(
-    ("rows", "position"), [(slice(0, 25), X), (slice(0, 2000), np.zeros_like(X))]
+    ("rows", "position", "message"),
+    [
+        (slice(0, 25), X, "at least 30 samples without a gap"),
+        (slice(0, 2000), np.zeros_like(X), "Position is constant"),
+    ],
 )
-def test_a_record_that_is_too_short_or_never_moves_is_refused(rows, position):
+def test_a_record_that_is_too_short_or_never_moves_is_refused(rows, position, message):
     record = Measurement(time=T[rows], position=position[rows], force=record_of().force[rows])
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=message):
         fit(Axis(inertia=J), Coulomb, record, route="shooting")
 
 

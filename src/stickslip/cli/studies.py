@@ -14,8 +14,8 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from stickslip.cli import console, inputs
 from stickslip.cli import console as terminal
+from stickslip.cli import inputs
 from stickslip.cli import options as option_groups
 from stickslip.cli.console import note, print_json, stdout
 from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
@@ -84,28 +84,28 @@ DOCUMENT = "paper.json"
 
 def run_paper(options: PaperOptions) -> None:
     """Recompute the paper, write the page, print Table II."""
-    folder = console.folder_of(options.output, "stickslip-paper", as_json=options.as_json)
+    folder = terminal.folder_of(options.output, "stickslip-paper", as_json=options.as_json)
     if folder is not None:
-        console.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
+        terminal.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
     cart = _cart(options.changes)
     with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
         found = audit(cart=cart, progress=watch)
     content = document("paper", found.to_dict())
     if options.as_json:
-        console.print_json(content)
+        terminal.print_json(content)
     else:
         _show(found)
     if folder is None:
         return
     files = {DOCUMENT: json_text(content)}
     kept = f"The numbers are in {folder / DOCUMENT}."
-    drawn = partial(paper_report, found, command=console.command_line())
+    drawn = partial(paper_report, found, command=terminal.command_line())
 
     def write(text: str | None) -> None:
         write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
 
-    console.leave_unless_drawn(
-        console.draw_page(folder, drawn, write, kept=kept, quiet=options.as_json)
+    terminal.leave_unless_drawn(
+        terminal.draw_page(folder, drawn, write, kept=kept, quiet=options.as_json)
     )
 
 
@@ -113,10 +113,10 @@ def _cart(changes: Sequence[str]) -> PendulumCart:
     """Return the cart with masses and swing from the command line."""
     quantities = {path: quantity for path, quantity, _ in parameters(CART, "cart")}
     values = {}
-    for given, text in console.overrides(changes).items():
+    for given, text in terminal.overrides(changes).items():
         path = full_path(given, quantities)
         with concerning(f"--set {given}"):
-            values[path] = console.number_of(text, quantities[path])
+            values[path] = terminal.number_of(text, quantities[path])
     return vary(CART, "cart", values)
 
 
@@ -124,8 +124,8 @@ def _show(found: PaperAudit) -> None:
     """Print the tables of the page that have the results of the paper, ours beside."""
     shown = (page.Table, page.Subheading)
     for section in result_sections(found):
-        console.stdout().print(f"\n{page.plain(section.heading)}", style="bold")
-        console.show_blocks(block for block in section.blocks if isinstance(block, shown))
+        terminal.stdout().print(f"\n{page.plain(section.heading)}", style="bold")
+        terminal.show_blocks(block for block in section.blocks if isinstance(block, shown))
 
 
 # ``stickslip sweep``, ``stickslip orbits`` and ``stickslip optimise``.
