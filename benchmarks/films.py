@@ -33,7 +33,7 @@ from stickslip.friction import (
 from stickslip.friction import law as composed
 from stickslip.identify import PredictionBand
 from stickslip.identify.fits import durations
-from stickslip.identify.kinds.travels.verdict import TravelVerdict
+from stickslip.identify.kinds.travels import TravelVerdict
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.sweep import VelocityBand, average_velocity, velocity_band

@@ -290,7 +290,7 @@ def test_a_kind_is_a_file_and_touches_two_other_places(tree: Tree) -> None:
         (registry, "OWN: tuple[AnyKind, ...] = (", "    SlideKind(),"),
         (
             registry,
-            "from stickslip.identify.kinds.travels.kind import TravelKind",
+            "from stickslip.identify.kinds.travels import TravelKind",
             "from stickslip.identify.kinds.toy import SlideKind",
         ),
     )

@@ -22,8 +22,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identify.kinds.travels.plan.sheet import Plan
-from stickslip.identify.kinds.travels.plan.tables import tables_of
+from stickslip.identify.kinds.plan_sheet import Plan, plan_sections
 from stickslip.mechanisms.drives import Pulse, Sine
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
@@ -104,7 +103,7 @@ def test_the_scatter_of_repeats_is_the_uncertainty(readings, stated, expected, f
     sheet = plan(BLOCK, "coulomb", Measurement(trials=trials))
     assert sheet.uncertainty == pytest.approx(expected, rel=1e-6)
     assert (sheet.repeated, sheet.assumed) == (freedom, False)
-    said = " ".join(table.caption for table in tables_of(sheet))
+    said = " ".join(block.text for block in plan_sections(sheet)[0].blocks)
     assert ("the scatter of the repeats" in said) is bool(freedom)
 
 

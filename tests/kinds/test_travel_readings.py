@@ -235,7 +235,7 @@ def test_a_table_of_a_rig_is_checked_for_cycles(tmp_path):
 
 @pytest.mark.slow
 def test_the_report_shows_what_was_read():
-    from stickslip.identify.kinds.travels.page import trials_section
+    from stickslip.identify.kinds.travels import trials_section
 
     speeds = {0.3: way(0.3, END) / END, 0.4: way(0.4, END) / END}
     verdict = select(CAPSULE, [Coulomb], readings("mean_velocity", speeds, 1e-3), t_end=END)

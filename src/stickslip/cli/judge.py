@@ -380,47 +380,20 @@ def _uncertainty(text: str | None) -> float | None:
 
 def _write(found: kinds.Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
     from stickslip.identify.kinds import plan_page
-    from stickslip.show.report import render, versions
 
     sheet, table = files
     name = "" if path is None else f" {path}"
-    page = plan_page(
-        found,
-        title=rig.heading,
-        subject=rig.subject or rig.path,
-        save_as=f"stickslip select{name} --data {table.name}",
-        reproduce=[terminal.command_line()],
-        versions=versions(),
-        digest=rig.digest,
-    )
+    origin = Origin(
+        title=rig.heading, data=rig.subject or str(rig.path), digest=rig.digest,
+        commands=(terminal.command_line(),),
+    )  # fmt: skip
+    page = plan_page(found, origin, save_as=f"stickslip select{name} --data {table.name}")
     documents.write_files({sheet: render(page), table: found.csv()})
 
 
 def _show_plan(found: kinds.Plan) -> None:
-    console = terminal.stdout()
-    console.print(found.sentence, style="bold")
-    if found.assumed:
-        console.print(
-            "The uncertainty of 2 % of the longest travel is an assumption: repeat one setting and"
-            " give the scatter as --uncertainty."
-        )
-    if found.repeated:
-        console.print(f"The uncertainty is {kinds.known_by(found)}.")
-    for line in filter(None, (found.range_source, found.band_sentence)):
-        console.print(terminal.plain(line))
-    for line in found.remarks:
-        console.print(f"! {terminal.plain(line)}", style="yellow")
-    title = ""
-    for table in kinds.tables_of(found):
-        console.print()
-        if table.title != title:
-            title = table.title
-            console.print(terminal.plain(title), style="bold")
-        if table.rows:
-            rows = [[terminal.plain(cell) for cell in row.cells] for row in table.rows]
-            terminal.show_table("", table.heads, rows, whole=table.heads)
-        for head, text in table.lines.items():
-            console.print(f"  {terminal.plain(head)}: {terminal.plain(text)}")
+    terminal.show_sections(kinds.plan_sections(found))
     head, *_ = found.csv().splitlines()
+    console = terminal.stdout()
     console.print("\nSave the travels as a CSV file with these columns", style="bold")
     console.print(f"  {head}")

@@ -40,7 +40,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
-from stickslip.identify.bands import Array
+from stickslip.identify.bands import ENDS, Array
 from stickslip.identify.fits import BLOCKS, Estimate, effective_size
 from stickslip.identify.posterior import allotted
 from stickslip.identify.thresholds import THRESHOLDS
@@ -98,48 +98,25 @@ class Always:
     """Probabilities of the sets of sizes (j,), in sum 1."""
 
 
-class Simulated(ABC):
-    """A measurement whose rows are told by runs of laws."""
+class Readable(ABC):
+    """What fits and verdicts read from draws of laws."""
 
-    measured: Array
-    """Rows (n,), in the order in which they were taken."""
-    weights: Array
-    """Weights of the rows (n,), in the mean 1: samples of which each is the mean."""
-    always: Always
-    """What every experiment may have."""
-    stages: Sequence[Sequence[str]]
-    """Names of the families; those of a stage begin where those of the earlier ones ended."""
-    places: int = 0
-    """Draws about which proposals are made with derivatives of their own; 0 for none."""
-    proposed: int = PROPOSED
-    """Draws of a family in each round."""
+    ends: tuple[float, float] = ENDS
+    """Quantiles of draws between which an interval lies."""
     no_run: str = "no run works"
     """What is said of a law of which no run gives rows."""
 
-    @abstractmethod
-    def prior(self, family: str) -> float:
-        """Return the logarithm of the prior probability of a family, up to a constant."""
+    def failed(self, name: str) -> str:
+        """Return why a law has no fit although runs of it were tried."""
+        return self.no_run
 
-    @abstractmethod
-    def vary(self, family: str) -> Unknowns:
-        """Return what is unknown of a family."""
-
-    @abstractmethod
-    def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
-        """Return where searches begin (m, p), from the modes (p,) of families of earlier stages."""
-
-    @abstractmethod
-    def simulate(self, asked: Mapping[str, Array]) -> Mapping[str, Array]:
-        """Return rows (n, k) for points (k, p) by family; NaN where a run fails or is no law."""
-
-    # what fits and verdicts read from draws
     def title(self, family: str) -> str:
         """Return the name of a family in running text."""
         return family
 
+    @abstractmethod
     def sought(self, family: str) -> Sequence[str]:
         """Return the paths of the parameters that are estimated, in the order of their report."""
-        return self.vary(family).names
 
     def derived(self, family: str) -> Mapping[str, Quantity]:
         """Return what follows from the parameters and is reported with an interval, by path."""
@@ -157,19 +134,53 @@ class Simulated(ABC):
     def result(self, family: str, values: Mapping[str, float]) -> tuple[Any, Mechanism]:
         """Return the law and the mechanism with values of parameters, by path."""
 
-    def told(
-        self, family: "FamilyPosterior", name: str, estimates: Sequence[Estimate]
-    ) -> Sequence[Estimate]:
+    def told(self, family: Any, name: str, estimates: Sequence[Estimate]) -> Sequence[Estimate]:
         """Return the estimates of a law, those that rows do not tell with the reason."""
         return estimates
 
-    def leaves(self, family: "FamilyPosterior", name: str) -> float:
+    def leaves(self, family: Any, name: str) -> float:
         """Return the root mean square of what a law leaves, in the unit of the kind."""
-        return family.rms
+        return float(family.rms)
 
     def contains(self, name: str, other: str) -> bool:
         """Return whether a family is another one at some values of its parameters."""
         return False
+
+
+class Simulated(Readable):
+    """A measurement whose rows are told by runs of laws."""
+
+    measured: Array
+    """Rows (n,), in the order in which they were taken."""
+    weights: Array
+    """Weights of the rows (n,), in the mean 1: samples of which each is the mean."""
+    always: Always
+    """What every experiment may have."""
+    stages: Sequence[Sequence[str]]
+    """Names of the families; those of a stage begin where those of the earlier ones ended."""
+    places: int = 0
+    """Draws about which proposals are made with derivatives of their own; 0 for none."""
+    proposed: int = PROPOSED
+    """Draws of a family in each round."""
+
+    @abstractmethod
+    def prior(self, family: str) -> float:
+        """Return the logarithm of the prior probability of a family, up to a constant."""
+
+    @abstractmethod
+    def vary(self, family: str) -> Unknowns:
+        """Return what is unknown of a family."""
+
+    @abstractmethod
+    def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
+        """Return where searches begin (m, p), from the modes (p,) of families of earlier stages."""
+
+    def sought(self, family: str) -> Sequence[str]:
+        return self.vary(family).names
+
+    @abstractmethod
+    def simulate(self, asked: Mapping[str, Array]) -> Mapping[str, Array]:
+        """Return rows (n, k) for points (k, p) by family; NaN where a run fails or is no law."""
 
 
 @dataclass(eq=False)
@@ -202,14 +213,11 @@ class _Search:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FamilyPosterior:
-    """What the rows say of one family."""
+class FamilyDraws:
+    """Draws of a family that were weighed by their own runs."""
 
-    unknowns: Unknowns
     mode: Array
     """Where the posterior is largest (p,)."""
-    evidence: float
-    """Logarithm of the probability of the rows, up to a constant that all families share."""
     effective: float
     """Effective number of the weighed draws; 0 where Laplace's approximation alone was made."""
     points: Array
@@ -217,19 +225,10 @@ class FamilyPosterior:
     Laplace's approximation."""
     coefficients: Array
     """Draws of the coefficients of what is always there (k, q)."""
-    sets: NDArray[np.intp]
-    """Sets of sizes (k,) of what is always there, from which the draws are."""
     usual: Array
     """Coefficients of what is always there (q,) at the mode."""
-    band: Array
-    """Quantiles of 2.5, 50 and 97.5 % of the rows (3, n), without their noise."""
     rms: float
     """Root mean square of what the mode leaves; infinite where no run works."""
-
-    def is_prior(self, name: str) -> bool:
-        """Return whether draws of a coordinate are as wide as its prior."""
-        at = self.unknowns.names.index(name)
-        return float(np.std(self.points[:, at])) > UNTOLD * float(self.unknowns.deviation[at])
 
     @property
     def few_draws(self) -> tuple[str, ...]:
@@ -240,6 +239,24 @@ class FamilyPosterior:
             "The intervals to better than a third: the effective number of draws is"
             f" {significant(self.effective, 2)}.",
         )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FamilyPosterior(FamilyDraws):
+    """What the rows say of one family."""
+
+    unknowns: Unknowns
+    evidence: float
+    """Logarithm of the probability of the rows, up to a constant that all families share."""
+    sets: NDArray[np.intp]
+    """Sets of sizes (k,) of what is always there, from which the draws are."""
+    band: Array
+    """Quantiles of 2.5, 50 and 97.5 % of the rows (3, n), without their noise."""
+
+    def is_prior(self, name: str) -> bool:
+        """Return whether draws of a coordinate are as wide as its prior."""
+        at = self.unknowns.names.index(name)
+        return float(np.std(self.points[:, at])) > UNTOLD * float(self.unknowns.deviation[at])
 
 
 class SimulatedPosterior:

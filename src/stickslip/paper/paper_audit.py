@@ -9,7 +9,7 @@ from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import BreakAway, FixedStep
 from stickslip.friction import PRINTED_FORMS, FrictionLaw, PrintedForm
 from stickslip.identify import FixedStepRow, compare_fixed_steps, largest_step
-from stickslip.identify.kinds import TravelVerdict, select_travels
+from stickslip.identify.kinds import TravelVerdict, select
 from stickslip.mechanisms import PendulumCart, SpringBlock
 from stickslip.paper import printed, rigs
 from stickslip.quantities import fields_of, parameters, vary
@@ -228,9 +228,9 @@ def audit(
     """
     rig = load_rig()
     if verdict is None and rig.measurement is not None:
-        verdict = select_travels(
-            rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress
-        )
+        found = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress)
+        assert isinstance(found, TravelVerdict)
+        verdict = found
     assert verdict is not None
     values = rigs.PaperValues.of(rig)
     published = {row.law: row for row in rig.published}

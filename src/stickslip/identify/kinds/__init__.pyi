@@ -8,6 +8,10 @@ from stickslip.identify.kinds.kind import Request as Request
 from stickslip.identify.kinds.kind import data_row as data_row
 from stickslip.identify.kinds.kind import page_table as page_table
 from stickslip.identify.kinds.kind import terminal_table as terminal_table
+from stickslip.identify.kinds.plan_sheet import Plan as Plan
+from stickslip.identify.kinds.plan_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
+from stickslip.identify.kinds.plan_sheet import plan_page as plan_page
+from stickslip.identify.kinds.plan_sheet import plan_sections as plan_sections
 from stickslip.identify.kinds.registry import AnyKind as AnyKind
 from stickslip.identify.kinds.registry import as_judged as as_judged
 from stickslip.identify.kinds.registry import kind_of as kind_of
@@ -27,18 +31,11 @@ from stickslip.identify.kinds.simulated import SimulatedCandidate as SimulatedCa
 from stickslip.identify.kinds.simulated import SimulatedFit as SimulatedFit
 from stickslip.identify.kinds.simulated import SimulatedKind as SimulatedKind
 from stickslip.identify.kinds.simulated import SimulatedVerdict as SimulatedVerdict
-from stickslip.identify.kinds.travels.fit import TravelFit as TravelFit
-from stickslip.identify.kinds.travels.fit import fit_travels as fit_travels
-from stickslip.identify.kinds.travels.plan.page import plan_page as plan_page
-from stickslip.identify.kinds.travels.plan.planning import plan as plan
-from stickslip.identify.kinds.travels.plan.planning import setting_of as setting_of
-from stickslip.identify.kinds.travels.plan.sheet import Plan as Plan
-from stickslip.identify.kinds.travels.plan.sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
-from stickslip.identify.kinds.travels.plan.tables import known_by as known_by
-from stickslip.identify.kinds.travels.plan.tables import tables_of as tables_of
-from stickslip.identify.kinds.travels.selection import select_travels as select_travels
-from stickslip.identify.kinds.travels.verdict import TravelCandidate as TravelCandidate
-from stickslip.identify.kinds.travels.verdict import TravelVerdict as TravelVerdict
+from stickslip.identify.kinds.travel_plan import plan as plan
+from stickslip.identify.kinds.travel_plan import setting_of as setting_of
+from stickslip.identify.kinds.travels import TravelCandidate as TravelCandidate
+from stickslip.identify.kinds.travels import TravelFit as TravelFit
+from stickslip.identify.kinds.travels import TravelVerdict as TravelVerdict
 from stickslip.identify.kinds.trials import TrialComparison as TrialComparison
 from stickslip.identify.kinds.velocity_steps import fit_rate_state as fit_rate_state
 from stickslip.identify.kinds.verbs import fit as fit
@@ -70,7 +67,6 @@ __all__ = [
     "features_of",
     "fit",
     "fit_rate_state",
-    "fit_travels",
     "kind_of",
     "kind_of_route",
     "kinds",
@@ -78,7 +74,6 @@ __all__ = [
     "plan",
     "refuse_unused",
     "select",
-    "select_travels",
     "simulate_velocity_steps",
     "terminal_table",
     "verdict_page",

@@ -13,7 +13,7 @@ from stickslip.identify.kinds.features import FeatureKind
 from stickslip.identify.kinds.joints import JointKind
 from stickslip.identify.kinds.kind import Kind, Request
 from stickslip.identify.kinds.records import FrictionTableKind, RecordKind
-from stickslip.identify.kinds.travels.kind import TravelKind
+from stickslip.identify.kinds.travels import TravelKind
 from stickslip.identify.kinds.velocity_steps import VelocityStepKind
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import name_taken, plugins

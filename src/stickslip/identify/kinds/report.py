@@ -14,7 +14,7 @@ from stickslip.friction import FrictionLaw, law_type, laws
 from stickslip.identify import BandVerdict, CurvePoint, MeasuredCurve, MeasuredCurves
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.kinds.registry import kind_of_route
-from stickslip.identify.kinds.travels.verdict import TravelVerdict
+from stickslip.identify.kinds.travels import TravelVerdict
 from stickslip.show.documents import document, json_text, sha256_of, write_folder
 from stickslip.show.report import (
     Origin,

@@ -15,7 +15,7 @@ from abc import abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
 
 import numpy as np
 
@@ -59,8 +59,9 @@ from stickslip.identify.kinds.kind import (
     terminal_table,
 )
 from stickslip.identify.selection import checked
-from stickslip.identify.simulated import FamilyPosterior, Simulated, SimulatedPosterior
+from stickslip.identify.simulated import FamilyDraws, Readable, Simulated, SimulatedPosterior
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
 from stickslip.show.formatting import Scale, capital, count, joined, significant
 from stickslip.show.report import Figure, Origin, Section, SectionMaker
 
@@ -69,6 +70,22 @@ if TYPE_CHECKING:
 
 PLAIN: Final = Scale(1.0, "")
 """What laws leave is shown as it is."""
+
+
+class Weighed(Protocol):
+    """Laws weighed by a posterior."""
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether the search was ended before its end."""
+
+    @property
+    def shares(self) -> Mapping[str, float]:
+        """Posterior probabilities of the laws by name."""
+
+    @property
+    def families(self) -> Mapping[str, FamilyDraws]:
+        """Draws of each law by name; the root mean square is infinite where no run works."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -84,13 +101,13 @@ class SimulatedFit(JudgedFit[AnyLaw_co]):
     """Name of the law among those that were compared."""
     problem: Any = field(repr=False)
     """The measurement as rows, and its priors."""
-    posterior: SimulatedPosterior = field(repr=False)
+    posterior: Any = field(repr=False)
     """The posterior that all is read from."""
     derived: tuple[Estimate, ...] = ()
     """What follows from the parameters, such as a difference of them."""
 
     @property
-    def family(self) -> FamilyPosterior:
+    def family(self) -> Any:
         """What the posterior says of this law."""
         return self.posterior.families[self.name]
 
@@ -166,10 +183,15 @@ class SimulatedCandidate(Candidate[AnyFit]):
 
     kind: "SimulatedKind" = field(repr=False)
     """The kind of measurement."""
-    share: float = 0.0
+    probability: float = 0.0
     """Probability of the law among those compared."""
     second: Mapping[str, float] = field(default_factory=dict)
     """What it is off on the record given to validate, if there is one."""
+
+    @property
+    def share(self) -> float:
+        """Share of the law in bands: its probability, if not replaced."""
+        return self.probability
 
     @property
     def law(self) -> Any:
@@ -218,7 +240,7 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
     @property
     def stated(self) -> Sequence[tuple[Estimate, Estimate]]:
         fit = self.fits[0]
-        derived = [(one, over_all(self.fits, one)) for one in fit.derived]
+        derived = [(one, self.kind.over_all(self.fits, one)) for one in fit.derived]
         return [*zip(fit.estimates, self.intervals, strict=True), *derived]
 
     def predict(self, setting: Any) -> PredictionBand:
@@ -253,6 +275,22 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
             "checks": self.checks.to_dict(),
             "next_measurements": [one._asdict() for one in self.advised],
         }  # fmt: skip
+
+
+def estimated(
+    problem: Readable, name: str, family: FamilyDraws, sought: Mapping[str, Quantity]
+) -> tuple[Estimate, ...]:
+    """Return parameters of a law, by path: their values at the mode, and quantiles of draws."""
+    draws = problem.read(name, family.points, family.coefficients)
+    mode = problem.read(name, family.mode[None], family.usual[None])
+    found = []
+    for path, quantity in sought.items():
+        value, (low, high) = float(mode[path][0]), np.quantile(draws[path], problem.ends).tolist()
+        low, high = min(low, value), max(high, value)
+        found.append(
+            Estimate(path=path, quantity=quantity, value=value, low=low, high=high, interval="95 %")
+        )
+    return tuple(found)
 
 
 def pooled(fits: Sequence[AnyFit], path: str) -> tuple[float, float]:
@@ -290,7 +328,7 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
     Column(
         key="share", title="probability", page="probability", phone="label",
         value=lambda one: one.share,
-        text=lambda one: probability_text(one.share) if one.fit else None,
+        text=lambda one: probability_text(one.probability) if one.fit else None,
     ),
 )  # fmt: skip
 """What tables say of each law of any kind, ..."""
@@ -321,6 +359,10 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     """Kinds of findings of `check` of which no correction is asked for."""
     starts: ClassVar[int] = 4
     """Searches of each law that are followed to their end."""
+    fit_class: ClassVar[type[SimulatedFit[Any]]] = SimulatedFit
+    """Class of the fits ..."""
+    verdict_class: ClassVar[type[SimulatedVerdict]] = SimulatedVerdict
+    """... and of the verdicts."""
 
     # what is measured
     @abstractmethod
@@ -331,7 +373,6 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         """Return why nothing that was measured tells a law; empty if something does."""
         return ""
 
-    @abstractmethod
     def problem(
         self,
         mechanism: Mechanism,
@@ -341,12 +382,28 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         fixed: Mapping[str, float] | None,
     ) -> Simulated:
         """Return the measurement as rows, with laws and what is looked for of them."""
+        raise NotImplementedError
+
+    def weighed(
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
+    ) -> tuple[Readable, Weighed]:
+        """Return the measurement as rows, and the laws weighed by it."""
+        settings = request.settings
+        problem = self.problem(request.mechanism, laws, request.measurement, vary, request.fixed)
+        starts = settings.starts if settings and "starts" in self.settings else self.starts
+        return problem, SimulatedPosterior(
+            problem, starts=starts, seed=settings.seed if settings else 0, watch=request.progress
+        )
+
+    def over_all(self, fits: Sequence[AnyFit], one: Estimate) -> Estimate:
+        """Return an estimate of the closest law with its interval over the laws that have it."""
+        return over_all(fits, one)
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         """Return what a law is off on another record, by what is compared."""
         raise InputError(f"other {self.measured} are not predicted: give them by validate instead.")
 
-    # six texts
+    # texts
     @abstractmethod
     def called(self, fit: AnyFit) -> str:
         """Return what a law is called within a sentence."""
@@ -362,6 +419,10 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     def about(self, fit: AnyFit) -> str:
         """Return what is to be said first of the closest law, in sentences."""
         return f"It leaves {significant(fit.rms, 2)}, root mean square."
+
+    def settled(self, fit: AnyFit) -> Iterable[str]:
+        """Return what the measurement tells beside the parameters, in sentences."""
+        return ()
 
     def untold(self, fit: AnyFit) -> Iterable[str]:
         """Return what the measurement does not tell, in sentences."""
@@ -429,58 +490,43 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         checks = checked(mechanism, measurement, request.validate, conditions=self.conditions)
         refused = {name: why for name, law in laws.items() if (why := self.refused(law))}
         tried = {name: law for name, law in laws.items() if name not in refused}
-        if not tried:
+        if laws and not tried:
             raise InputError(self._none(refused))
-        problem = self.problem(mechanism, tried, measurement, vary, request.fixed)
-        settings = request.settings
-        starts = settings.starts if settings and "starts" in self.settings else self.starts
-        posterior = SimulatedPosterior(
-            problem, starts=starts, seed=settings.seed if settings else 0, watch=request.progress
-        )
-        every = [
-            SimulatedCandidate(
-                kind=self, name=name, title=law.title, fit=None, dropped=refused[name]
-            )
-            if name in refused
-            else self._candidate(name, problem, posterior, request)
-            for name, law in laws.items()
+        problem, posterior = self.weighed(request, tried, vary)
+        every = [self._candidate(name, problem, posterior, request) for name in posterior.families]
+        every += [
+            SimulatedCandidate(kind=self, name=name, title=laws[name].title, fit=None, dropped=why)
+            for name, why in refused.items()
         ]
         if all(one.fit is None for one in every):
             raise ConvergenceError(self._none({one.title: one.dropped for one in every}))
-        ordered = sorted(every, key=lambda one: (one.fit is None, -one.share))
-        return self._judged(ordered, problem, request, checks)
+        ordered = sorted(every, key=lambda one: (one.fit is None, -one.probability))
+        return self._judged(ordered, request, checks)
 
     def _none(self, why: Mapping[str, str]) -> str:
         texts = "; ".join(f"{name}: {text}" for name, text in why.items())
         return f"no law can be compared with {self.these}: {texts}"
 
+    def bare(self, problem: Any, name: str) -> SimulatedCandidate:
+        """Return a candidate without its fit."""
+        return SimulatedCandidate(kind=self, name=name, title=problem.title(name), fit=None)
+
     def _candidate(
-        self, name: str, problem: Simulated, posterior: SimulatedPosterior, request: Request
+        self, name: str, problem: Any, posterior: Weighed, request: Request
     ) -> SimulatedCandidate:
         """Return a candidate with its fit; one of which no run works has the reason."""
-        bare = SimulatedCandidate(kind=self, name=name, title=problem.title(name), fit=None)
-        family = posterior.families[name]
+        bare, family = self.bare(problem, name), posterior.families[name]
         if not np.isfinite(family.rms):
-            return replace(bare, dropped=problem.no_run)
-        draws = problem.read(name, family.points, family.coefficients)
+            return replace(bare, dropped=problem.failed(name))
         mode = problem.read(name, family.mode[None], family.usual[None])
-        values = {path: float(x[0]) for path, x in mode.items()}
-        law, mechanism = problem.result(name, values)
-        known = problem.quantities(name)
-
-        def estimate(path: str, quantity: Any) -> Estimate:
-            low, high = np.quantile(draws[path], ENDS).tolist()
-            return Estimate(
-                path=path, quantity=quantity, value=values[path], low=min(low, values[path]),
-                high=max(high, values[path]), interval="95 %",
-            )  # fmt: skip
-
-        estimates = [estimate(path, known[path]) for path in problem.sought(name)]
-        fit = SimulatedFit(
+        law, mechanism = problem.result(name, {path: float(x[0]) for path, x in mode.items()})
+        known, derived = problem.quantities(name), problem.derived(name)
+        sought = {path: known[path] for path in problem.sought(name)}
+        fit = self.fit_class(
             law=law,
             mechanism=mechanism,
-            estimates=tuple(problem.told(family, name, estimates)),
-            derived=tuple(estimate(path, one) for path, one in problem.derived(name).items()),
+            estimates=tuple(problem.told(family, name, estimated(problem, name, family, sought))),
+            derived=estimated(problem, name, family, derived),
             cancelled=posterior.cancelled,
             kind=self,
             measurement=request.measurement,
@@ -489,20 +535,20 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             posterior=posterior,
         )
         second = {} if request.validate is None else fit.judged(request.validate)
-        return replace(bare, fit=fit, share=posterior.shares[name], second=second)
+        return replace(bare, fit=fit, probability=posterior.shares[name], second=second)
 
     def _judged(
         self,
         ordered: Sequence[SimulatedCandidate],
-        problem: Simulated,
         request: Request,
         checks: Checks,
     ) -> SimulatedVerdict:
         """Return the verdict on candidates, the most probable first, in words."""
         closest, *others = ordered
         assert closest.fit is not None
-        near = [one for one in others if one.fit and one.share * RIVAL > closest.share]
-        rivals = [one for one in near if not problem.contains(one.name, closest.name)]
+        near = [one for one in others if one.fit and one.probability * RIVAL > closest.probability]
+        contains = closest.fit.problem.contains
+        rivals = [one for one in near if not contains(one.name, closest.name)]
         fits = [closest.fit, *(one.fit for one in near if one.fit)]
         fault = self.fault(closest.fit)
 
@@ -513,12 +559,12 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
                 return f"not fitted: {one.dropped}"
             if one in near:
                 return NOT_DISTINGUISHED if one in rivals else "contains the named law"
-            return f"{probability_text(one.share)} probable"
+            return f"{probability_text(one.probability)} probable"
 
         told = [replace(one, outcome=outcome(one)) for one in ordered]
         advised = tuple(self.advised(fits))
-        intervals = tuple(over_all(fits, one) for one in closest.fit.estimates)
-        return SimulatedVerdict(
+        intervals = tuple(self.over_all(fits, one) for one in closest.fit.estimates)
+        return self.verdict_class(
             kind=self,
             mechanism=request.mechanism,
             measurement=request.measurement,
@@ -555,9 +601,9 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             verdict += f"; {not_distinguished(names, self.these)}." if names else "."
         fits = [fit, *(one.fit for one in near if one.fit)]
         pairs = [*zip(fit.estimates, intervals, strict=True)]
-        pairs += [(one, over_all(fits, one)) for one in fit.derived]
+        pairs += [(one, self.over_all(fits, one)) for one in fit.derived]
         shares = [
-            f"{self.called(one.fit)} is {probability_text(one.share)} probable"
+            f"{self.called(one.fit)} is {probability_text(one.probability)} probable"
             for one in near if one.fit
         ]  # fmt: skip
         which = "Which law" if rivals else "Whether there is more"
@@ -569,14 +615,15 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             cannot.append("Whether there is a better fit: the search was stopped before its end.")
         further = [*self.advice(fit, fits[1:], advised), *corrections(checks, but=self.unasked)]
         further += longer(checks) if TOO_SHORT not in self.unasked else ()
-        share = f"{probability_text(closest.share)} probable among {others + 1} laws. "
+        share = f"{probability_text(closest.probability)} probable among {others + 1} laws. "
         same = joined(list(map(self.called, alike)))
         no_score = f"No ranking of {same}: each may hold." if rivals else ""
         return Wording(
             verdict=verdict,
             lede=share * bool(others) + self.about(fit),
-            settles=() if fault else tuple(
-                parameter_sentence(own, every, phrase) for own, every in pairs if own.bounded
+            settles=() if fault else (
+                *(parameter_sentence(own, every, phrase) for own, every in pairs if own.bounded),
+                *self.settled(fit),
             ),
             cannot_tell=(*cannot, UNMEASURED),
             measure_next=tuple(further[:MOST]),

@@ -752,9 +752,18 @@ class TravelJudgement:
         found[self.named] = self.drawn(self.named, THRESHOLDS.draws)
         return found
 
+    def draws_of(self, name: str) -> TravelDraws:
+        """Return draws of a law: those of the band, or as many as intervals ask for."""
+        return self.named_draws.get(name) or self.drawn(name, THRESHOLDS.draws // 4)
+
+    def effective(self, name: str) -> float:
+        """Return how many of the draws of a law count, by their likelihoods when simulated."""
+        self.draws_of(name)
+        return max(_counting(log, 1.0) for (of, _), (_, log) in self._weighed.items() if of == name)
+
     def values(self, name: str) -> dict[str, Array]:
         """Return the parameters of the draws of a law (d,) by path."""
-        draws = self.named_draws.get(name) or self.drawn(name, THRESHOLDS.draws // 4)
+        draws = self.draws_of(name)
         return dict(zip(draws.law.model.free, draws.law.values(draws.unknowns).T, strict=True))
 
     def sources(self, name: str) -> list[dict[str, float]]:

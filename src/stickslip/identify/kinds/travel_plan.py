@@ -48,21 +48,24 @@ from stickslip.identify.fits import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.identify.kinds.travels.fit import (
-    rounded_setting,
-    setting_text,
-    travel_fit,
-    unit_of,
-    words_of,
-)
-from stickslip.identify.kinds.travels.plan.sheet import (
+from stickslip.identify.kinds.plan_sheet import (
     Expectation,
     Plan,
     Preparation,
     Separation,
     Telling,
+    setting_text,
 )
-from stickslip.identify.kinds.travels.selection import ALONE, named_laws
+from stickslip.identify.kinds.simulated import estimated
+from stickslip.identify.kinds.travels import (
+    ALONE,
+    JudgedTravels,
+    TravelKind,
+    rounded_setting,
+    started,
+    unit_of,
+    words_of,
+)
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.show.formatting import joined, number, percent, quantity
@@ -281,8 +284,7 @@ def plan(
     asked = laws_of(laws)
     if asked is None or asked == {}:  # a rig file without friction values has an empty mapping
         asked = list(USUAL)
-    chosen, ordinary = named_laws(asked)
-    assert chosen is not None
+    chosen, ordinary = started(TravelKind().laws(asked))
     error, repeated = _error(uncertainty, done)
     first = _first(chosen)
     start = chosen[first]
@@ -336,7 +338,7 @@ def plan(
         uncertainty=size,
         assumed=error is None,
         repeated=repeated,
-        preparations=bench.preparations(repeats, travel_fit(after[named], named).estimates[0]),
+        preparations=bench.preparations(repeats, expected_estimates(after[named], named)[0]),
         rest=otherwise(mechanism, kept[named], bench.share(repeats)),
         tellings=tuple(_telling(few, rows, travels, *pair) for pair in pairs),
         expectations=tuple(_expected(after, kept)),
@@ -815,6 +817,15 @@ def _telling(
     )  # fmt: skip
 
 
+def expected_estimates(
+    judgement: TravelJudgement, name: str, named: Collection[str] = ()
+) -> Sequence[Estimate]:
+    """Return the estimates of a law as `select` will state them."""
+    problem = JudgedTravels(judgement, named)
+    family = problem.family(name)
+    return problem.told(family, name, estimated(problem, name, family, problem.quantities(name)))
+
+
 def _expected(
     after: Mapping[str, TravelJudgement], laws: Mapping[str, FrictionLaw]
 ) -> list[Expectation]:
@@ -822,7 +833,7 @@ def _expected(
     found = []
     for name, law in laws.items():
         every = after[name].law_of(name).model.free
-        estimates = [*travel_fit(after[name], name, every).estimates]
+        estimates = [*expected_estimates(after[name], name, every)]
         for path, parameter, value in parameters(law, "friction"):
             if path not in every and path.rpartition(".")[2] in ADVICE:
                 estimates.append(

@@ -1,0 +1,611 @@
+"""What a plan of travels gives back: a sheet to take to the rig, for terminals and pages alike."""
+
+import csv
+import html
+import io
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from stickslip.friction import FrictionLaw
+from stickslip.identify.fits import Estimate
+from stickslip.identify.kinds.travels import unit_of, words_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, parameters
+from stickslip.show.described import Described
+from stickslip.show.display import Tabular
+from stickslip.show.formatting import (
+    capital,
+    count,
+    fixed,
+    joined,
+    number,
+    quantity,
+    significant,
+)
+from stickslip.show.report import (
+    Blank,
+    Block,
+    Code,
+    Column,
+    KeyValue,
+    KeyValues,
+    Name,
+    Note,
+    Origin,
+    Page,
+    Paragraph,
+    Row,
+    Section,
+    Table,
+    colophon,
+    reproduce,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TRAVEL_COLUMN = "travel [mm]"
+"""Column of the table of runs that is filled in."""
+BLOCK = 6
+"""Settings in one table, so that it fits a terminal of 80 columns and a sheet of paper."""
+NUMERIC: Final = "0123456789\N{MINUS SIGN}"
+"""With what numbers begin."""
+
+
+def setting_text(value: float, unit: str) -> str:
+    """Return a setting [SI] with its unit, lengths in millimetres and angles in degrees.
+
+    Examples
+    --------
+    >>> setting_text(0.1, "m"), setting_text(math.radians(5.0), "rad")
+    ('100 mm', '5°')
+    """
+    shown, factor = unit_of(unit)
+    return f"{number(factor * value, 6)} {shown}".replace(" °", "°")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Separation(metaclass=Described):
+    """One setting of the rig and the travel each fitted law predicts for it."""
+
+    path: str
+    """Parameter to set."""
+    symbol: str
+    """Its symbol."""
+    unit: str
+    """Its SI unit."""
+    value: float
+    """Setting, SI."""
+    predicted: Mapping[str, float]
+    """Travel [m] by law."""
+    low: float
+    """Lower end of the 95 % band of the travel [m] over all candidate laws, before the runs."""
+    high: float
+    """Its upper end [m]."""
+    expected: float
+    """Half the width of the band that the runs will leave [m], if the worst of the laws holds."""
+
+    @property
+    def half(self) -> float:
+        """Half the width of the band before the runs [m]."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def text(self) -> str:
+        """The setting with its unit, lengths in millimetres and angles in degrees."""
+        return setting_text(self.value, self.unit)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the separation as plain numbers and strings."""
+        return {
+            "set": {self.path: self.value},
+            "predicted_travel": dict(self.predicted),
+            "band": [self.low, self.high],
+            "expected_half_width": self.expected,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preparation(metaclass=Described):
+    """A parameter to measure before the runs, and how well."""
+
+    path: str
+    """Parameter path, such as ``"mechanism.stiffness"``."""
+    quantity: Quantity
+    """Symbol and unit."""
+    value: float
+    """As it stands in the rig, SI."""
+    needed: float
+    """Standard uncertainty at which it adds half as much as the readings to the level's."""
+    stated: float | None
+    """Standard uncertainty that was stated; None without."""
+    how: str
+    """How it is measured, with the resolution that is needed."""
+    rough: str = ""
+    """What it costs to know it to 1 % only; empty where more than that will do."""
+
+    @property
+    def name(self) -> str:
+        """What it is called, in words."""
+        return words_of(self.path)
+
+    @property
+    def verdict(self) -> str:
+        """Whether what was stated is as good as needed."""
+        if self.stated is None:
+            return "not stated"
+        enough = self.stated <= self.needed * (1.0 + 1e-9)
+        stated = quantity(self.stated, self.quantity.unit, 2, degrees=True)
+        return f"{stated}, {'sufficient' if enough else 'too large'}"
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the preparation as plain numbers and strings."""
+        return {
+            "parameter": self.path,
+            "symbol": self.quantity.symbol,
+            "unit": self.quantity.unit,
+            "value": self.value,
+            "needed_uncertainty": self.needed,
+            "stated_uncertainty": self.stated,
+            "how": self.how,
+            "known_to_one_percent": self.rough.replace("$", ""),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Telling(metaclass=Described):
+    """What it takes to rule out one law where another one holds."""
+
+    holds: str
+    """Key of the law that is taken to hold."""
+    rival: str
+    """Key of the law that is to be ruled out, with its parameters fitted to the same travels."""
+    gap: float
+    """Largest difference of their travels that the fit leaves [m]."""
+    setting: Separation
+    """Where that is."""
+    repeats: int | None
+    """Runs at each setting that rule it out in nine of ten such sets; None if more than `most`."""
+    most: int
+    """Runs at each setting beyond which none are asked for."""
+    alike: bool = False
+    """Whether the rival, fitted, makes the same travels to the accuracy of a run."""
+
+    @property
+    def obstacle(self) -> str:
+        """Why these runs do not rule it out, in words; nothing if they do."""
+        if self.repeats is not None:
+            return ""
+        if self.alike:
+            return "Not distinguishable by travels: both laws predict the same"
+        return f"Not distinguished by {self.most} runs at each setting"
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return it as plain numbers and strings."""
+        return {
+            "holds": self.holds,
+            "ruled_out": self.rival,
+            "largest_difference": self.gap,
+            "at": {self.setting.path: self.setting.value},
+            "repeats": self.repeats,
+            "same_travels": self.alike,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expectation(metaclass=Described):
+    """The interval of a parameter that the planned runs will give, if its law holds."""
+
+    law: str
+    """Key of the law."""
+    estimate: Estimate
+    """The value that was assumed, and its interval."""
+    identified: bool
+    """Whether the interval ends above the least value that the law allows."""
+    advice: str = ""
+    """What would tell it, where these travels do not."""
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return it as plain numbers and strings."""
+        return {
+            "law": self.law,
+            **self.estimate.to_dict(),
+            "identified": self.identified,
+            "advice": self.advice.replace("$", ""),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan(Tabular):
+    """Which travels to measure, how often and how well, and what they will tell."""
+
+    mechanism: Mechanism
+    """The rig."""
+    laws: Mapping[str, FrictionLaw]
+    """The laws by name, with values that give the same travel at the present setting."""
+    reference: str
+    """Key of the law whose level the preparations are for."""
+    settings: tuple[Separation, ...]
+    """What to set, with the travels that the laws predict."""
+    repeats: int
+    """Runs at each setting."""
+    uncertainty: float
+    """Standard uncertainty of one travel that was counted on, scatter and reading together [m]."""
+    assumed: bool
+    """Whether neither a statement nor repeats tell it."""
+    preparations: tuple[Preparation, ...]
+    """What to measure before."""
+    rest: Mapping[str, str]
+    """How to measure the level at rest, which travels do not tell, by what it is done with."""
+    tellings: tuple[Telling, ...]
+    """Which laws can be told apart, the easiest first."""
+    expectations: tuple[Expectation, ...]
+    """What the runs will tell of each law's parameters."""
+    range_source: str = ""
+    """Where the range of the settings is from and how to change it; nothing if it was given."""
+    repeated: int = 0
+    """Readings beyond the first at their setting, where their scatter is the uncertainty."""
+    from_trials: bool = False
+    """Whether levels were fitted to travels; else all laws travel equally far as the rig stands."""
+    remarks: tuple[str, ...] = ()
+    """What else is to be known."""
+
+    @property
+    def knob(self) -> str:
+        """What is set, in words."""
+        return words_of(self.settings[0].path)
+
+    @property
+    def sentence(self) -> str:
+        """What to measure and what it tells, in two sentences."""
+        unit, factor = unit_of(self.settings[0].unit)
+        values = joined([number(factor * one.value) for one in self.settings])
+        said = (
+            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each: {len(self.runs())}"
+            f" travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
+        ).replace(" °", "°")
+        if self.tellings:
+            known = sum(one.repeats is not None for one in self.tellings)
+            said += f" They distinguish {known} of {count(len(self.tellings), 'pair')} of laws."
+        return said
+
+    @property
+    def widest(self) -> Separation:
+        """The setting at which the band of the travel is widest: a run there narrows it most."""
+        return max(self.settings, key=lambda one: one.half)
+
+    @property
+    def band_sentence(self) -> str:
+        """Where the travel is known least, and how well it will be."""
+        one = self.widest
+        before, after = (quantity(x, "m", 2) for x in (one.half, one.expected))
+        return (
+            f"The travel is known least with the {self.knob} {one.text}: ± {before} over all"
+            f" candidate laws, and ± {after} expected after the runs."
+        )
+
+    def csv(self) -> str:
+        """Return the table of runs to fill in, as `load_measurement` and ``select --data`` read it.
+
+        Settings go up and then down again, so that wear and drift do not look like their effect.
+        """
+        text = io.StringIO()
+        unit, factor = unit_of(self.settings[0].unit)
+        unit = unit.replace("°", "deg")  # a spreadsheet may not read the file as UTF-8
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["name", f"{self.settings[0].path} [{unit}]", TRAVEL_COLUMN])
+        writer.writerows(
+            [name, f"{factor * one.value:.10g}", ""] for name, one in self.runs().items()
+        )
+        return text.getvalue()
+
+    def runs(self) -> Mapping[str, Separation]:
+        """Return the runs by name, in the order in which to make them."""
+        ways = (self.settings, self.settings[::-1])
+        order = [one for repeat in range(self.repeats) for one in ways[repeat % 2]]
+        return {f"run {i}": one for i, one in enumerate(order, 1)}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the settings and the travels that each law predicts, as a pandas DataFrame."""
+        import pandas as pd
+
+        rows = [{one.path: one.value, **one.predicted} for one in self.settings]
+        return pd.DataFrame(rows)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the plan as plain numbers and strings, ready for JSON."""
+        return {
+            "plan": self.sentence,
+            "band": self.band_sentence,
+            "repeats": self.repeats,
+            "uncertainty": self.uncertainty,
+            "uncertainty_assumed": self.assumed,
+            "uncertainty_from_repeats": self.repeated,
+            "range_source": self.range_source,
+            "laws": {
+                name: {p: v for p, v in vars(law).items() if v is not None}
+                for name, law in self.laws.items()
+            },
+            "settings": [one.to_dict() for one in self.settings],
+            "prepare": [one.to_dict() for one in self.preparations],
+            "measure_otherwise": {
+                head.replace("$", ""): text.replace("$", "") for head, text in self.rest.items()
+            },
+            "tells_apart": [one.to_dict() for one in self.tellings],
+            "expected": [one.to_dict() for one in self.expectations],
+            "remarks": [line.replace("$", "") for line in self.remarks],
+            "sheet": self.csv(),
+        }
+
+    def __repr__(self) -> str:
+        return f"<Plan: {self.sentence}>"
+
+    def _repr_html_(self) -> str:
+        table = self.to_dataframe().to_html(index=False, na_rep="", border=0)
+        return f"<p>{html.escape(self.sentence)}</p>{table}"
+
+
+def plan_sections(plan: Plan) -> tuple[Section, ...]:
+    """Return what a plan says, in the order in which it is read.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock, plan
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> sections = plan_sections(plan(rig, ["coulomb", "viscous"], uncertainty=0.004))
+    >>> [one.id for one in sections]
+    ['plan', 'before', 'settings', 'apart', 'values']
+    """
+    notes = [Note(title="Note.", text=line) for line in plan.remarks]
+    texts = filter(None, (plan.range_source, plan.band_sentence, _uncertainty(plan)))
+    lines = [Paragraph(text=text) for text in texts]
+    first = Section(id="plan", nav="Plan", heading=plan.sentence, blocks=(*lines, *notes))
+    apart = (_apart(plan),) if plan.tellings else ()
+    return (first, _before(plan), _settings(plan), *apart, _values(plan))
+
+
+def plan_page(plan: Plan, origin: Origin, *, save_as: str = "") -> Page:
+    """Return the sheet of a plan, to print and to fill in by hand.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock, plan
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
+    >>> page = plan_page(sheet, Origin(title="Block", data="rig.toml"))
+    >>> [section.id for section in page.sections][-2:]
+    ['runs', 'reproduce']
+    """
+    return Page(
+        title=f"Lab sheet: {origin.title}",
+        subject=origin.data,
+        kicker="plan of travels",
+        sections=(*plan_sections(plan), _runs(plan, save_as), reproduce(origin)),
+        footer=colophon(origin.versions),
+    )
+
+
+def _uncertainty(plan: Plan) -> str:
+    known = quantity(plan.uncertainty, "m", 2)
+    if plan.assumed:
+        return (
+            f"The uncertainty of a travel is assumed to be {known}, 2 % of the longest travel,"
+            " until repeats at one setting show the scatter: give that as --uncertainty."
+        )
+    how = "scatter and measurement uncertainty combined"
+    if plan.repeated:
+        degrees = count(plan.repeated, "degree of freedom", "degrees of freedom")
+        how = f"the scatter of the repeats measured so far ({degrees})"
+    return f"The uncertainty of a travel is {known}, {how}."
+
+
+def _table(
+    heads: Sequence[str], rows: Sequence[Row], caption: str = "", labels: Sequence[str] = ()
+) -> Table:
+    """Return a table, with cards on a phone."""
+    columns: list[Column] = []
+    for i, (head, label) in enumerate(zip(heads, labels or heads, strict=True)):
+        cells = [row.cells[i] for row in rows]
+        # words beside a column of numbers are on its side, or they touch it
+        numeric = any(column.numeric for column in columns) or all(
+            isinstance(cell, str) and cell[:1] in NUMERIC for cell in cells
+        )
+        phone: Any = "label" if i else "show"
+        text = head.replace(" [", "\n[")
+        columns.append(Column(head=text, numeric=numeric, phone=phone, label=label if i else ""))
+    return Table(columns=tuple(columns), rows=tuple(rows), caption=caption)
+
+
+def _lines(texts: Mapping[str, str]) -> Iterator[Block]:
+    if texts:
+        yield KeyValues(items=tuple(KeyValue(key=key, value=x) for key, x in texts.items()))
+
+
+def _before(plan: Plan) -> Section:
+    """Return what to measure before the runs, and below it how."""
+    rows = [
+        Row(
+            cells=(
+                f"{one.name} ${one.quantity.symbol}$",
+                quantity(one.value, one.quantity.unit, 4, degrees=True),
+                quantity(one.needed, one.quantity.unit, 2, degrees=True),
+                one.verdict,
+            )
+        )
+        for one in plan.preparations
+    ]
+    how = {capital(one.name): f"{one.how} {one.rough}".rstrip() for one in plan.preparations}
+    caption = (
+        "Uncertainties are standard uncertainties. A parameter with the needed uncertainty"
+        f" contributes half as much as the {len(plan.runs())} readings to the uncertainty of the"
+        f" level of {plan.laws[plan.reference].title} friction; three such parameters widen its"
+        " interval by a third. An error common to all runs does not average out; the error of a"
+        " setting that is adjusted anew for each run does."
+    )
+    heads = ("parameter", "value", "needed uncertainty", "stated uncertainty")
+    tables = [_table(heads, rows, caption)] if rows else []
+    return Section(
+        id="before", nav="Before the runs", heading="Measure before the runs",
+        blocks=(*tables, *_lines({**how, **plan.rest})),
+    )  # fmt: skip
+
+
+def _settings(plan: Plan) -> Section:
+    """Return the travels that each law predicts, of up to six settings at a time."""
+    unit, factor = unit_of(plan.settings[0].unit)
+    # a digit beyond that of the uncertainty
+    decimals = min(max(0, 1 - math.floor(math.log10(1e3 * plan.uncertainty))), 4)
+    size = math.ceil(len(plan.settings) / math.ceil(len(plan.settings) / BLOCK))
+    level = (
+        "Each law is fitted to the trials."
+        if plan.from_trials
+        else "Each law gives the same travel with the rig as described."
+    )
+    caption = (
+        f"{level} The last rows are half the width of the 95 % band of the travel over all laws:"
+        " now, and as these runs will leave it in the worst case."
+    )
+    tables = []
+    for i in range(0, len(plan.settings), size):
+        block = plan.settings[i : i + size]
+        travels = {name: [one.predicted[name] for one in block] for name in plan.laws}
+        rows = [
+            Row(
+                cells=(
+                    Name(text=plan.laws[name].title, aside=_values_of(plan.laws[name])),
+                    *(fixed(1e3 * x, decimals) for x in values),
+                ),
+                chosen=name == plan.reference,
+            )
+            for name, values in travels.items()
+        ]
+        halves = {
+            "± now": [one.half for one in block],
+            "± expected": [one.expected for one in block],
+        }
+        rows += [
+            Row(cells=(head, *(fixed(1e3 * x, decimals) for x in values)))
+            for head, values in halves.items()
+        ]
+        heads = ("law", *(number(factor * one.value) for one in block))
+        labels = ("", *(f"at {head} {unit}".replace(" °", "°") for head in heads[1:]))
+        last = block[-1] is plan.settings[-1]
+        tables.append(_table(heads, rows, caption if last else "", labels))
+    heading = f"Predicted travel [mm] at each {plan.knob} [{unit}], {plan.repeats} runs each"
+    return Section(id="settings", nav="Settings", heading=heading, blocks=tuple(tables))
+
+
+def _values_of(law: FrictionLaw) -> str:
+    """Return the values of a law that were counted on."""
+    return ", ".join(
+        f"${asked.symbol}$ = {quantity(value, asked.unit)}"
+        for _, asked, value in parameters(law, "friction")
+        if value
+    )
+
+
+def _apart(plan: Plan) -> Section:
+    """Return which laws the runs tell apart, and below it which they do not, and why."""
+    titles = {name: law.title for name, law in plan.laws.items()}
+    unit, factor = unit_of(plan.settings[0].unit)
+    rows = [
+        Row(
+            cells=(
+                titles[one.holds],
+                titles[one.rival],
+                number(1e3 * one.gap, 2),
+                number(factor * one.setting.value),
+                f"{one.repeats}",
+            )
+        )
+        for one in plan.tellings
+        if one.repeats is not None
+    ]
+    open_: dict[str, dict[str, list[str]]] = {}
+    for one in plan.tellings:
+        if one.repeats is None:
+            pairs = open_.setdefault(one.obstacle, {})
+            pairs.setdefault(titles[one.holds], []).append(titles[one.rival])
+    lines = {
+        said: f"{'; '.join(f'{law} from {joined(rivals)}' for law, rivals in pairs.items())}."
+        for said, pairs in open_.items()
+    }
+    caption = (
+        "Gap: the largest difference that remains when the law to be ruled out is fitted to the"
+        " travels of the other law, and the setting at which it occurs. Runs each: the runs per"
+        " setting with which `stickslip select` rules that law out in nine of ten experiments."
+    )
+    heads = (
+        "if this law is true", "this law is ruled out", "gap [mm]", f"at [{unit}]", "runs each",
+    )  # fmt: skip
+    tables = [_table(heads, rows, caption)] if rows else []
+    pairs_ = count(len(plan.tellings), "pair")
+    return Section(
+        id="apart", nav="Which laws",
+        heading=f"The runs distinguish {len(rows)} of {pairs_} of laws",
+        blocks=(*tables, *_lines(lines)),
+    )  # fmt: skip
+
+
+def _values(plan: Plan) -> Section:
+    """Return what the runs will tell of each parameter, and below it what tells the others."""
+    rows, advice = [], dict[str, str]()
+    for one in plan.expectations:
+        asked = one.estimate.quantity
+        unit = "" if asked.unit == "1" else f" [{asked.unit}]"
+        interval = one.estimate.range if one.identified else "not identified"
+        value = significant(one.estimate.value, 3)
+        cells = (plan.laws[one.law].title, f"${asked.symbol}${unit}", value, interval)
+        rows.append(Row(cells=cells, muted=not one.identified))
+        if one.advice:
+            advice.setdefault(f"To identify ${asked.symbol}$", one.advice)
+    caption = (
+        "The interval that `stickslip select` will state if the law is true with this value and the"
+        " rig has the stated (otherwise the needed) uncertainties. Not identified: the travels"
+        " hardly depend on it, or the interval reaches the lowest value that the law allows."
+    )
+    heads = ("law", "parameter", "true value", "expected 95 % interval")
+    tables = [_table(heads, rows, caption)] if rows else []
+    return Section(
+        id="values", nav="Which values", heading="Expected intervals of each law",
+        blocks=(*tables, *_lines(advice)),
+    )  # fmt: skip
+
+
+def _runs(plan: Plan, save_as: str) -> Section:
+    """Return the table to fill in."""
+    unit, factor = unit_of(plan.settings[0].unit)
+    columns = (
+        Column(head="run"),
+        Column(
+            head=f"{plan.knob}\n[{unit}]", numeric=True, phone="label",
+            label=f"{plan.knob} [{unit}]",
+        ),
+        Column(head="travel\n[mm]", phone="label", label="travel [mm]"),
+        Column(head="remarks", phone="hide"),
+    )  # fmt: skip
+    blank = Blank(what="travel"), Blank(what="remarks")
+    rows = tuple(
+        Row(cells=(name, number(factor * one.value), *blank)) for name, one in plan.runs().items()
+    )
+    head, first, *_ = plan.csv().splitlines()
+    text = (
+        "Make the runs in this order: the settings go up and down again, so that wear and warm-up"
+        " are not mistaken for their effect. Measure each travel from the start to the rest"
+        " position of the body."
+    )
+    save = (
+        "Save the table as a CSV file with these columns. A column `uncertainty [mm]`, the"
+        " standard uncertainty of each travel, is optional; without it the scatter of the repeats"
+        " is used."
+    )
+    command = [f"\n$ {save_as}"] if save_as else []
+    blocks = (
+        Paragraph(text=text),
+        Table(columns=columns, rows=rows),
+        Paragraph(text=save),
+        Code(text="\n".join([head, f"{first}...", *command])),
+    )
+    return Section(id="runs", nav="The runs", heading="The runs", blocks=blocks)

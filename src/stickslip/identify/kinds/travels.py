@@ -1,0 +1,1279 @@
+"""Travels: distances to rest, or per cycle of a drive.
+
+`stickslip.identify.problems.travels` judges them: every law in every shape is fitted to them by
+runs, weighed by its evidence, and drawn. Fit, verdict, words and page are those of simulated kinds.
+Beside the probability of a law, which names it, stands its share of the *band*: the quantiles of
+travels over the setting, for which laws count by how well they predict held-out settings.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from scipy.special import ndtri, softmax
+
+from stickslip.data import Measurement, is_filmed, travels_of_films
+from stickslip.engine.simulation import simulate
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw, law_type
+from stickslip.identify import (
+    INSENSITIVE,
+    THRESHOLDS,
+    USUAL_LAWS,
+    PredictionBand,
+    TravelJudgement,
+    band_of,
+    draw_band,
+    fitted_travels,
+    judged_travels,
+    sections_of,
+)
+from stickslip.identify.bands import Array, correlation_of
+from stickslip.identify.candidates import (
+    check_any,
+    check_apart,
+    friction_of,
+    in_sentence,
+    plain,
+)
+from stickslip.identify.criteria import Criteria, criteria_of, limits_of
+from stickslip.identify.fits import (
+    LAW,
+    AnyLaw,
+    AnyLaw_co,
+    Estimate,
+    Parameters,
+    Trial,
+    durations,
+    is_rig,
+    quantities_read,
+    starting_law,
+    trials_of,
+    under_cycles,
+    with_known,
+)
+from stickslip.identify.kinds.kind import Column, Columns, Comparison, FitSummary, Law, Request
+from stickslip.identify.kinds.simulated import (
+    COLUMNS,
+    LAST,
+    SimulatedCandidate,
+    SimulatedFit,
+    SimulatedKind,
+    SimulatedVerdict,
+    Weighed,
+    laws_section,
+)
+from stickslip.identify.projection import TOLERANCE
+from stickslip.identify.propose import propose
+from stickslip.identify.simulated import FamilyDraws, Readable
+from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.show.formatting import (
+    at_worst,
+    capital,
+    count,
+    interval,
+    joined,
+    number,
+    percent,
+    quantity,
+    scale_of,
+    with_unit,
+    within,
+)
+from stickslip.show.plots import MAP_SIZES, inline_svg
+from stickslip.show.report import Column as PageColumn
+from stickslip.show.report import Figure, Name, Origin, Row, Section, SectionMaker, Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.identify import BandDrawing
+    from stickslip.show.display import Drawing, Target
+
+T_END: Final = 10.0
+"""Time after which a body counts as stopped [s]."""
+SAMPLES = 2001
+WIDER = "the trials tell no more than that it is of this size"
+"""Why an estimate is open whose interval is wider than the value."""
+BEYOND = (0.75, 1.5)
+"""Least and largest settings of the band over those measured."""
+ALONE = (0.4, 1.5)
+"""The same where there is but one."""
+RIG_DOUBT = 0.015
+"""Prior deviation of forces over themselves, by a stiffness, mass or inertia whose uncertainty
+nobody stated."""
+PLACES = (17, 41)
+"""Settings of the band within those measured, and of bodies that carry their drive, which have
+resonances: half a second, and three (docs: explanation/travels)."""
+
+
+def unit_of(unit: str) -> tuple[str, float]:
+    """Return the unit that settings are read in, and its numbers over those in SI.
+
+    Examples
+    --------
+    >>> unit_of("m"), unit_of("N"), unit_of("rad")[0]
+    (('mm', 1000.0), ('N', 1.0), '°')
+    """
+    return {"m": ("mm", 1e3), "rad": ("°", math.degrees(1.0))}.get(unit, (unit, 1.0))
+
+
+def rounded_setting(value: float, unit: str) -> float:
+    """Return a setting [SI] with three digits in the unit that it is read in.
+
+    Examples
+    --------
+    >>> rounded_setting(0.0123456, "m"), math.degrees(rounded_setting(0.314, "rad"))
+    (0.0123, 18.0)
+    """
+    _, factor = unit_of(unit)
+    return float(f"{factor * value:.3g}") / factor
+
+
+def words_of(path: str) -> str:
+    """Return what a parameter of the mechanism is called.
+
+    Examples
+    --------
+    >>> words_of("mechanism.compression"), words_of("mechanism.drive.drive.frequency")
+    ('compression', 'drive frequency')
+    """
+    words = path.removeprefix("mechanism.").replace(".", " ").replace("_", " ").split()
+    return " ".join(dict.fromkeys(words))  # a drive of a motor is its drive
+
+
+def started(laws: Mapping[str, Any]) -> tuple[dict[str, FrictionLaw], set[str]]:
+    """Return laws with values by name, and the names of those without given values."""
+    ordinary = {name for name, law in laws.items() if isinstance(law, type)}
+    return {n: starting_law(law) if n in ordinary else law for n, law in laws.items()}, ordinary
+
+
+def what_of(trials: Sequence[Trial]) -> tuple[str, str]:
+    """Return what travels of trials are shown as, and its unit.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> what_of([Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)])
+    ('travel', 'm')
+    """
+    cyclic = any(trial.cycles is not None for trial in trials)
+    return ("mean velocity", "m/s") if cyclic else ("travel", "m")
+
+
+class JudgedTravels(Readable):
+    """A judgement of travels as the posterior of its laws, with its band and advice."""
+
+    ends = (0.5 - 0.5 * THRESHOLDS.interval, 0.5 + 0.5 * THRESHOLDS.interval)
+    cancelled = False
+
+    def __init__(
+        self, judgement: TravelJudgement, named: Collection[str] = (), *, alone: bool = False
+    ) -> None:
+        self.judgement, self.trials = judgement, judgement.trials
+        self.named, self.alone = frozenset(named), alone
+        chances = softmax([*judgement.evidence.values()]).tolist()
+        self.shares = dict(zip(judgement.evidence, chances, strict=True))
+
+    @cached_property
+    def families(self) -> Mapping[str, FamilyDraws]:
+        """Draws of each law by name, those with the most evidence first."""
+        nothing = np.zeros((0, 0))
+        failed = FamilyDraws(
+            mode=nothing, effective=0.0, points=nothing, coefficients=nothing, usual=nothing,
+            rms=math.inf,
+        )  # fmt: skip
+        found = {name: self.family(name) for name in self.judgement.evidence}
+        return found | dict.fromkeys(self.judgement.dropped, failed)
+
+    def family(self, name: str) -> FamilyDraws:
+        """Return the draws of a law."""
+        judgement = self.judgement
+        drawn, left = judgement.draws_of(name), judgement.measured - judgement.predicted(name)
+        return FamilyDraws(
+            mode=judgement.unknowns_of(name), effective=judgement.effective(name),
+            points=drawn.unknowns, coefficients=drawn.nuisances,
+            usual=np.zeros(drawn.nuisances.shape[1]), rms=float(np.sqrt(np.mean(left**2))),
+        )  # fmt: skip
+
+    @property
+    def repeated(self) -> bool:
+        """Whether all trials repeat a single setting, so that none predicts another."""
+        return len(np.unique(self.judgement.blocks)) == 1
+
+    # what fits read
+    def failed(self, name: str) -> str:
+        return self.judgement.dropped[name][1]
+
+    def given(self, name: str) -> FrictionLaw:
+        """Return a law with the values that were given."""
+        dropped = self.judgement.dropped
+        return dropped[name][0] if name in dropped else self.judgement.law_of(name).law
+
+    def title(self, family: str) -> str:
+        return self.given(family).title
+
+    def sought(self, family: str) -> Sequence[str]:
+        return self.judgement.law_of(family).model.free
+
+    def quantities(self, family: str) -> Mapping[str, Quantity]:
+        law = self.judgement.law_of(family)
+        return dict(zip(law.model.free, law.quantities, strict=True))
+
+    def read(self, family: str, points: Array, coefficients: Array) -> Mapping[str, Array]:
+        law = self.judgement.law_of(family)
+        return dict(zip(law.model.free, law.values(points).T, strict=True))
+
+    def result(self, family: str, values: Mapping[str, float]) -> tuple[FrictionLaw, Mechanism]:
+        model, numbers = self.judgement.law_of(family).model, [*values.values()]
+        return model.with_values(numbers), model.set_up(self.trials[0], numbers).mechanism
+
+    def leaves(self, family: FamilyDraws, name: str) -> float:
+        return self.judgement.held_out(name) if not self.repeated else family.rms
+
+    def told(
+        self, family: FamilyDraws, name: str, estimates: Sequence[Estimate]
+    ) -> Sequence[Estimate]:
+        """Return the estimates of what travels tell, of the first, and of those that are named.
+
+        Coefficients that the travels hardly depend on, and shapes, are left out otherwise.
+        """
+        judgement = self.judgement
+        untold, zero = judgement.untold(name), judgement.around_zero(name)
+        sources, coefficients = judgement.sources(name), judgement.law_of(name).count
+        alone = ""
+        if not judgement.stated and len(self.trials) == 1:
+            alone = "no uncertainty of the reading was stated"
+        found = []
+        for i, one in enumerate(estimates):
+            named, asked = one.path in self.named, one.quantity
+            if not named and i > 0 and (one.path in untold or i >= coefficients):
+                continue
+            low = 0.0 if one.path in zero and not is_rig(one.path) else one.low
+            limit = max(asked.low, -np.inf if asked.above is None else asked.above)
+            low = min(max(low, limit), one.value)
+            reason = INSENSITIVE if one.path in untold else alone
+            if is_rig(one.path) and one.high - one.low > abs(one.value):
+                reason = reason or WIDER
+            found.append(
+                replace(
+                    one,
+                    low=-np.inf if reason else low,
+                    high=np.inf if reason else one.high,
+                    reason=reason,
+                    sources=sources[i] if sources and not reason and i < len(sources) else {},
+                )
+            )
+        return found
+
+    # the band, and what narrows it
+    @cached_property
+    def settings(self) -> Array:
+        """Settings (m,) over which the band is stated: those measured, between and beyond."""
+        judgement = self.judgement
+        if judgement.knob is None:
+            return np.zeros(0)
+        known, places = judgement.settings, PLACES[under_cycles(self.trials)]
+        low, high = float(known.min()), float(known.max())
+        if low == high:
+            return np.union1d(low * np.linspace(*ALONE, places), known)
+        ends = sorted((BEYOND[0] * min(low, high, key=abs), BEYOND[1] * max(low, high, key=abs)))
+        inner = np.linspace(low, high, places)
+        beyond = [np.linspace(*pair, places // 4) for pair in ((ends[0], low), (high, ends[1]))]
+        return np.unique(np.concatenate([known, inner, *beyond]))
+
+    @cached_property
+    def band(self) -> PredictionBand | None:
+        """Band of the travel at the settings [m]; None without any."""
+        settings = self.settings
+        return band_of(self.judgement.travels(settings)) if len(settings) else None
+
+    @cached_property
+    def advice(self) -> tuple[tuple[float, ...], float]:
+        """Settings at which readings narrow the band of travels most, and to which share.
+
+        One stands for several readings; in all, they are no more than were made. No reading takes
+        off what laws leave at settings that were not measured.
+        """
+        judgement, settings = self.judgement, self.settings
+        if judgement.knob is None or not len(settings):
+            return (), 1.0
+        travels = judgement.drawn_travels(settings)
+        lasts = durations(judgement.at(settings), judgement.t_end)
+        found = propose(
+            travels, travels, judgement.noise(settings), taken=len(self.trials),
+            rest=(judgement.discrepancy * lasts) ** 2,
+        )  # fmt: skip
+        places = sorted(rounded_setting(float(settings[k]), self.unit) for k in found.places)
+        return tuple(places), found.shrinks
+
+    @property
+    def knob(self) -> str:
+        """Path of what is set to get other travels; empty where there is none."""
+        return self.judgement.knob[0] if self.judgement.knob else ""
+
+    @property
+    def unit(self) -> str:
+        """Unit of what is set [SI]; empty where there is none."""
+        known = parameters(self.judgement.mechanism, "mechanism")
+        return {path: asked.unit for path, asked, _ in known}.get(self.knob, "")
+
+    def setting(self, value: float) -> str:
+        """Return a setting with its unit."""
+        return quantity(value, self.unit, 3, degrees=True)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class TravelFit(SimulatedFit[AnyLaw_co]):
+    """A fit to travels.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, fit
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> result = fit(rig, Coulomb, reading)
+    >>> print(result.estimates[0])
+    mu_k = 0.255 (0.243 to 0.271)
+    """
+
+    @property
+    def judgement(self) -> TravelJudgement:
+        """What the fit is read from."""
+        found: TravelJudgement = self.problem.judgement
+        return found
+
+    @cached_property
+    def trials(self) -> tuple[Trial, ...]:
+        """What was fitted."""
+        model = self.judgement.law_of(self.name).model
+        known = {e.path: e.value for e in self.estimates}
+        values = self.problem.read(self.name, self.family.mode[None], self.family.usual[None])
+        numbers = [known.get(path, float(x[0])) for path, x in values.items()]
+        return tuple(model.set_up(trial, numbers) for trial in self.judgement.trials)
+
+    @property
+    def measured(self) -> tuple[float, ...]:
+        """Travels [m], one a trial."""
+        return tuple(self.judgement.measured.tolist())
+
+    @property
+    def predicted(self) -> tuple[float, ...]:
+        """Travels of the fitted law [m]."""
+        return tuple(self.judgement.predicted(self.name).tolist())
+
+    @property
+    def runs(self) -> int:
+        """Simulations spent."""
+        return self.judgement.law_of(self.name).model.runs
+
+    @property
+    def standard_errors(self) -> tuple[float, ...]:
+        """Standard errors of the travels [m]: as stated, or as the travels show about the law."""
+        return tuple(self.judgement.errors.tolist())
+
+    @property
+    def stated(self) -> bool:
+        """Whether an uncertainty of the travels was stated."""
+        return self.judgement.stated
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the travels are far from the law, for what was stated."""
+        return self.judgement.misfit
+
+    @property
+    def correlation(self) -> tuple[tuple[float, ...], ...]:
+        """Of the estimates (p, p); 0 with what the travels do not tell."""
+        table = correlation_of(np.array([self.draws[one.path] for one in self.estimates]))
+        np.fill_diagonal(table, 1.0)
+        return tuple(map(tuple, table.tolist()))
+
+    @property
+    def residuals(self) -> tuple[float, ...]:
+        """Measured less predicted travel [m], one a trial."""
+        return tuple(m - p for m, p in zip(self.measured, self.predicted, strict=True))
+
+    @property
+    def scatter(self) -> float:
+        """Root mean square of the residuals [m]."""
+        return math.sqrt(sum(one**2 for one in self.residuals) / len(self.residuals))
+
+    @property
+    def freedom(self) -> int:
+        """Number of readings less number of fitted parameters."""
+        return len(self.measured) - len(self.estimates)
+
+    @property
+    def standardised(self) -> tuple[float, ...]:
+        """Residuals over the standard errors of the travels, one a trial."""
+        return tuple(r / e for r, e in zip(self.residuals, self.standard_errors, strict=True))
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of the squares of `standardised`."""
+        return sum(one**2 for one in self.standardised)
+
+    @property
+    def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
+        return [(one.mechanism, {**one.shared, **one.doubts}) for one in self.trials]
+
+    @property
+    def settings(self) -> int:
+        return len({trial.mechanism for trial in self.trials})
+
+    @property
+    def readings(self) -> str:
+        return "the readings" if len(self.trials) > 1 else "the reading"
+
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
+
+        pairs = enumerate(zip(self.residuals, self.standard_errors, strict=True), 1)
+        rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
+        draw = draw_intervals(rows, "measured minus predicted travel", "mm")
+        return on_axes(draw, ax, INTERVAL_SIZE)
+
+
+def _seen(trial: Trial, law: FrictionLaw, t_end: float) -> Criteria:
+    """Return what a run does in the terms of the paper."""
+    end = trial.until(t_end)
+    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
+    return criteria_of(run, trial.mechanism, trial.travel)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class TravelCandidate(SimulatedCandidate):
+    """A law on travels: as given, as fitted, and its share of the band."""
+
+    problem: JudgedTravels = field(repr=False)
+    """What it was fitted to."""
+
+    @cached_property
+    def given(self) -> Criteria:
+        """What the mechanism does with the law as given; in the first trial of several."""
+        problem = self.problem
+        return _seen(problem.trials[0], problem.given(self.name), problem.judgement.t_end)
+
+    @cached_property
+    def criteria(self) -> Criteria | None:
+        """What the fitted run does; of the first trial too."""
+        law, problem = self.law, self.problem
+        return _seen(problem.trials[0], law, problem.judgement.t_end) if law else None
+
+    @property
+    def held_out(self) -> float | None:
+        """Root mean square of the held-out errors [m]; None where all trials repeat a setting."""
+        return self.fit.rms if self.fit and not self.problem.repeated else None
+
+    @property
+    def score(self) -> float | None:
+        return self.held_out
+
+    @property
+    def share(self) -> float:
+        return self.problem.judgement.shares.get(self.name, 0.0)
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the odds against the law that is named."""
+        known = self.problem.judgement.evidence
+        return known[self.name] - max(known.values()) if self.name in known else -math.inf
+
+    def to_dict(self) -> Mapping[str, Any]:
+        law = self.fit.law if self.fit else self.problem.given(self.name)
+        return {
+            "law": self.name,
+            "title": self.title,
+            "parameters": self.parameters,
+            "held_out_error": self.held_out,
+            "share": self.share,
+            "evidence": self.evidence if self.fit else None,
+            "outcome": plain(self.outcome),
+            "dropped": self.dropped,
+            "values": {path: value for path, _, value in parameters(law, "friction")},
+            "fit": self.fit.to_dict() if self.fit else None,
+            "criteria_as_given": asdict(self.given),
+            "criteria_fitted": asdict(self.criteria) if self.criteria else None,
+        }
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TravelVerdict(SimulatedVerdict):
+    """Which law to use, and what the travel is at a setting over all candidate laws."""
+
+    @property
+    def problem(self) -> JudgedTravels:
+        """The travels as they are judged."""
+        assert self.closest.fit is not None
+        found: JudgedTravels = self.closest.fit.problem
+        return found
+
+    @property
+    def judgement(self) -> TravelJudgement:
+        """What the verdict is read from."""
+        return self.problem.judgement
+
+    @property
+    def trials(self) -> Sequence[Trial]:
+        """What was measured, trial by trial, whatever quantity was read."""
+        return self.problem.trials
+
+    @property
+    def t_end(self) -> float:
+        """Time after which a body counts as stopped [s]."""
+        return self.judgement.t_end
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The named law."""
+        law: FrictionLaw = self.closest.law
+        return law
+
+    @property
+    def settings(self) -> Array:
+        """Settings (m,) over which the verdict states the band [SI]; empty without any."""
+        return self.problem.settings
+
+    @property
+    def travel(self) -> PredictionBand | None:
+        """Band of the travel there [m]."""
+        return self.problem.band
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """Settings of readings that are proposed [SI], one a reading."""
+        return self.problem.advice[0]
+
+    @property
+    def shrinks(self) -> float:
+        """Expected width of the band after them, over the present one."""
+        return self.problem.advice[1]
+
+    @property
+    def set(self) -> tuple[tuple[str, ...], ...]:
+        """Laws that cannot be distinguished, the named one first."""
+        return tuple((name,) for name in self.near)
+
+    @property
+    def curve_share(self) -> float:
+        """Share of the curve as measured, which is no law, in the band."""
+        return self.judgement.shares.get("", 0.0)
+
+    @property
+    def laws_drawn(self) -> Mapping[str, int]:
+        """How many different laws the band holds, by name; the measured curve is none."""
+        return {
+            one.law.name: len(np.unique(one.unknowns, axis=0))
+            for one in self.judgement.draws
+            if one.smooth is None
+        }
+
+    @property
+    def explained(self) -> bool:
+        """Whether a law predicts as well as the measured curve."""
+        return self.judgement.explained
+
+    @property
+    def score_unit(self) -> str:
+        return "m"
+
+    def band(
+        self, settings: Array | Sequence[float] | float, *, level: float = 0.95,
+        all_along: bool = False,
+    ) -> PredictionBand:  # fmt: skip
+        """Return what the travel is at settings, over all candidate laws.
+
+        Parameters
+        ----------
+        settings : array_like (n,)
+            Values of what the trials set, such as a compression [m].
+        level : float
+            Probability with which the travel at each setting lies in the band.
+        all_along : bool
+            Whether that is the probability that it lies in the band at all of them together.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and median (n,) [m].
+
+        Raises
+        ------
+        InputError
+            If trials differ in more than one parameter, and none is usually set.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous, select
+        >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+        >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+        >>> band = select(rig, [Coulomb, Viscous], reading).band([0.15])
+        >>> bool(band.low[0] < 0.30 < 0.45 < band.high[0])
+        True
+        """
+        at = np.atleast_1d(np.asarray(settings, dtype=float))
+        return band_of(self.judgement.travels(at), level, all_along=all_along)
+
+    def readings(
+        self, settings: Array | Sequence[float] | float, *, level: float = 0.95
+    ) -> PredictionBand:
+        """Return the band of new readings: the travel and the error of a reading.
+
+        Parameters
+        ----------
+        settings : array_like (n,)
+            Values of what the trials set [SI].
+        level : float
+            Probability with which a reading at each setting lies in the band.
+
+        Returns
+        -------
+        PredictionBand
+            Limits and median (n,) [m].
+        """
+        at = np.atleast_1d(np.asarray(settings, dtype=float))
+        travels = self.judgement.travels(at)
+        random = np.random.default_rng(self.judgement.seed + 3)
+        travels = travels + self.judgement.noise(at) * random.normal(size=travels.shape)
+        ends = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
+        low, median, high = np.quantile(travels, ends, axis=0)
+        return PredictionBand(low=low, median=median, high=high)
+
+    def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
+        """Return laws drawn over the set with their covariances, for ensembles of runs.
+
+        Parameters
+        ----------
+        count : int
+            Number of laws.
+        seed : int
+            Seed of the draws.
+
+        Returns
+        -------
+        list of FrictionLaw
+            Laws of `stickslip.friction`, by their shares.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous, select
+        >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+        >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+        >>> len(select(rig, [Coulomb, Viscous], reading).sample(5))
+        5
+        """
+        again = self.judgement if not seed else replace(self.judgement, seed=seed)
+        laws = [law for draws in again.draws for law in again.laws_of(draws)]
+        order = np.random.default_rng(seed).permutation(len(laws))
+        return [laws[k] for k in np.resize(order, count)]
+
+    @property
+    def prediction_error(self) -> float:
+        """By how much mean velocities are off beside what the laws tell [m/s]; 0 of runs to rest.
+
+        It is the scale of Student's t with four degrees of freedom that held-out errors of the
+        named law ask for beside those of the readings and of its coefficients; repeats of a setting
+        count once, and few settings leave it uncertain and so larger. `band` has it; bands of runs
+        with laws that `sample` draws need it beside them.
+        """
+        return self.judgement.discrepancy
+
+    def compared(self) -> "pd.DataFrame":
+        """Return what was measured in each trial, and what the named law predicts.
+
+        Of runs that end with a cycle of the drive it is the mean velocity, else the travel.
+
+        Returns
+        -------
+        DataFrame
+            By the name of the trial: what was set, if one parameter was; what was measured, its
+            standard error, what is predicted, and the held-out error, all in SI units.
+        """
+        import pandas as pd
+
+        judgement, last = self.judgement, durations(self.trials, self.t_end)
+        records = [
+            record
+            for record in self.measurement.records()
+            for _ in np.atleast_1d(record.values(record.travelled))  # some hold several readings
+        ]
+        names = [record.name or f"trial {i}" for i, record in enumerate(records, 1)]
+        set_ = {self.problem.knob.rpartition(".")[2]: judgement.settings}
+        columns = {
+            "measured": judgement.measured,
+            "error": judgement.errors,
+            "predicted": judgement.predicted(self.closest.name),
+            "held_out_error": judgement.best_of(self.closest.name).held_out,
+        }
+        scaled = {name: x / last for name, x in columns.items()}
+        return pd.DataFrame((set_ if judgement.knob else {}) | scaled, index=names)
+
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.identify import plot_band  # loads matplotlib
+
+        return plot_band(self.drawing(), ax)
+
+    def drawing(self) -> "BandDrawing":
+        """Return what the figure of the verdict shows: travels or mean velocities over the setting.
+
+        Runs that end with a cycle of their drive last differently, and so their mean is shown.
+        """
+        from stickslip.identify import BandDrawing  # loads matplotlib
+
+        judgement = self.judgement
+        assert self.travel is not None
+        what, read = what_of(self.trials)
+        last = durations(judgement.at(self.settings), self.t_end)
+        ends = (self.travel.low, self.travel.median, self.travel.high)
+        low, median, high = (x / last for x in ends)
+        return BandDrawing(
+            velocity=judgement.settings,
+            friction=judgement.measured / durations(self.trials, self.t_end),
+            load=np.ones(len(judgement.measured)),
+            weights=np.ones(len(judgement.measured)),
+            speeds=self.settings,
+            band=PredictionBand(low=low, median=median, high=high),
+            law=judgement.named_travels(self.settings) / last,
+            title=self.closest.title,
+            places=self.places,
+            units=(self.problem.unit, read),
+            names=(words_of(self.problem.knob), what),
+        )
+
+    def _details(self) -> Mapping[str, Any]:
+        band = self.travel
+        named = {"parameter", "value", "low", "high", "low_any", "high_any"}
+        rows = super()._details()["parameters"]
+        return {
+            "explained": self.explained,
+            "set": [list(one) for one in self.set],
+            "curve_share": self.curve_share,
+            "units": {"setting": self.problem.unit, "travel": "m"},
+            "band": None if band is None else {
+                "parameter": self.problem.knob,
+                "setting": self.settings.tolist(),
+                "low": band.low.tolist(),
+                "median": band.median.tolist(),
+                "high": band.high.tolist(),
+                "level": 0.95,
+            },
+            "parameters": [{k: x for k, x in row.items() if k in named} for row in rows],
+            "findings": [],
+            "other_specimen": None,
+            "tolerance": None,
+            "odds_of_friction": None,
+            "outliers": {},
+            "measure_at": {"setting": list(self.places), "band_shrinks_to": self.shrinks},
+            "inside_second": None,
+            "error_second": None,
+        }  # fmt: skip
+
+
+def _estimates(one: Any) -> Sequence[Estimate]:
+    return one.fit.estimates if one.fit else ()
+
+
+def _value(one: Estimate) -> str:
+    value = with_unit(within(one.value, one.low, one.high), one.quantity.unit)
+    return f"${one.quantity.symbol}$ = {value}"
+
+
+def _fitted(one: Any) -> str | None:
+    return ", ".join(map(_value, _estimates(one))) or None
+
+
+def _ranges(one: Any) -> str:
+    return ", ".join(interval(e.low, e.high) for e in _estimates(one))
+
+
+def _travel(one: Any) -> float:
+    return one.criteria.travel if one.criteria else math.nan
+
+
+def _as_read(one: Any) -> str | None:
+    trial = one.problem.trials[0]
+    plainly = not one.criteria or not quantities_read(one.problem.trials)
+    return None if plainly else trial.as_read(_travel(one))
+
+
+def _forward(one: Any) -> str | None:
+    return one.criteria and ("yes" if one.criteria.velocity_never_negative else "no")
+
+
+TRAVEL_COLUMNS: Final[Columns[Any]] = (
+    COLUMNS[0],
+    Column(
+        key="parameters", title="fitted", page="fitted", numeric=False, why_empty="no value fits",
+        value=lambda one: ", ".join(
+            f"{e.quantity.symbol} = {number(e.value)}" for e in _estimates(one)
+        ),
+        text=_fitted,
+    ),
+    Column(
+        key="range", title="95 % if it holds", page="95 %,\nif it holds", numeric=False,
+        phone="label", value=_ranges, text=lambda one: _ranges(one) or None,
+    ),
+    Column(
+        key="travel", title="travel", page="travel", phone="hide", value=_travel,
+        text=lambda one: quantity(_travel(one), "m", 3) if one.criteria else None,
+    ),
+    Column(title="as read", optional=True, value=_as_read, text=_as_read),
+    Column(title="velocity never < 0", page="velocity\nnever < 0", phone="label", text=_forward),
+    Column(
+        key="score", title="held-out error", page="held-out error", phone="label", optional=True,
+        value=lambda one: one.score,
+        text=lambda one: None if one.score is None else quantity(one.score, "m", 3),
+    ),
+    COLUMNS[3],
+    Column(
+        title="share of the band", page="share of\nthe band", phone="label",
+        text=lambda one: percent(one.share) if one.share >= 0.005 else None,
+    ),
+    LAST[1],
+)  # fmt: skip
+"""What tables say of each law."""
+
+
+class TravelKind(SimulatedKind):
+    """Runs to rest, fitted to distances."""
+
+    routes = ("travel",)
+    measured = "travels"
+    content = "travels"
+    these = "these travels"
+    uses = frozenset({"assumed", "t_end"})
+    has_criteria = True
+    counts_runs = True
+    fit_class = TravelFit
+    verdict_class = TravelVerdict
+    unasked = ()
+
+    @property
+    def all_columns(self) -> Columns[Any]:
+        return TRAVEL_COLUMNS
+
+    def reads(self, measurement: Measurement) -> bool:
+        return is_filmed(measurement)
+
+    def why_unused(self, name: str, request: Request) -> str:
+        if name == "validate":
+            return "requires a second record, and travels have none: give more trials instead."
+        return ""
+
+    def candidates(self, laws: Any, measurement: Measurement) -> list[str]:
+        return [one if isinstance(one, str) else one.name for one in laws or USUAL_LAWS]
+
+    def owner(self, law: Law) -> AnyLaw:
+        return law_type(law) if isinstance(law, str) else law
+
+    def law_and_parameters(
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
+        return self.owner(law), vary
+
+    # what is measured
+    def laws(self, laws: Any) -> Mapping[str, Any]:
+        """Return laws by name, those without values as types; none for the usual ones."""
+        if laws is None or (isinstance(laws, Mapping) and not laws):
+            return {}
+        if isinstance(laws, Mapping):
+            return dict(laws)
+        kinds = [law_type(one) if isinstance(one, str) else one for one in laws]
+        check_any(kinds)
+        check_apart([one.name for one in kinds])
+        return {one.name: one for one in kinds}
+
+    def fit(self, request: Request) -> Any:
+        return super().fit(_read(request))
+
+    def select(self, request: Request) -> Any:
+        read = _read(request)
+        varied = Parameters.of(
+            read.mechanism, None, read.vary, read.fixed, measurement=read.measurement
+        )
+        if varied.unknown:
+            raise InputError(
+                "laws are compared by travels with the mechanism as it is given, and vary names"
+                f" {joined(list(varied.unknown))}: fit these first with one law (fit takes the"
+                " same vary), give the mechanism the values found and state their uncertainties,"
+                " and compare laws then."
+            )
+        return super().select(replace(read, mechanism=varied.mechanism, fixed=None))
+
+    def weighed(
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
+    ) -> tuple[Readable, Weighed]:
+        assert request.t_end is not None
+        found = (
+            self._compared(request, laws)
+            if request.law is None
+            else self._fitted(request, *laws.values())
+        )
+        return found, found
+
+    def _compared(self, request: Request, laws: Mapping[str, Any]) -> JudgedTravels:
+        t_end = request.t_end or T_END
+        trials = trials_of(request.mechanism, request.measurement, t_end)
+        named, ordinary = started(laws)
+        judgement = judged_travels(
+            request.mechanism, trials, named or None, ordinary=ordinary, assumed=request.assumed,
+            t_end=t_end, watch=request.progress,
+        )  # fmt: skip
+        return JudgedTravels(judgement)
+
+    def _fitted(self, request: Request, law: Any) -> JudgedTravels:
+        t_end, measurement = request.t_end or T_END, request.measurement
+        chosen = Parameters.of(
+            request.mechanism, law, request.vary, request.fixed, measurement=measurement
+        )
+        given: Any = chosen.law
+        start = with_known(starting_law(given), chosen.known) if isinstance(given, type) else given
+        trials = trials_of(chosen.mechanism, measurement, t_end)
+        check_rig(trials, chosen.unknown)
+        named: list[str] | None = None
+        if chosen.free is not None:
+            named = [path.removeprefix("friction.") for path in chosen.free if path != LAW]
+            asked = [*named, *chosen.unknown]
+            if len(asked) > len(trials):
+                raise InputError(
+                    f"{count(len(trials), 'travel')} cannot determine {len(asked)} parameters: vary"
+                    f" fewer of {', '.join(asked)}, or measure more trials."
+                )
+            if LAW in chosen.free:
+                named += [name for name in start.fit_order if name not in (*named, *chosen.known)]
+        judgement = fitted_travels(
+            chosen.mechanism, trials, start, named=named, rig=chosen.unknown, known=chosen.known,
+            given=not isinstance(given, type), t_end=t_end,
+            watch=request.progress and partial(request.progress, start.name),
+        )  # fmt: skip
+        paths = (f"friction.{name}" for name in named or ())
+        return JudgedTravels(judgement, {*paths, *chosen.unknown}, alone=True)
+
+    def bare(self, problem: Any, name: str) -> TravelCandidate:
+        return TravelCandidate(
+            kind=self, name=name, title=problem.title(name), fit=None, problem=problem
+        )
+
+    def over_all(self, fits: Sequence[Any], one: Estimate) -> Estimate:
+        """Return the interval of a parameter over all laws of the band that have it.
+
+        No law is that of the ground to less than `TOLERANCE`, nor a rig as it is given to less than
+        `RIG_DOUBT` where nobody stated how well it is known: what either makes of forces is beside
+        what the readings leave, by the root of the sum of squares.
+        """
+        problem: JudgedTravels = fits[0].problem
+        judgement = problem.judgement
+        if not judgement.explained:  # it is a parameter of a law that does not hold
+            return replace(one, low=-math.inf, high=math.inf, reason="no law holds")
+        if problem.alone:
+            return one
+        parts = []
+        for name, share in judgement.shares.items():
+            many = round(THRESHOLDS.draws * share)
+            if name and many and name in judgement.named_draws:
+                values = judgement.values(name).get(one.path)
+                if values is not None:
+                    parts.append(np.resize(values, many))
+        if not parts or not one.bounded:
+            return one
+        low, high = np.quantile(np.concatenate(parts), problem.ends).tolist()
+        low, high = min(one.low, max(low, 0.0)), max(one.high, high)
+        if one.quantity.scale.startswith(("level", "slope", "drag")):
+            stated = any(trial.doubts or trial.shared for trial in problem.trials)
+            doubt = 0.0 if stated else RIG_DOUBT
+            beside = math.hypot(TOLERANCE, doubt) * abs(one.value) * float(ndtri(problem.ends[1]))
+            low = max(one.value - math.hypot(one.value - low, beside), 0.0)
+            high = one.value + math.hypot(high - one.value, beside)
+        return replace(one, low=low, high=high)
+
+    def errors(self, fit: Any, measurement: Measurement) -> Mapping[str, float]:
+        judgement = fit.problem.judgement
+        trials = trials_of(fit.mechanism, measurement, judgement.t_end)
+        travels = judgement.law_of(fit.name).table(trials, fit.family.mode[None])[0]
+        left = np.array([trial.travel for trial in trials]) - travels
+        return {"travel": float(np.sqrt(np.mean(left**2)))}
+
+    def foreseen(self, fit: Any, setting: Mechanism) -> Array:
+        trial = replace(fit.problem.trials[0], mechanism=setting)
+        travels: Array = fit.problem.judgement.law_of(fit.name).table([trial], fit.family.points)
+        return travels
+
+    def largest_speed(self, fit: Any) -> float | None:
+        settings = {trial.setting: trial for trial in fit.trials}.values()
+        return max((_largest_speed(trial, fit.law) for trial in settings), default=None)
+
+    # texts
+    def called(self, fit: Any) -> str:
+        return friction_of(fit.law.title)
+
+    def fault(self, fit: Any) -> str:
+        judgement: TravelJudgement = fit.problem.judgement
+        if judgement.misfit:
+            left, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
+            return (
+                f"is {quantity(left, 'm', 2)} from them, where {quantity(stated, 'm', 2)} is"
+                " stated: check the rig, units, and values that were given"
+            )
+        if not judgement.explained:
+            return "predicts held-out settings worse than a curve over the setting"
+        return ""
+
+    def about(self, fit: Any) -> str:
+        problem: JudgedTravels = fit.problem
+        if problem.alone:
+            return f"It leaves {quantity(fit.scatter, 'm', 2)}, root mean square."
+        return _band_text(problem)
+
+    def settled(self, fit: Any) -> Iterator[str]:
+        problem: JudgedTravels = fit.problem
+        judgement, trials = problem.judgement, problem.trials
+        if not problem.repeated:
+            lasts, (what, unit) = durations(trials, judgement.t_end), what_of(trials)
+            off = judgement.best_of(fit.name).held_out / lasts
+            sizes = [float(np.sqrt(np.mean(x**2))) for x in (off, judgement.measured / lasts)]
+            worst, squares = int(np.argmax(np.abs(off))), off**2
+            at = ""
+            if problem.knob and squares[worst] >= 0.5 * squares.sum() and len(off) > 3:
+                place = problem.setting(float(judgement.settings[worst]))
+                at = f", worst at {place}, by {quantity(float(abs(off[worst])), unit, 2)}"
+            yield (
+                f"The law predicts held-out settings to {quantity(sizes[0], unit, 2)},"
+                f" {percent(sizes[0] / sizes[1])} of the {what} (root mean square){at}."
+            )
+        yield from limits_of(fit)
+
+    def untold(self, fit: Any) -> Iterator[str]:
+        judgement: TravelJudgement = fit.problem.judgement
+        if judgement.assumed and len(judgement.trials) > 1:
+            stated = float(np.median(judgement.readings))
+            more = f", more than the {quantity(stated, 'm', 2)} stated" * judgement.stated
+            error = quantity(float(np.median(judgement.errors)), "m", 2)
+            yield f"The travels scatter by {error} about every law{more}."
+        most = max(judgement.shares, key=judgement.shares.__getitem__)
+        if most not in ("", fit.name):
+            title = in_sentence(fit.problem.title(most))
+            yield (
+                f"Which law holds elsewhere: {title} predicts held-out settings best, and so is"
+                f" {percent(judgement.shares[most])} of the band;"
+                f" {in_sentence(fit.law.title)} is named, as it fits with fewer or more usual"
+                " parts."
+            )
+        known, paths = fields_of(type(fit.law)), {one.path for one in fit.estimates}
+        symbols = [
+            f"${known[name].symbol}$"
+            for name in judgement.law_of(fit.name).names
+            if f"friction.{name}" not in paths and name in known
+        ]
+        if symbols:
+            yield f"{joined(symbols)}: the trials hardly depend on it; the band allows for it."
+
+    def advice(self, fit: Any, others: Sequence[Any], advised: Sequence[Any]) -> Iterable[str]:
+        problem: JudgedTravels = fit.problem
+        if problem.alone:
+            return
+        what = what_of(problem.trials)[0]
+        if problem.band is None:
+            such = words_of(problem.knob) or "compression"
+            yield f"Measure the same rig at other settings of one parameter, such as a {such}."
+            return
+        places, shrinks = problem.advice
+        if not places:
+            yield f"Further readings of the {what} hardly narrow its band."
+            return
+        known = {
+            p: q.symbol for p, q, _ in parameters(fit.problem.judgement.mechanism, "mechanism")
+        }
+        parts = [problem.setting(x) + f" ({n} runs)" * (n > 1) for x, n in Counter(places).items()]
+        many = count(len(places), "reading there is", "readings there are")
+        yield (
+            f"Set ${known[problem.knob]}$ to {joined(parts)}: {many} expected to narrow the band"
+            f" of the {what} to {percent(shrinks)} of its width."
+        )
+
+    # numbers and figures
+    def details(self, fit: Any) -> Mapping[str, Any]:
+        return {
+            "measured_travel": list(fit.measured),
+            "predicted_travel": list(fit.predicted),
+            "chi_square": fit.chi_square if fit.stated else None,
+            "degrees_of_freedom": fit.freedom,
+            "runs": fit.runs,
+        }
+
+    def comparison(self, verdict: Any) -> Comparison:
+        found = super().comparison(verdict)
+        if not any(trial.cycles is not None for trial in verdict.trials):
+            return found
+        return replace(found, notes=[*found.notes, *_trial_lines(verdict)])
+
+    def summary(
+        self, fit: Any, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        rows, read = [], quantities_read(fit.trials)
+        for trial, *pair in zip(fit.trials, fit.measured, fit.predicted, strict=True):
+            rows.append([quantity(travel, "m") for travel in pair])
+            rows[-1] += [trial.as_read(travel) for travel in pair] if read else []
+        heads = ["measured travel", "predicted"]
+        heads += [f"measured {read}", "predicted"] if read else []
+        return replace(super().summary(fit), heads=heads, rows=rows, limits=limits_of(fit))
+
+    def sections(self, verdict: Any, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
+        middle = (band_section, laws_section, trials_section)
+        return sections_of(verdict, origin, remark, *(partial(one, verdict) for one in middle))
+
+
+def _read(request: Request) -> Request:
+    """Return the request with travels, read off films where it has these, and when runs end."""
+    if not is_filmed(request.measurement):
+        return replace(request, t_end=T_END if request.t_end is None else request.t_end)
+    read, t_end = travels_of_films(request.mechanism, request.measurement, request.t_end)
+    return replace(request, measurement=read, t_end=t_end)
+
+
+def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
+    """Return the largest slip speed of a run that a travel was measured of [m/s]."""
+    mechanism = trial.mechanism
+    run = simulate(mechanism, law, t_end=T_END, y0=trial.start(law), throw=False)
+    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    return float(
+        np.abs(seen[mechanism.rates[mechanism.coordinates.index(slip_of(mechanism))]]).max()
+    )
+
+
+def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
+    """Refuse parameters of the mechanism that travels cannot tell, or that a trial has set."""
+    if not rig:
+        return
+    settings = len({trial.setting for trial in trials})
+    if settings <= len(rig) + 1:
+        needed = f"{joined(list(rig))} and a level of friction"
+        raise InputError(
+            f"travels of {count(settings, 'setting')} cannot determine {needed}: that takes at"
+            f" least {len(rig) + 2} different settings. Measure more, or vary fewer."
+        )
+    rigs = [
+        {path: (one, value) for path, one, value in parameters(trial.mechanism, "mechanism")}
+        for trial in trials
+    ]
+    for path in rig:
+        if path not in rigs[0]:
+            raise InputError(
+                f"{path} has no value from which a search could begin: give it one in the rig file."
+            )
+        one, value = rigs[0][path]
+        if value == 0.0 and (one.low == 0.0 or one.above is not None):
+            raise InputError(
+                f"{path} ({one.symbol}) is 0 {one.unit}, from which no search can begin:"
+                " give a value of the right order of magnitude."
+            )
+        values = {known[path][1] for known in rigs}
+        if len(values) > 1:
+            raise InputError(
+                f"trials set {path} themselves, from {number(min(values))} to"
+                f" {number(max(values))} {one.unit}: it cannot be fitted as one value for all"
+                " of them. Leave these values out, or do not vary it."
+            )
+        if any(path in trial.doubts or path in trial.shared for trial in trials):
+            raise InputError(
+                f"{path} is fitted, and an uncertainty was stated for it: leave one of both out."
+            )
+
+
+def _band_text(problem: JudgedTravels) -> str:
+    """Return how well the travel is known, at the settings and beyond them."""
+    judgement, settings, band = problem.judgement, problem.settings, problem.band
+    if band is None:
+        how = "do not differ in a" if problem.repeated else "differ in more than one"
+        return f"The trials {how} parameter of the mechanism, so there is no band over a setting."
+    low, high = float(judgement.settings.min()), float(judgement.settings.max())
+    inside = np.flatnonzero((settings >= low) & (settings <= high))
+    lasts = durations(judgement.at(settings), judgement.t_end)
+    what, unit = what_of(problem.trials)
+    ends = np.array([band.low, band.high]) / lasts
+    half = 0.5 * (ends[1] - ends[0])
+    typical, widest = float(np.median(half[inside])), int(inside[np.argmax(half[inside])])
+    word, first = words_of(problem.knob), problem.setting(low)
+    span = f"of {first}" if low == high else f"from {first} to {problem.setting(high)}"
+    said = f"With a {word} {span}, the {what} is known to ± {quantity(typical, unit, 2)}"
+    if half[widest] > 1.5 * typical:
+        place = problem.setting(float(settings[widest]))
+        said += at_worst(quantity(float(half[widest]), unit, 2), place)
+
+    def range_at(k: int) -> str:
+        pair = ends[:, k].tolist()
+        return scale_of(pair, unit).interval(*pair)
+
+    sizes = np.abs(band.median / lasts)
+    if unit == "m/s":
+        best = int(inside[np.argmax(sizes[inside])])
+        at = problem.setting(float(settings[best]))
+        said += f"; it is largest at {at}, {range_at(best)}"
+    last = int(np.argmax(np.abs(settings)))
+    rests = float(np.max(np.abs(ends[:, last]))) < THRESHOLDS.negligible * float(np.max(sizes))
+    far = "the body stays where it is" if rests else f"it is {range_at(last)}"
+    place = problem.setting(float(settings[last]))
+    return f"{said}; with {place} {far} (95 % band over all candidate laws)."
+
+
+def _trial_rows(verdict: TravelVerdict) -> list[list[str]]:
+    """Return the trials with what was measured and predicted, and the held-out error."""
+    table, (_, unit) = verdict.compared(), what_of(verdict.trials)
+    names = ["measured", "predicted"] + ["held_out_error"] * (not verdict.problem.repeated)
+    return [
+        [str(name), *(quantity(float(x), unit, 3) for x in row)]
+        for name, row in zip(table.index, table[names].to_numpy(), strict=True)
+    ]
+
+
+def _trial_lines(verdict: TravelVerdict) -> list[str]:
+    """Return lines of a terminal with the mean velocity of each trial, measured and predicted."""
+    rows = [["mean velocity of", "measured", "predicted"], *_trial_rows(verdict)]
+    wide = [max(len(row[k]) for row in rows) for k in range(3)]
+    return ["   ".join(cell.rjust(w) for cell, w in zip(row, wide, strict=False)) for row in rows]
+
+
+def band_section(verdict: TravelVerdict) -> Section | None:
+    """Return the figure of the readings, the band and the law; None without a band."""
+    if verdict.travel is None:
+        return None
+    drawing = verdict.drawing()
+    word, what = drawing.names
+    svg = inline_svg(
+        draw_band(drawing),
+        alt=f"{capital(what)} against {word}: readings, the 95 % band and the named law",
+        prefix="band-figure",
+        **MAP_SIZES,
+    )
+    laws = count(sum(verdict.laws_drawn.values()), "law")
+    beside = f" and the curve as measured ({percent(verdict.curve_share)})"
+    text = (
+        f"**{capital(what)} over the {word}.** Points: readings. Line: {verdict.closest.title}."
+        f" Band: where the {what} lies with 95 % at each setting, by draws of {laws}"
+        f"{beside if verdict.curve_share else ''}."
+    )
+    if error := verdict.prediction_error:
+        text += f" It has the error that they leave elsewhere, {quantity(error, 'm/s', 2)}."
+    if verdict.places:
+        text += " Dotted: where another reading narrows the band most."
+    block = Figure(svg=svg, caption=text)
+    heading = f"{capital(what)} over the {word}"
+    return Section(id="band", nav="Band", heading=heading, blocks=(block,))
+
+
+def trials_section(verdict: TravelVerdict) -> Section | None:
+    """Return each trial with what the named law predicts; None of one trial."""
+    if len(verdict.trials) < 2:
+        return None
+    cells = _trial_rows(verdict)
+    rows = tuple(Row(cells=(Name(text=name), *others)) for name, *others in cells)
+    heads = ("measured", verdict.closest.title, "held-out error")[: len(cells[0]) - 1]
+    columns = (PageColumn(head="trial"), *(PageColumn(head=x, numeric=True) for x in heads))
+    caption = "Held-out errors are those of a setting that the law was not fitted to."
+    table = Table(columns=columns, rows=rows, caption="" if verdict.problem.repeated else caption)
+    return Section(id="trials", nav="Trials", heading="Each trial", blocks=(table,))

@@ -1,1 +1,0 @@
-"""Travels: distances to rest, or per cycle of a drive."""

@@ -1,1 +1,0 @@
-"""Plans of travels: what to measure, as a sheet, tables and a page."""
