@@ -113,5 +113,6 @@ def test_a_fit_that_leaves_more_than_the_readings_errors_says_so():
     path, settings = "mechanism.compression", (0.06, 0.08, 0.1, 0.12)
     truth = CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=1.5)
     measurement, _ = readings(rig, truth, path, settings, np.zeros(4), stated=1e-4)
-    assert "their stated uncertainty" in " ".join(fit(rig, Coulomb, measurement).told_apart)
-    assert not fit(rig, CoulombViscous, measurement).told_apart
+    wrong, right = (fit(rig, law, measurement).verdict for law in (Coulomb, CoulombViscous))
+    assert "where 0.1 mm is stated" in wrong.sentence
+    assert right.sentence == "Use Coulomb + viscous friction."

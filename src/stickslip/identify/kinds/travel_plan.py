@@ -14,7 +14,7 @@ from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +78,10 @@ PLAIN = {
     "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
     "duration": "Determine the push from a record of its force, to {needed}.",
     "incline": "Measure the rise of the track over its length, or its angle, to {needed}.",
+    "compression": (
+        "Set it anew for each run, against a stop or a scale accurate to {needed}. Its zero is"
+        " where the spring just touches the body."
+    ),
     **dict.fromkeys(("lower_stop", "upper_stop"), "Measure where the stop is, to {needed}."),
 }
 """How to measure a parameter, by its last name, where nothing has to be computed for it."""
@@ -85,43 +89,43 @@ LIFTED = 20.0
 """Largest mass that is hung on a spring [kg]; what needs more is pressed."""
 
 
+def _values(mechanism: Mechanism) -> dict[str, float]:
+    return {path: value for path, _, value in parameters(mechanism, "mechanism")}
+
+
+def _unit(mechanism: Mechanism, path: str) -> str:
+    return next(q.unit for name, q, _ in parameters(mechanism, "mechanism") if name == path)
+
+
 def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> str:
     """Return how a parameter of a mechanism is measured well enough."""
-    known: Mapping[str, tuple[Quantity, float]] = {
-        name: (q, value) for name, q, value in parameters(mechanism, "mechanism")
-    }
+    known = {name: (q, value) for name, q, value in parameters(mechanism, "mechanism")}
     unit, value = known[path][0].unit, known[path][1]
     name = path.rpartition(".")[2]
     text = quantity(needed, unit, 2, degrees=True)
     if name == "stiffness" and "mechanism.gravity" in known and value > 0.0 and largest > 0.0:
-        load = value * largest / known["mechanism.gravity"][1]
+        load, length = value * largest / known["mechanism.gravity"][1], quantity(largest, "m")
         read = quantity(needed / value * largest / math.sqrt(2.0), "m", 2)  # two readings
-        length = quantity(largest, "m")
-        if load > LIFTED:
-            return (
-                f"Compress the spring by {length} against a load cell (range at least"
-                f" {number(value * largest)} N). Measure both lengths to {read} to reach {text},"
-                " or take the slope over several loads."
-            )
+        heavy = load > LIFTED
         return (
-            f"Hang {quantity(load, 'kg')} on the spring, or press it onto a scale: its length"
-            f" changes by {length}. Measure both lengths to {read} to reach {text}, or take the"
-            " slope over several masses."
+            f"Compress the spring by {length} against a load cell (range at least"
+            f" {number(value * largest)} N)."
+            if heavy
+            else f"Hang {quantity(load, 'kg')} on the spring, or press it onto a scale: its length"
+            f" changes by {length}."
+        ) + (
+            f" Measure both lengths to {read} to reach {text}, or take the slope over several"
+            f" {'loads' if heavy else 'masses'}."
         )
+    said = PLAIN.get(name, "Measure it to {needed}.").format(needed=text)
     if name == "mass" and known.get("mechanism.stiffness", (None, 0.0))[1]:
-        plain = PLAIN[name].format(needed=text)
-        return f"{plain} A third of the spring's mass moves with the body: use a light spring."
-    if name == "compression":
-        return (
-            f"Set it anew for each run, against a stop or a scale accurate to {text}. Its zero is"
-            " where the spring just touches the body."
-        )
-    return PLAIN.get(name, "Measure it to {needed}.").format(needed=text)
+        said += " A third of the spring's mass moves with the body: use a light spring."
+    return said
 
 
 def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[str, str]:
     """Return ways to measure the level at rest as well as travels tell that of sliding."""
-    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    known = _values(mechanism)
     level = float(law.break_away(1.0))
     names = ("mechanism.mass", "mechanism.gravity")
     if level <= 0.0 or not all(name in known for name in names) or not math.isfinite(share):
@@ -132,32 +136,32 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
     way = math.copysign(1.0, known.get("mechanism.compression", 0.0) or 1.0)
     pressed, along = weight * math.cos(slope), way * weight * math.sin(slope)
     pull = max(level * pressed + along, 0.0)
-    angle = math.degrees(math.atan(level))
     read = math.degrees(share * level / (1.0 + level**2))
-    force = quantity(share * level * pressed, "N", 1)
+    least, force = quantity(pull, "N", 2), quantity(share * level * pressed, "N", 1)
+    where = f" {'uphill' if along > 0.0 else 'downhill'}" * bool(slope)
+    over = f"over the weight of {quantity(weight, 'N')}"
+    if slope:
+        over = (
+            f"{'less' if along > 0.0 else 'plus'} {quantity(abs(along), 'N')} of weight along the"
+            f" track, over the normal force of {quantity(pressed, 'N')}"
+        )
     found = {
         "$mu_s$ by tilt": (
             "Raise the track until the block just slides: $mu_s$ is the tangent of the angle, about"
-            f" {number(angle, 2)}° for {number(level, 2)}. Read it to {number(read, 1)}° to know"
-            " $mu_s$ as well as $mu_k$."
+            f" {number(math.degrees(math.atan(level)), 2)}° for {number(level, 2)}. Read it to"
+            f" {number(read, 1)}° to know $mu_s$ as well as $mu_k$."
         ),
         "$mu_s$ by a slow pull": (
-            f"Pull {'uphill' if along > 0.0 else 'downhill'} until the block slides: the largest"
-            f" force, about {quantity(pull, 'N', 2)}, {'less' if along > 0.0 else 'plus'}"
-            f" {quantity(abs(along), 'N')} of weight along the track, over the normal force of"
-            f" {quantity(pressed, 'N')}. Read it to {force}."
-            if slope
-            else f"Pull until the block slides: $mu_s$ is the largest force, about"
-            f" {quantity(pull, 'N', 2)}, over the weight of {quantity(weight, 'N')}. Read it to"
-            f" {force}."
+            f"Pull{where} until the block slides: $mu_s$ is the largest force, about {least},"
+            f" {over}. Read it to {force}."
         ),
     }
     stiffness = known.get("mechanism.stiffness", 0.0)
     if stiffness > 0.0 and known.get("mechanism.compression", 0.0) and pull > 0.0:
-        least = quantity(pull / stiffness, "m", 2)
         said = "the force of a slow pull over $k$" if slope else "$mu_s$ $m$ $g$ / $k$"
         found["$mu_s$ by the spring"] = (
-            f"The least compression that starts the block is {said}, about {least}."
+            f"The least compression that starts the block is {said}, about"
+            f" {quantity(pull / stiffness, 'm', 2)}."
         )
     return found
 
@@ -293,8 +297,8 @@ def plan(
     trials = done or (_assumed(mechanism, start, t_end, error),)
     now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
     remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
-    known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
-    unit = known[knob][0].unit
+    asked_knob = next(q for path, q, _ in parameters(mechanism, "mechanism") if path == knob)
+    unit = asked_knob.unit
     places = np.array([rounded_setting(one, unit) for one in np.linspace(*ends, count)])
     typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
     kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
@@ -319,7 +323,7 @@ def plan(
     rows = tuple(
         Separation(
             path=knob,
-            symbol=known[knob][0].symbol,
+            symbol=asked_knob.symbol,
             unit=unit,
             value=float(place),
             predicted={name: float(one[i]) for name, one in travels.items()},
@@ -330,22 +334,14 @@ def plan(
         for i, place in enumerate(places)
     )
     return Plan(
-        mechanism=mechanism,
-        laws=kept,
-        reference=named,
-        settings=rows,
-        repeats=repeats,
-        uncertainty=size,
-        assumed=error is None,
-        repeated=repeated,
+        mechanism=mechanism, laws=kept, reference=named, settings=rows, repeats=repeats,
+        uncertainty=size, assumed=error is None, repeated=repeated, range_source=source,
         preparations=bench.preparations(repeats, expected_estimates(after[named], named)[0]),
         rest=otherwise(mechanism, kept[named], bench.share(repeats)),
         tellings=tuple(_telling(few, rows, travels, *pair) for pair in pairs),
-        expectations=tuple(_expected(after, kept)),
-        range_source=source,
-        from_trials=bool(done),
+        expectations=tuple(_expected(after, kept)), from_trials=bool(done),
         remarks=(*remarks, *idle, *still),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -375,11 +371,8 @@ class _Bench:
         by_hand = {path: shared.pop(path)} if path in shared else {}
         found = []
         for one, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
-            made = Trial(
-                mechanism=one.mechanism, initial={}, travel=float(travel), half_width=self.error,
-                doubts=by_hand, shared=shared,
-            )  # fmt: skip
-            found += [made] * repeats
+            known = {"half_width": self.error, "doubts": by_hand, "shared": shared}
+            found += [_trial(one.mechanism, travel=float(travel), **known)] * repeats
         return tuple(found)
 
     def judged(self, name: str, repeats: int) -> TravelJudgement:
@@ -400,7 +393,7 @@ class _Bench:
 
         That of the readings, and that of a parameter of the rig by its uncertainty, to first order.
         """
-        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        known = _values(self.now.mechanism)
         units = {
             p: THRESHOLDS.rounding * (abs(v) or 1.0)
             for p, v in known.items()
@@ -433,7 +426,7 @@ class _Bench:
 
         Gravity and what the travels do not depend on are left out.
         """
-        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        known = _values(self.now.mechanism)
         parts = {
             path: self._part(path, 1.0, repeats)
             for path in self._per_unit
@@ -473,17 +466,11 @@ class _Bench:
                     rest += f"stays at ± {got} of the value."
                 else:
                     rest += f"is ± {got} of the value instead of ± {wanted}."
-            found.append(
-                Preparation(
-                    path=path,
-                    quantity=known[path][0],
-                    value=known[path][1],
-                    needed=needed,
-                    stated=self.stated.get(path),
-                    how=how_to(mechanism, path, needed, largest),
-                    rough=rest,
-                )
-            )
+            made = Preparation(
+                path=path, quantity=known[path][0], value=known[path][1], needed=needed, rough=rest,
+                stated=self.stated.get(path), how=how_to(mechanism, path, needed, largest),
+            )  # fmt: skip
+            found.append(made)
         return tuple(found)
 
 
@@ -541,9 +528,9 @@ def _has_level(law: FrictionLaw) -> bool:
 
 def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None) -> Trial:
     """Return the travel that a law makes as the rig stands, as if it had been measured well."""
-    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
-    travel = abs(float(_travels(law, [trial], t_end)[0]))
-    if travel == 0.0:
+    trial = _trial(mechanism)
+    signed = float(_travels(law, [trial], t_end)[0])
+    if (travel := abs(signed)) == 0.0:
         raise InputError(
             f"{law.title} friction{_values_of(law)} holds the body at rest: lower the friction"
             " level, or raise the setting of the rig."
@@ -552,8 +539,14 @@ def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float 
         raise InputError(
             f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
         )
-    signed = float(_travels(law, [trial], t_end)[0])
     return replace(trial, travel=signed, half_width=THRESHOLDS.negligible * travel)
+
+
+def _trial(mechanism: Mechanism, **known: Any) -> Trial:
+    """Return a trial whose travel is not known yet."""
+    return Trial(
+        **{"mechanism": mechanism, "initial": {}, "travel": 0.0, "half_width": 0.0} | known
+    )
 
 
 def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> Array:
@@ -579,21 +572,14 @@ def _typical(now: TravelJudgement, name: str, places: Array) -> FrictionLaw:
     return law.with_unknowns(draws.unknowns[int(np.nanargmin(off))])
 
 
-def _check_planned(laws: Mapping[str, FrictionLaw], remarks: Sequence[str]) -> None:
-    """Refuse to plan for no law, with why each was left out."""
-    if not laws:
-        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
-
-
 def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float) -> str:
     """Return why the distance of a run is no travel that friction ends; nothing if it is one.
 
     Bodies that still move by less than the error of a reading, as on undamped bristles, are at
     rest.
     """
-    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
     try:
-        TravelModel(law, (), t_end).check_rest([trial], (), [error])
+        TravelModel(law, (), t_end).check_rest([_trial(mechanism)], (), [error])
     except ConvergenceError as reason:
         return str(reason)
     run = simulate(mechanism, law, t_end=t_end)
@@ -637,10 +623,7 @@ def _range(
             )
         return between, ""
     sign = math.copysign(1.0, present)
-    made = [
-        {p: value for p, _, value in parameters(trial.mechanism, "mechanism")}[path]
-        for trial in done
-    ]
+    made = [_values(trial.mechanism)[path] for trial in done]
     sizes = sorted({abs(value) for value in (*made, present) if sign * value > 0.0})
     if sizes[0] <= (1.0 - THRESHOLDS.material) * sizes[-1]:
         low, high = sizes[0], sizes[-1]
@@ -670,13 +653,12 @@ def _stopping(
     travels of all laws in one place.
     """
     found, remarks = {}, []
-    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+    unit = _unit(mechanism, path)
     rigs = [vary(mechanism, "mechanism", {path: value}) for value in settings]
     for name, law in laws.items():
         size = error
         if size is None:
-            trials = [Trial(mechanism=rig, initial={}, travel=0.0, half_width=0.0) for rig in rigs]
-            size = SCATTER * float(np.max(np.abs(_travels(law, trials, t_end))))
+            size = SCATTER * float(np.max(np.abs(_travels(law, [*map(_trial, rigs)], t_end))))
         reasons = {
             value: said
             for value, rig in zip(settings, rigs, strict=True)
@@ -688,7 +670,8 @@ def _stopping(
         value, said = reasons.popitem()
         at = quantity(value, unit, degrees=True)
         remarks.append(f"{law.title} friction was left out: with {words_of(path)} {at}, {said}")
-    _check_planned(found, remarks)
+    if not found:
+        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
     return found, remarks
 
 
@@ -696,7 +679,7 @@ def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Arra
     """Return settings at which the body moves, and which were left out, as sentences."""
     assert now.knob is not None
     path, _ = now.knob
-    unit = {p: q.unit for p, q, _ in parameters(now.mechanism, "mechanism")}[path]
+    unit = _unit(now.mechanism, path)
     travels = np.abs(_travels(law, now.at(places), now.t_end))
     moves = travels > THRESHOLDS.material * np.max(travels)
     if moves.sum() < 2:
@@ -846,14 +829,8 @@ def _expected(
             last = one.path.rpartition(".")[2]
             # off its limit, as `select` asks it to be
             settled = one.bounded and one.low > limit_of(law, last)
-            found.append(
-                Expectation(
-                    law=name,
-                    estimate=one,
-                    identified=settled,
-                    advice="" if settled else ADVICE.get(last, ""),
-                )
-            )
+            advice = "" if settled else ADVICE.get(last, "")
+            found.append(Expectation(law=name, estimate=one, identified=settled, advice=advice))
     return found
 
 

@@ -194,6 +194,7 @@ class TravelJudgement:
         self.blocks = _settings(self.trials)
         self.counts = np.bincount(self.blocks)
         self._weighed: dict[tuple[str, int], tuple[TravelDraws, Array]] = {}
+        self._drawn: dict[bytes, Array] = {}
 
     # ------------------------------------------------------------------ settings
     @cached_property
@@ -724,15 +725,18 @@ class TravelJudgement:
 
     def drawn_travels(self, settings: Array) -> Array:
         """Return the travels (d, m) [m] at settings (m,) of the knob by draws of laws."""
-        trials = self.at(settings)
-        moved = self.nuisances(trials)
-        found = []
-        for one in self.draws:
-            found.append(self._simulated(one, trials, moved))
-            if one.smooth is not None:
-                found[-1] += self._around(one, trials, settings)
-        every = np.vstack(found)
-        return np.asarray(every[np.isfinite(every).all(axis=1)])
+        asked = np.asarray(settings, dtype=float).tobytes()
+        if asked not in self._drawn:  # a band and what narrows it are of the same runs
+            trials = self.at(settings)
+            moved = self.nuisances(trials)
+            found = []
+            for one in self.draws:
+                found.append(self._simulated(one, trials, moved))
+                if one.smooth is not None:
+                    found[-1] += self._around(one, trials, settings)
+            every = np.vstack(found)
+            self._drawn[asked] = np.asarray(every[np.isfinite(every).all(axis=1)])
+        return self._drawn[asked]
 
     def noise(self, settings: Array) -> Array:
         """Return the standard errors of new readings at settings (m,): as the nearest have."""
