@@ -154,7 +154,7 @@ def test_where_what_was_given_is_far_off_no_law_is_named_and_the_verdict_says_so
     write_rig(TRUTHS["dahl"], velocity=0.05, stiffness=1e4)
     code, out, _ = walk("select", "block.toml")
     assert code == 3
-    assert "No law explains the travels" in out
+    assert "No law compared explains these travels" in out
     assert not Path("stickslip-report/law.toml").exists()
     code, _, err = walk("simulate", CART, "--law", "stickslip-report/law.toml")
     assert (code, "does not exist: select recommended no law" in err) == (2, True)

@@ -616,7 +616,10 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         further = [*self.advice(fit, fits[1:], advised), *corrections(checks, but=self.unasked)]
         further += longer(checks) if TOO_SHORT not in self.unasked else ()
         share = f"{probability_text(closest.probability)} probable among {others + 1} laws. "
-        same = joined(list(map(self.called, alike)))
+        several = list(map(self.called, alike))
+        if len(several) > MOST + 1:
+            several[MOST:] = [f"{len(several) - MOST} more"]
+        same = joined(several)
         no_score = f"No ranking of {same}: each may hold." if rivals else ""
         return Wording(
             verdict=verdict,

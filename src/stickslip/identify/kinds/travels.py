@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from scipy.special import ndtri, softmax
 
-from stickslip.data import Measurement, is_filmed, travels_of_films
+from stickslip.data import Measurement, Rig, is_filmed, travels_of_films
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, law_type
@@ -95,7 +95,7 @@ if TYPE_CHECKING:
     from stickslip.identify import BandDrawing
     from stickslip.show.display import Drawing, Target
 
-T_END: Final = 10.0
+T_END: Final = Rig.t_end
 """Time after which a body counts as stopped [s]."""
 SAMPLES = 2001
 WIDER = "the trials tell no more than that it is of this size"

@@ -52,6 +52,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array: TypeAlias = NDArray[np.float64]
+Effects: TypeAlias = Mapping[str, tuple[float, Array]]
+"""By condition, the probability that it acts, and draws of what it changes."""
 Refit: TypeAlias = Callable[..., Any]
 """Fits the law to another measurement, with arguments as `stickslip.fit` has them."""
 
@@ -289,14 +291,9 @@ def comparison_of(
         )
     found = _Differences.of(trials)
     return TrialComparison(
-        fit=joint,
-        trials=tuple(trials),
-        probability=found.probability,
-        spread=found.spread,
-        lines=found.lines,
-        sentences=tuple(_sentences(trials, found, failed)),
-        failed=failed,
-    )
+        fit=joint, trials=tuple(trials), probability=found.probability, spread=found.spread,
+        lines=found.lines, sentences=tuple(_sentences(trials, found, failed)), failed=failed,
+    )  # fmt: skip
 
 
 def _alone(
@@ -330,15 +327,10 @@ def _alone(
         raise InputError(f"it does not tell {lost[0].rpartition('.')[2]}.")
     values = np.array([drawn[one.path] for one in own])
     return TrialEstimates(
-        name=name,
-        number=index,
-        conditions=record.conditions,
-        law=alone.law,
-        estimates=tuple(known[one.path] for one in own),
-        values=values.mean(axis=1),
-        covariance=np.atleast_2d(np.cov(values)),
-        left=alone.verdict.closest.left,
-    )
+        name=name, number=index, conditions=record.conditions, law=alone.law,
+        estimates=tuple(known[one.path] for one in own), values=values.mean(axis=1),
+        covariance=np.atleast_2d(np.cov(values)), left=alone.verdict.closest.left,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -371,7 +363,10 @@ class _Differences:
         for node in itertools.product(*map(list, shares)):
             sizes = tuple(x for x, _ in node)
             prior = sum(math.log(p) for _, p in node)
-            covariance = cls._covariance(sizes, noise, mean, effects, size, count)
+            covariance = noise + mean @ mean.T
+            covariance += sizes[0] ** 2 * np.kron(np.eye(count), np.diag(size**2))
+            for b, x in zip(sizes[1:], effects.values(), strict=True):
+                covariance += b**2 * (x @ x.T)
             root = np.linalg.cholesky(covariance)
             z = np.linalg.solve(root, y - mean @ (middle / size / BROAD))
             logs.append(prior - float(np.sum(np.log(np.diag(root)))) - 0.5 * float(z @ z))
@@ -406,29 +401,14 @@ class _Differences:
             name: float(weight[[sizes[1 + k] > INPUT[0] for sizes in nodes]].sum())
             for k, name in enumerate(effects)
         }
-        drawn_slopes = {name: np.vstack(x) for name, x in slopes.items()}
+        told = {
+            name: (acts[name], np.vstack(x) * np.tile(size, effects[name].shape[1] // width))
+            for name, x in slopes.items()
+        }
         return cls(
-            probability=float(1.0 - weight[least].sum()),
-            spread=(median, low, high),
-            lines=tuple(_lines(trials, drawn_slopes, acts, size, middle)),
-            texts=tuple(_texts(trials, drawn_slopes, acts, size, middle)),
-        )
-
-    @staticmethod
-    def _covariance(
-        sizes: tuple[float, ...],
-        noise: Array,
-        mean: Array,
-        effects: Mapping[str, Array],
-        size: Array,
-        count: int,
-    ) -> Array:
-        """Return the covariance of all parameters at some sizes."""
-        total = noise + mean @ mean.T
-        total += sizes[0] ** 2 * np.kron(np.eye(count), np.diag(size**2))
-        for b, x in zip(sizes[1:], effects.values(), strict=True):
-            total += b**2 * (x @ x.T)
-        return np.asarray(total)
+            probability=float(1.0 - weight[least].sum()), spread=(median, low, high),
+            lines=tuple(_lines(trials, told, middle)), texts=tuple(_texts(trials, told, middle)),
+        )  # fmt: skip
 
 
 def _columns(trials: Sequence[TrialEstimates]) -> dict[str, Array]:
@@ -455,44 +435,30 @@ def _conditions(trials: Sequence[TrialEstimates]) -> list[str]:
 
 
 def _lines(
-    trials: Sequence[TrialEstimates],
-    slopes: Mapping[str, Array],
-    acts: Mapping[str, float],
-    size: Array,
-    middle: Array,
+    trials: Sequence[TrialEstimates], effects: Effects, middle: Array
 ) -> Iterator[ConditionLine]:
     """Yield each parameter as a line over each numeric condition."""
-    for name, drawn in slopes.items():
+    for name, (probability, drawn) in effects.items():
         values = [one.conditions[name] for one in trials]
         if isinstance(values[0], str):
             continue
         z = np.array(values, dtype=float)
         for k, one in enumerate(trials[0].estimates):
-            own = drawn[:, k] * size[k] / np.ptp(z)
+            own = drawn[:, k] / np.ptp(z)
             low, slope, high = np.quantile(own, (0.025, 0.5, 0.975)).tolist()
-            ends = (float(z.min()), float(z.max()))
+            first, last = float(z.min()), float(z.max())
+            start, end = (float(middle[k] + slope * (x - z.mean())) for x in (first, last))
             yield ConditionLine(
-                path=one.path,
-                quantity=one.quantity,
-                condition=name,
-                ends=ends,
-                values=tuple(float(middle[k] + slope * (end - z.mean())) for end in ends),  # type: ignore[arg-type]
-                slope=slope,
-                low=low,
-                high=high,
-                probability=acts[name],
-            )
+                path=one.path, quantity=one.quantity, condition=name, ends=(first, last),
+                values=(start, end), slope=slope, low=low, high=high, probability=probability,
+            )  # fmt: skip
 
 
 def _texts(
-    trials: Sequence[TrialEstimates],
-    slopes: Mapping[str, Array],
-    acts: Mapping[str, float],
-    size: Array,
-    middle: Array,
+    trials: Sequence[TrialEstimates], effects: Effects, middle: Array
 ) -> Iterator[tuple[float, str]]:
     """Yield what differs between trials with different texts for a condition, if it is clear."""
-    for name, drawn in slopes.items():
+    for name, (probability, drawn) in effects.items():
         values = [one.conditions[name] for one in trials]
         if not isinstance(values[0], str):
             continue
@@ -503,12 +469,12 @@ def _texts(
             ends = np.quantile(each[:, :, k] - each[:, :1, k], (0.025, 0.975), axis=0)[:, 1:]
             if not np.any((ends[0] > 0.0) | (ends[1] < 0.0)):
                 continue
-            means = middle[k] + size[k] * np.median(each[:, :, k], axis=0)
+            means = middle[k] + np.median(each[:, :, k], axis=0)
             parts = [
                 f"{with_unit(number(x), one.quantity.unit)} for {w!r}"
                 for w, x in zip(words, means.tolist(), strict=True)
             ]
-            yield acts[name], f"{one.quantity.symbol} is {joined(parts)} ({condition_name(name)})"
+            yield probability, f"{one.quantity.symbol} is {joined(parts)} ({condition_name(name)})"
 
 
 # What is said.

@@ -268,14 +268,18 @@ class TravelJudgement:
         paths, _ = self._doubts
         offset = OFFSET * np.full(len(self.trials), float(np.median(self.readings)))
         extra = np.column_stack([self._columns, offset]) if paths else offset[:, None]
-        found = []
+        found, zeros = [], np.zeros(extra.shape[1])
         for law in self.laws:
             refined = any(one.count > law.count for one in law.structures)
             for one in law.structures:
                 alike = sum(other.count == one.count for other in law.structures)
-                found.append(_linear(
-                    law.name, one.predicted, one.slopes, one.unknowns[: one.count], one.means,
-                    one.precisions, extra, -math.log(alike * (1 + refined)), structure=one,
+                found.append(Linear(
+                    name=law.name, structure=one, predicted=one.predicted,
+                    columns=np.hstack([one.slopes, extra]),
+                    centre=np.concatenate([one.unknowns[: one.count], zeros]),
+                    means=np.concatenate([one.means, zeros]),
+                    precisions=np.concatenate([one.precisions, zeros + 1.0]),
+                    prior=-math.log(alike * (1 + refined)),
                 ))  # fmt: skip
         return found
 
@@ -289,18 +293,12 @@ class TravelJudgement:
             columns = bending * base[:, None] * self._smooth(self.settings)
             columns = np.hstack([best.columns, columns])
             more = np.zeros(columns.shape[1] - len(best.centre))
-            found.append(
-                replace(
-                    best,
-                    name="",
-                    columns=columns,
-                    centre=np.concatenate([best.centre, more]),
-                    means=np.concatenate([best.means, more]),
-                    precisions=np.concatenate([best.precisions, more + 1.0]),
-                    prior=-math.log(len(BENDING)),
-                    bending=bending,
-                )
-            )
+            found.append(replace(
+                best, name="", columns=columns, centre=np.concatenate([best.centre, more]),
+                means=np.concatenate([best.means, more]), bending=bending,
+                precisions=np.concatenate([best.precisions, more + 1.0]),
+                prior=-math.log(len(BENDING)),
+            ))  # fmt: skip
         return found
 
     def _smooth(self, settings: Array) -> Array:
@@ -405,14 +403,11 @@ class TravelJudgement:
     @cached_property
     def evidence(self) -> dict[str, float]:
         """Evidence of the laws, without the curve's, the most first."""
-        found = {
-            name: -self.price(name)
-            if self._alike
-            else float(logsumexp([s.evidence for s in self.solved if s.linear.name == name]))
-            - self.price(name)
-            for name in self.families
-            if name
-        }
+        found = {name: -self.price(name) for name in self.families if name}
+        if not self._alike:
+            for name in found:
+                parts = [s.evidence for s in self.solved if s.linear.name == name]
+                found[name] += float(logsumexp(parts))
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     @cached_property
@@ -447,12 +442,8 @@ class TravelJudgement:
         """Shares of the laws and of the curve in the ensemble, in sum 1."""
         laws = np.array([bool(one.linear.name) for one in self.solved])
         order = np.argsort(self.scores.mean(axis=1), kind="stable")
-        found = np.empty(len(order))
-        found[order] = (
-            self.raw_shares[order]
-            if laws.all()
-            else with_curve(self.raw_shares[order], laws[order])
-        )
+        found, raw = np.empty(len(order)), self.raw_shares[order]
+        found[order] = raw if laws.all() else with_curve(raw, laws[order])
         return {
             name: float(sum(p for p, one in zip(found, self.solved, strict=True)
                             if one.linear.name == name))
@@ -490,14 +481,9 @@ class TravelJudgement:
         gap = block_scores(top.losses) - block_scores(curve.losses)
         gain = float(gap.mean() / (gap.std(ddof=1) / math.sqrt(len(gap)) + 1e-9))
         ratio = math.sqrt(float(top.losses.mean() / max(curve.losses.mean(), 1e-300)))
-        share = sum(
-            p for p, s in zip(self.raw_shares, self.solved, strict=True) if not s.linear.name
-        )
-        return not (
-            share > THRESHOLDS.no_law
-            and gain > THRESHOLDS.errors
-            and ratio > THRESHOLDS.no_law_ratio
-        )
+        curves = np.array([not s.linear.name for s in self.solved])
+        better = gain > THRESHOLDS.errors and ratio > THRESHOLDS.no_law_ratio
+        return not (float(self.raw_shares[curves].sum()) > THRESHOLDS.no_law and better)
 
     def law_of(self, name: str) -> TravelLaw:
         """Return a law by name."""
@@ -650,11 +636,7 @@ class TravelJudgement:
         size, k = best.count, self.nuisances_count
         rows, smooth = [], []
         for one, n in zip(own, allotted(shares, count), strict=True):
-            scale = (
-                np.sqrt(rng.chisquare(THRESHOLDS.freedom, (n, 1)) / THRESHOLDS.freedom)
-                if self.assumed
-                else 1.0
-            )
+            scale = _scales(n, rng) if self.assumed else 1.0
             values = one.values + rng.normal(size=(n, len(one.values))) / scale @ one.root
             rows.append(values[:, : size + k])
             smooth.append(values[:, size + k :] * one.linear.bending)
@@ -679,9 +661,8 @@ class TravelJudgement:
         assert draws.smooth is not None
         base, count = draws.unknowns[0], draws.off.shape[1]
         steps = STEP * np.maximum(np.abs(base[:count]), STEP * np.abs(base[0]))
-        points = np.vstack(
-            [base, base + np.diag(np.r_[steps, np.zeros(len(base) - count)])[:count]]
-        )
+        moved = np.diag(np.r_[steps, np.zeros(len(base) - count)])[:count]
+        points = np.vstack([base, base + moved])
         travels = draws.law.table(trials, points)
         slopes = (travels[1:] - travels[0]) / steps[:, None]
         factor = draws.smooth @ self._smooth(settings).T
@@ -700,11 +681,8 @@ class TravelJudgement:
         # reflected at what is least: it stays a draw, of about the same density
         inside = np.where(inside < low[:c], 2.0 * low[:c] - inside, inside)
         values[:, :c] = np.clip(inside, low[:c], high[:c])
-        density = (
-            -0.5
-            * (THRESHOLDS.freedom + q)
-            * np.log1p(np.sum(normal**2, axis=1) / THRESHOLDS.freedom)
-        )
+        nu, squares = THRESHOLDS.freedom, np.sum(normal**2, axis=1)
+        density = -0.5 * (nu + q) * np.log1p(squares / nu)
         return values, density - float(np.sum(np.log(np.abs(np.diag(one.root)) + 1e-300)))
 
     def _likelihood(self, travels: Array, freedom: float) -> Array:
@@ -884,32 +862,6 @@ def _root(covariance: Array) -> Array:
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     scaled = covariance / np.outer(size, size) + 1e-9 * np.eye(len(size))
     return np.asarray(np.linalg.cholesky(scaled).T * size)
-
-
-def _linear(
-    name: str,
-    predicted: Array,
-    slopes: Array,
-    centre: Array,
-    means: Array,
-    precisions: Array,
-    extra: Array,
-    prior: float,
-    *,
-    structure: TravelStructure,
-) -> Linear:
-    """Return a linear problem with columns of nuisances (n, k) beside its own."""
-    zeros = np.zeros(extra.shape[1])
-    return Linear(
-        name=name,
-        structure=structure,
-        predicted=predicted,
-        columns=np.hstack([slopes, extra]),
-        centre=np.concatenate([centre, zeros]),
-        means=np.concatenate([means, zeros]),
-        precisions=np.concatenate([precisions, zeros + 1.0]),
-        prior=prior,
-    )
 
 
 def block_scores(losses: Array) -> Array:
