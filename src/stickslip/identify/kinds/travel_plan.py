@@ -371,8 +371,8 @@ class _Bench:
         by_hand = {path: shared.pop(path)} if path in shared else {}
         found = []
         for one, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
-            known = {"half_width": self.error, "doubts": by_hand, "shared": shared}
-            found += [_trial(one.mechanism, travel=float(travel), **known)] * repeats
+            made = _trial(one.mechanism, float(travel), self.error, doubts=by_hand, shared=shared)
+            found += [made] * repeats
         return tuple(found)
 
     def judged(self, name: str, repeats: int) -> TravelJudgement:
@@ -542,11 +542,11 @@ def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float 
     return replace(trial, travel=signed, half_width=THRESHOLDS.negligible * travel)
 
 
-def _trial(mechanism: Mechanism, **known: Any) -> Trial:
-    """Return a trial whose travel is not known yet."""
-    return Trial(
-        **{"mechanism": mechanism, "initial": {}, "travel": 0.0, "half_width": 0.0} | known
-    )
+def _trial(
+    mechanism: Mechanism, travel: float = 0.0, half_width: float = 0.0, **doubts: Any
+) -> Trial:
+    """Return a trial, whose travel need not be known."""
+    return Trial(mechanism=mechanism, initial={}, travel=travel, half_width=half_width, **doubts)
 
 
 def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> Array:
