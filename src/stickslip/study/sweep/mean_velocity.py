@@ -47,13 +47,9 @@ from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
 from stickslip.study.energy import energy_balance, units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
-from stickslip.study.sweep.lyapunov import (
-    closing,
-    have_left,
-    is_chaotic,
-    starts_nearby,
-)
+from stickslip.study.sweep.lyapunov import closing, have_left, is_chaotic, starts_nearby
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
+from stickslip.study.sweep.sections import speeds_of
 from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
@@ -343,7 +339,9 @@ def average_velocity(
         table.chaotic[rows[left]], unclear = have_left(spread / apart)
         for k in left[unclear].tolist():
             pair = _pair(mechanism, law, {path: float(values[k]) for path, values in own.items()})
-            end = dict(zip(_motions(mechanism), samples[k, -1].tolist(), strict=True))
+            names = _motions(mechanism)
+            moved = strobes[k, -1] * speeds_of(pair[0], names)
+            end = dict(zip(names, (samples[k, -1] - moved).tolist(), strict=True))
             with suppress(SimulationError, InputError):  # one that ends, or has no derivative
                 table.chaotic[rows[k]] = is_chaotic(*pair, end, period, solver)
     units = {path: grid.unit_of(mechanism, law, path) for path in axes}
