@@ -35,17 +35,14 @@ from stickslip.engine.simulation import (
     beginning_pair,
     ensemble,
     event_driven_law,
-    initial_state,
 )
 from stickslip.engine.solver import EventDriven, Mean, Output, Samples
 from stickslip.engine.trajectory import Ensemble, Status
 from stickslip.errors import InputError, SimulationError
-from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, slip_among
-from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
-from stickslip.study.energy import energy_balance, units_of_columns
+from stickslip.study.energy import units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
 from stickslip.study.sweep.lyapunov import closing, have_left, is_chaotic, starts_nearby
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
@@ -338,7 +335,8 @@ def average_velocity(
         table.spread[rows[left]] = spread
         table.chaotic[rows[left]], unclear = have_left(spread / apart)
         for k in left[unclear].tolist():
-            pair = _pair(mechanism, law, {path: float(values[k]) for path, values in own.items()})
+            at = {path: float(values[k]) for path, values in own.items()}
+            pair = grid.pair_of(mechanism, law, at)
             names = _motions(mechanism)
             moved = strobes[k, -1] * speeds_of(pair[0], names)
             end = dict(zip(names, (samples[k, -1] - moved).tolist(), strict=True))
@@ -350,12 +348,9 @@ def average_velocity(
     found = table.mapped(axes, units, shape, periods, unit, coordinate or "")
     if not energy:
         return found
-    kept: dict[str, Array] = {}
-    for row in np.flatnonzero(np.isfinite(table.velocity)).tolist():
-        at = {path: float(values[row]) for path, values in columns.items()}
-        since, until = settle * periods[row], (settle + cycles) * periods[row]
-        for name, value in _energies(mechanism, law, at, since, until, slip, y0, solver).items():
-            kept.setdefault(name, np.full(len(periods), np.nan))[row] = value
+    spans = np.outer(periods, [settle, settle + cycles])
+    spans[~np.isfinite(table.velocity)] = np.nan
+    kept = grid.energies_of(mechanism, law, columns, spans, y0, solver, slip)
     return replace(found, energies={name: column.reshape(shape) for name, column in kept.items()})
 
 
@@ -551,35 +546,6 @@ def _strobes(t_end: float, periods: Array, cycles: int) -> Array:
     last = np.floor(t_end / periods * (1.0 + WHOLE))
     times = (last[:, None] - np.arange(cycles, -1.0, -1.0)) * periods[:, None]
     return np.asarray(np.clip(times, 0.0, t_end))
-
-
-def _pair(
-    mechanism: Mechanism, law: FrictionLaw | Laws, at: Mapping[str, float]
-) -> tuple[Mechanism, FrictionLaw | Laws]:
-    """Return mechanism and law with values by full path; starts are left out."""
-    own = {path: x for path, x in at.items() if path.startswith("mechanism.")}
-    laws = {path: x for path, x in at.items() if path.startswith("friction.")}
-    return vary(mechanism, "mechanism", own), vary(law, "friction", laws)
-
-
-def _energies(
-    mechanism: Mechanism,
-    law: FrictionLaw | Laws,
-    at: Mapping[str, float],
-    since: float,
-    until: float,
-    slip: str,
-    y0: Mapping[str, float] | Sequence[float] | None,
-    solver: EventDriven,
-) -> dict[str, float]:
-    """Return mean powers and energy per travel of a run within a stretch of time."""
-    own, laws = _pair(mechanism, law, at)
-    begin = initial_state("average_velocity", own, laws, y0)
-    states = grid.states_of(own, laws)
-    start = [at.get(f"initial.{name}", x) for name, x in zip(states, begin, strict=True)]
-    run = solver.run(own, laws, y0=start, t_end=until)
-    balance = energy_balance(own, run, coordinate=slip, since=since, until=until)
-    return balance.columns()
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:
