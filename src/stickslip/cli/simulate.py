@@ -386,7 +386,7 @@ def _table(
         frame[f"{name}_low"], frame[f"{name}_median"], frame[f"{name}_high"] = low, median, high
     units = _units(about, frame)
     if works is not None:
-        added = works.to_dataframe().set_index("t").loc[sampled.t].reset_index(drop=True)
+        added = works.to_dataframe().set_index("t").reindex(sampled.t).reset_index(drop=True)
         added = added.add_prefix("work ").rename(columns={"work energy": "energy"})
         frame, units = frame.join(added), units | dict.fromkeys(map(str, added), "J")
     return frame, units

@@ -399,10 +399,9 @@ def has_electric_motor(part: object) -> bool:
     """
     if isinstance(part, DCMotor):
         return True
-    inner = part if isinstance(part, tuple) else ()
     if isinstance(part, Parametrised):
-        inner = tuple(vars(part).values())
-    return any(map(has_electric_motor, inner))
+        part = tuple(vars(part).values())
+    return isinstance(part, tuple) and any(map(has_electric_motor, part))
 
 
 def values_of(drive: Drive, times: Array, seen: Trajectory | None = None) -> Array:

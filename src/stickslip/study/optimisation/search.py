@@ -890,20 +890,14 @@ def _scenarios(
             f"scenarios must be friction laws or values by path, at least one, got {given!r}."
         )
     known = known_paths(mechanism, law)
-    found: list[FrictionLaw | Laws | Mapping[str, float]] = []
-    for scenario in given:
-        if isinstance(scenario, Mapping) and all(
-            isinstance(v, float | int) for v in scenario.values()
-        ):
-            found.append(
-                {
-                    full_path(path, known): float(value)  # type: ignore[arg-type]  # no laws here
-                    for path, value in scenario.items()
-                }
-            )
-        else:
-            found.append(event_driven_law(mechanism, scenario))
-    return tuple(found)
+
+    def checked(scenario: Any) -> FrictionLaw | Laws | Mapping[str, float]:
+        values = scenario.values() if isinstance(scenario, Mapping) else [None]
+        if all(isinstance(value, float | int) for value in values):
+            return {full_path(path, known): float(value) for path, value in scenario.items()}
+        return event_driven_law(mechanism, scenario)
+
+    return tuple(map(checked, given))
 
 
 def _words(problem: OptimisationProblem) -> str:
@@ -990,7 +984,7 @@ def _single(
         "seed": np.nan,  # leaves the global state of NumPy alone
         "verbose": -9,
     }
-    begin = sorted(known, key=lambda motion: (motion.violation, *_costs(motion, problem.goals)))
+    begin = sorted(known, key=lambda motion: (motion.violation, _cost(motion, problem)))
     places = [problem.place(motion.parameters) for motion in begin]
     tried: list[Motion] = []
     while len(tried) < evaluations:
@@ -1003,11 +997,10 @@ def _single(
             points = [np.asarray(point, dtype=np.float64) for point in strategy.ask()]
             motions = _evaluated(problem, points, executor)
             tried += motions
-            costs = [_costs(motion, problem.goals)[0] for motion in motions]
-            feasible = [_costs(motion, problem.goals)[0] for motion in tried if motion.feasible]
-            worst = max(feasible, default=0.0)  # beyond limits is worse than anything within
-            beyond = [0.0 if motion.feasible else worst + motion.violation for motion in motions]
-            strategy.tell(points, np.add(costs, beyond))
+            # beyond limits is worse than anything within
+            worst = max((_cost(m, problem) for m in tried if m.feasible), default=0.0)
+            costs = [_cost(m, problem) + (worst + m.violation) * (not m.feasible) for m in motions]
+            strategy.tell(points, costs)
             if not _told(progress, tried, evaluations, problem.goals):
                 return tried, True
     return tried, False
@@ -1052,6 +1045,10 @@ def _front(
 def _costs(motion: Motion, goals: tuple[Goal, ...]) -> list[float]:
     """Return objectives, all to be small; 0 for motions beyond limits, which do not count."""
     return [-goal.sign * motion.goals[goal.name] if motion.feasible else 0.0 for goal in goals]
+
+
+def _cost(motion: Motion, problem: OptimisationProblem) -> float:
+    return _costs(motion, problem.goals)[0]
 
 
 def _best(motions: Sequence[Motion], goals: tuple[Goal, ...]) -> tuple[Motion, ...]:

@@ -520,8 +520,7 @@ class Campaign(metaclass=Described):
         """Return the units of columns of powers and energies, if the campaign has any."""
         if not self.energy:
             return {}
-        unit = travel_of(case.mechanism)[1]
-        return units_of_columns(columns_of(case.mechanism), unit)
+        return units_of_columns(columns_of(case.mechanism), travel_of(case.mechanism)[1])
 
 
 def _laws(law: Friction) -> Sequence[object]:

@@ -417,7 +417,7 @@ def growth(
         length = min(stretch, cycles - begin)
         mechanism, _, _, run = replace(map_, cycles=length).run(y, value)
         times = cycle * np.arange(1.0, length + 1.0)
-        states = map_.at(mechanism, run, times)[:, list(map_.free)]
+        states = map_.seen(mechanism, run, times)[:, list(map_.free)]
         if not begin:
             size = np.abs(states).max(axis=0)
             scale = np.where(size > 0.0, size, max(size.max(initial=0.0), 1e-300))

@@ -747,7 +747,7 @@ class ReturnMap:
             raise SimulationError(run.status.value)
         return mechanism, law, start, run
 
-    def at(self, mechanism: Mechanism, run: BareRun, times: Array) -> Array:
+    def seen(self, mechanism: Mechanism, run: BareRun, times: Array) -> Array:
         """Return the states of a run at times (n,), less what they are carried along."""
         return np.asarray(run.at(times) - times[:, None] * self.speeds(mechanism))
 
@@ -758,7 +758,7 @@ class ReturnMap:
             run = self.solver.bare(self.mechanism, self.law, y0=begin, t_end=float(end[0]))
             if not run.status.complete:
                 raise SimulationError(f"{owner}, settling: {run.status.value}")
-            begin = self.at(self.mechanism, run, end)[0].tolist()
+            begin = self.seen(self.mechanism, run, end)[0].tolist()
         return np.array(begin)[list(self.free)]
 
     def happens(self, y: Array, value: float) -> Signature:
@@ -775,7 +775,7 @@ class ReturnMap:
         mechanism, law, start, run = self.run(y, value)
         period = run.differentiate.t_end
         times, n, begun = period * _SHARES, len(self.free), np.array([start[i] for i in self.free])
-        states = self.at(mechanism, run, times)[:, self.kept]
+        states = self.seen(mechanism, run, times)[:, self.kept]
         ends = states[ORBIT_TIMES - 1 :]  # right before the end, too
         residual, half = ends[0, :n] - begun, states[ORBIT_TIMES // 2, :n] - begun
         size = np.abs(states[:, :n]).max(axis=0)

@@ -171,9 +171,8 @@ def energies_of(
     for row in np.flatnonzero(np.isfinite(spans).all(axis=1)).tolist():
         at = {path: float(values[row]) for path, values in columns.items()}
         own, laws = pair_of(mechanism, law, at)
-        begin = initial_state("energies_of", own, laws, y0)
-        named = zip(states_of(own, laws), begin, strict=True)
-        start = [at.get(f"initial.{name}", x) for name, x in named]
+        begin = zip(states_of(own, laws), initial_state("energies_of", own, laws, y0), strict=True)
+        start = [at.get(f"initial.{name}", x) for name, x in begin]
         since, until = spans[row].tolist()
         run = solver.run(own, laws, y0=start, t_end=until)
         if since < run.span[1]:
