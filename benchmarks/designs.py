@@ -5,10 +5,10 @@ capsule of the tutorial for each of inner mass, spring, gaps and stiffnesses of 
 forces of a square wave either way, and its period; and a duty of 0.1 to 0.9. That is as wide as
 springs, magnets and coils of one size come; the known capsule is in the middle of each range.
 
-Equal energy: the optimum takes at most the energy per metre of the fastest random design, and is
-compared with the fastest of all random designs that take no more than the optimum. Motions that do
-not repeat themselves count on neither side, since their means depend on the start. Speeds are means
-of long runs.
+Equal energy: the optimum may take the energy per metre of the fastest random design, and is
+compared with it, the fastest of all random designs within that limit. Motions that do not repeat
+themselves count on neither side, since their means depend on the start. Speeds are means of long
+runs.
 
 ``python -m benchmarks.designs`` prints the target.
 """
@@ -53,6 +53,8 @@ RANGES = {
     for ends in [(middle / math.sqrt(10.0), middle * math.sqrt(10.0))]
 } | {"mechanism.drive.drive.duty": (0.1, 0.9)}
 DESIGNS, EVALUATIONS, SEED, STARTS, GOAL = 2000, 800, 4, 5, 1.2
+ROUNDING = 1e-4
+"""Share by which a mean over 100 cycles may differ from that of one."""
 
 Design = tuple[dict[str, float], float, float]
 """Parameters of a design that moves forwards and repeats itself, its speed, and its energy."""
@@ -92,23 +94,25 @@ def long_mean(parameters: dict[str, float]) -> tuple[float, float]:
     return (math.nan if swept.chaotic[0] else float(swept.velocity[0])), energy
 
 
-def compared(designs: Sequence[Design], best: Motion) -> tuple[float, float, float]:
-    """Return the speed over that of the fastest random design with no more energy, it, and both."""
-    speed, energy = long_mean(dict(best.parameters))
-    rivals = [parameters for parameters, _, taken in designs if taken <= energy * (1.0 + 1e-6)]
-    other = long_mean(rivals[0])[0]
-    return speed / other, other, energy
+def compared(
+    designs: Sequence[Design], best: Motion, allowed: float
+) -> tuple[float, float, float, float]:
+    """Return speed and energy per metre of an optimum, then of the best random design allowed."""
+    rival = next(parameters for parameters, _, energy in designs if energy <= allowed)
+    return *long_mean(dict(best.parameters)), *long_mean(rival)
 
 
 def design() -> Target:
     """Return the speed of an optimum over that of the best of random designs."""
     designs = random_designs()
-    ratio, other, energy = compared(designs, optimum(designs, designs[0][2]))
+    allowed = designs[0][2]
+    speed, energy, other, rival = compared(designs, optimum(designs, allowed), allowed)
+    means = f"{1e3 * speed:.1f} at {energy:.3g} J/m over {1e3 * other:.1f} mm/s at {rival:.3g} J/m"
     return Target(
         work=f"capsule optimised in {EVALUATIONS} runs, over the best of {DESIGNS} random ones",
         goal=f"{GOAL:g} times its mean speed at equal energy per metre",
-        measured=f"{ratio:.2f} times {1e3 * other:.1f} mm/s at {energy:.3g} J/m",
-        met=ratio >= GOAL,
+        measured=f"{speed / other:.2f}: {means}",
+        met=speed >= GOAL * other and energy <= (1.0 + ROUNDING) * rival,
         reason="the best random design is near the optimum",
     )
 
