@@ -42,7 +42,7 @@ class Motor(Parametrised, ABC):
         """Return the drives that are fitted, by name."""
 
     @abstractmethod
-    def force(self, drives: Mapping[str, Scalar], place: Scalar) -> Scalar:
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
         """Return the force [N] or torque [N m] on what is driven.
 
         Parameters
@@ -121,7 +121,7 @@ class Prescribed(Motor):
         return {DRIVE: self.profile}
 
     @override
-    def force(self, drives: Mapping[str, Scalar], place: Scalar) -> Scalar:
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
         return 0.0
 
     @override
@@ -163,7 +163,7 @@ class Torque(Motor):
         return {} if self.drive is None else {DRIVE: self.drive}
 
     @override
-    def force(self, drives: Mapping[str, Scalar], place: Scalar) -> Scalar:
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
         wanted = drives.get(DRIVE, 0.0)
         if self.limit is None or self.drive is None:
             return wanted
@@ -215,7 +215,7 @@ class Coil(Torque):
     """Place of the inner mass at which its magnet is in the middle of the coil."""
 
     @override
-    def force(self, drives: Mapping[str, Scalar], place: Scalar) -> Scalar:
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
         u = (place - self.middle) / self.radius
         return super().force(drives, place) * (u / _STRONGEST * power(1.0 + u * u, -2.5))
 
