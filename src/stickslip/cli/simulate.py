@@ -38,7 +38,6 @@ from stickslip.show.display import Summary, require_library
 from stickslip.show.documents import document, write_file, write_folder
 from stickslip.show.report import RunReport, run_sections, versions
 from stickslip.study import sweep
-from stickslip.study.energy import EnergyBalance, energy_balance
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -139,7 +138,7 @@ def run(options: SimulateOptions) -> None:
     works = None
     if options.energy:
         times = about.run.sampled(options.samples).t
-        works = energy_balance(about.rig.mechanism, about.run, times=times)
+        works = sweep.energy_balance(about.rig.mechanism, about.run, times=times)
     if output is not None:
         table, units = _table(about, works, options.samples)
         write_file(output, table_bytes(table, output, units))
@@ -375,7 +374,7 @@ def _without_fitted_start(rig: Rig) -> Measurement:
 
 
 def _table(
-    about: RunReport, works: EnergyBalance | None, samples: int
+    about: RunReport, works: sweep.EnergyBalance | None, samples: int
 ) -> tuple["pd.DataFrame", dict[str, str]]:
     """Return the run at even times with units; with a band, its ends beside their columns."""
     sampled = about.run.sampled(samples)
@@ -460,7 +459,7 @@ def _mat_bytes(frame: "pd.DataFrame", units: Mapping[str, str]) -> bytes:
     return MATLAB_HEADER + buffer.getvalue()[len(MATLAB_HEADER) :]
 
 
-def _content(about: RunReport, chosen: Chosen, works: EnergyBalance | None) -> dict[str, Any]:
+def _content(about: RunReport, chosen: Chosen, works: sweep.EnergyBalance | None) -> dict[str, Any]:
     run = about.run
     ends = run.at(run.span)
     unchecked = () if about.fixed_step is None else EVENT_CHECKS
