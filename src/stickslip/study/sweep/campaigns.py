@@ -343,9 +343,7 @@ class Campaign(metaclass=Described):
             raise InputError(not_whole("part", 1, self.part))
         for flag in ("spread", "energy"):
             if not isinstance(getattr(self, flag), bool):
-                raise InputError(
-                    f"{flag} of a campaign is True or False, got {getattr(self, flag)!r}."
-                )
+                raise InputError(f"{flag} is True or False, got {getattr(self, flag)!r}.")
         names = {tuple(case.labels) for case in self.cases}
         if len(names) > 1 or len({case.where for case in self.cases}) < len(self.cases):
             raise InputError("cases need the same labels with different values.")
