@@ -19,14 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.designs import design
 from benchmarks.measuring import Section, Target
 from stickslip import Capsule, Coulomb, EventDriven, ensemble
 from stickslip.engine import Samples
 from stickslip.errors import SimulationError
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, Square
-from stickslip.study.optimisation import measure, optimise
-from stickslip.study.optimisation.search import with_values
 from stickslip.study.sweep import (
     EventCurve,
     OrbitChart,
@@ -85,17 +84,6 @@ CHAOTIC, PERIODIC, MARKS_SEED = 40, 200, 2026
 LONG, STROBED, LEFT = 3000, 128, 1e-2
 """Cycles of long runs, those at their ends that are sampled, and distance of what has left."""
 GOAL_MARKED, GOAL_FALSE = 38, 2
-DESIGNS, EVALUATIONS, DESIGN_SEED, GOAL_RATIO = 2000, 800, 4, 1.2
-RANGES = {
-    "mechanism.stiffness": (20.0, 200.0),
-    "mechanism.upper_soft_stop.place": (5e-4, 5e-3),
-    "mechanism.upper_soft_stop.stiffness": (300.0, 3e4),
-    "mechanism.drive.drive.high": (0.05, 0.5),
-    "mechanism.drive.drive.low": (-0.5, -0.05),
-    "mechanism.drive.drive.period": (0.04, 0.4),
-    "mechanism.drive.drive.duty": (0.1, 0.9),
-}
-"""Ranges of spring, gap, stop, amplitudes, period and duty of designs."""
 
 
 def sweep(rig: Capsule) -> float:
@@ -239,51 +227,6 @@ def marks() -> tuple[Target, Target]:
             reason="motions that come to rest once in hundreds of cycles have no positive exponent",
         )
         for k, name in enumerate(("average_velocity", "lyapunov_exponents"))
-    )
-
-
-def design() -> Target:
-    """Return the speed of an optimised capsule over that of the best of random designs.
-
-    Both are driven by a square wave. The optimised one may take as much energy per metre as the
-    fastest random design. Speeds are those of long runs, from which chaotic means are left out.
-    """
-    square = Torque(drive=Square(high=0.2, low=-0.2, period=0.1, duty=0.5))
-    rig = replace(BARE, upper_soft_stop=SOFT, drive=square)  # a force between both: no free push
-    noise = np.random.default_rng(DESIGN_SEED)
-    shares = noise.uniform(size=(DESIGNS, len(RANGES)))
-    ends = np.array(list(RANGES.values()))
-    values = np.where(
-        ends[:, 0] > 0.0,
-        np.abs(ends[:, 0]) * np.abs(ends[:, 1] / ends[:, 0]) ** shares,
-        ends[:, 0] + (ends[:, 1] - ends[:, 0]) * shares,
-    )
-    random = [dict(zip(RANGES, map(float, row), strict=True)) for row in values]
-    judged = []
-    for parameters in random:
-        mechanism = with_values(rig, LAW, parameters)[0]
-        judged.append(measure(mechanism, LAW))
-    speeds = np.array([cycle.speed if cycle.repeats else -np.inf for cycle in judged])
-    best = int(np.argmax(speeds))
-    allowed = judged[best].energy
-    found = optimise(
-        rig, LAW, RANGES, limits={"energy": allowed}, starts=[random[best]],
-        evaluations=EVALUATIONS, seed=DESIGN_SEED,
-    )  # fmt: skip
-    means = []
-    for parameters in (random[best], found.best.parameters):
-        mechanism = with_values(rig, LAW, parameters)[0]
-        swept = average_velocity(
-            mechanism, LAW, {"inner_mass": [rig.inner_mass]}, cycles=100, settle=400, energy=True
-        )
-        means.append(float("nan") if swept.chaotic[0] else float(swept.velocity[0]))
-    ratio = means[1] / means[0]
-    return Target(
-        work=f"capsule optimised in {EVALUATIONS} runs, over the best of {DESIGNS} random ones",
-        goal=f"{GOAL_RATIO:g} times its mean speed at equal energy per metre",
-        measured=f"{ratio:.2f} times {1e3 * means[0]:.1f} mm/s at {allowed:.3g} J/m",
-        met=ratio >= GOAL_RATIO,
-        reason="the best random design is near the optimum",
     )
 
 

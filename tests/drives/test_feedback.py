@@ -1,6 +1,7 @@
 """Drives that follow states: at once, by a switch, and a while ago."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ from scipy.integrate import solve_ivp
 
 from stickslip import Axis, Capsule, Coulomb, TwoMassAxis, ensemble, simulate
 from stickslip.data import load_rig
-from stickslip.engine.solver import FixedStep, delays
+from stickslip.engine.solver import EventDriven, FixedStep, delays
+from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import DelayedFeedback, Feedback, Relay, Sine
@@ -65,6 +67,39 @@ def test_a_relay_switches_where_its_state_passes_the_level():
     expected = [part * (2 * k + 1) for k in range(len(switches))]
     np.testing.assert_allclose([t for t, _ in switches], expected, rtol=1e-11)
     assert [name for _, name in switches[:2]] == ["relay switches up", "relay switches down"]
+
+
+LEAVES = [  # values above and below, state, start, acceleration after time 0
+    (-2.0, 2.0, "x", {"v": 1.0}, -2.0),
+    (-2.0, 2.0, "x", {"v": -1.0}, 2.0),
+    (2.0, 1.0, "x", {}, 2.0),
+    (-2.0, -1.0, "x", {}, -1.0),
+    (2.0, -2.0, "x", {"v": 1.0}, 2.0),
+    (2.0, 1.0, "v", {}, 2.0),
+    (-2.0, -1.0, "v", {}, -1.0),
+]
+
+
+@pytest.mark.parametrize(("above", "below", "state", "start", "rate"), LEAVES)
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+def test_a_state_at_the_level_leaves_it_to_its_side(above, below, state, start, rate, tier):
+    drive, solver = Relay(state=state, above=above, below=below), EventDriven(tier=tier)
+    axis = Axis(inertia=1.0, drive=drive)
+    run = simulate(axis, FREE, t_end=0.4, y0=start, solver=solver)
+    v = start.get("v", 0.0)
+    np.testing.assert_allclose(run.at([0.4])["x"], v * 0.4 + 0.5 * rate * 0.16, rtol=1e-12)
+
+
+@pytest.mark.parametrize("state", ["x", "v"])
+def test_a_state_that_both_values_push_back_to_the_level_ends_the_run(state):
+    drive = Relay(state=state, above=-2.0, below=2.0)
+    run = simulate(Axis(inertia=1.0, drive=drive), FREE, t_end=1.0, throw=False)
+    assert run.status is Status.ZENO
+    # friction that holds it against both values keeps it there
+    held = replace(drive, above=-0.3, below=0.3)
+    still = simulate(Axis(inertia=1.0, drive=held), ROUGH, t_end=1.0)
+    assert still.span[1] == 1.0
+    assert not still["v"].any()
 
 
 def test_a_state_that_is_not_there_is_refused():

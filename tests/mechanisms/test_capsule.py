@@ -9,13 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.support import examples
 
-from stickslip import Capsule, Coulomb, simulate
+from stickslip import Capsule, Coulomb, TwoMassCapsule, simulate
 from stickslip.engine import Status
 from stickslip.errors import InputError
-from stickslip.mechanisms import Prescribed, Torque
-from stickslip.mechanisms.drives import Sine, ThreePhase
+from stickslip.mechanisms import Coil, InnerMass, Prescribed, Torque
+from stickslip.mechanisms.drives import Sine, Square, ThreePhase
+from stickslip.study.sweep import energy_balance
 
 G = 9.81
+T = np.linspace(0.0, 2.0, 201)
 
 
 def driven(share, mu, stroke, fast):
@@ -120,3 +122,65 @@ def test_a_prescribed_motion_and_a_hard_stop_exclude_each_other():
     stopped = replace(capsule, upper_stop=0.02, restitution=0.5)
     with pytest.raises(InputError, match="motion of xi is prescribed"):
         simulate(stopped, Coulomb(kinetic_coefficient=0.2), t_end=1.0)
+
+
+# -- an inner mass on an inclined line, and a coil
+
+
+def test_a_vertical_inner_mass_shakes_the_normal_force():
+    # it hangs on its spring, whose force is what the capsule feels
+    body = Capsule(capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, angle=0.5 * math.pi)
+    run = simulate(body, Coulomb(kinetic_coefficient=0.3), t_end=1.0, y0={"xi": -1e-2})
+    rest, omega, t = -0.02 * G / 60.0, math.sqrt(60.0 / 0.02), np.linspace(0.0, 1.0, 97)
+    place = rest + (-1e-2 - rest) * np.cos(omega * t)
+    seen = run.at(t)
+    np.testing.assert_allclose(seen["xi"], place, atol=1e-12)
+    np.testing.assert_allclose(seen["normal_force"], 0.08 * G - 60.0 * place, atol=1e-10)
+    assert not seen["x"].any()
+
+
+def test_an_inclined_inner_mass_is_two_halves_of_it():
+    law = Coulomb(kinetic_coefficient=0.05, static_coefficient=0.06)
+    push = Sine(amplitude=0.15, frequency=5.0)
+    body = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, incline=0.01,
+        drive=Torque(drive=push), angle=1.0,
+    )  # fmt: skip
+    half = InnerMass(
+        mass=0.01, stiffness=30.0, damping=0.015, angle=1.0,
+        drive=Torque(drive=replace(push, amplitude=0.075)),
+    )  # fmt: skip
+    halves = TwoMassCapsule(capsule_mass=0.08, first=half, second=half, incline=0.01)
+    one, two = (simulate(rig, law, t_end=2.0) for rig in (body, halves))
+    assert abs(one["x"][-1]) > 1e-3
+    for name in ("x", "xi", "v", "normal_force"):
+        np.testing.assert_allclose(one.at(T)[name], two.at(T)[name], atol=1e-9)
+    assert energy_balance(body, one).mismatch < 1e-9
+
+
+def test_a_force_from_outside_along_an_inclined_line_presses_the_capsule():
+    pull = Torque(drive=Square(high=0.05, low=0.05, period=1.0, duty=0.5))
+    body = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, drive=pull, angle=0.7,
+        drive_on="inner mass",
+    )  # fmt: skip
+    resting = {"xi": (0.05 - 0.02 * G * math.sin(0.7)) / 60.0}
+    run = simulate(body, Coulomb(kinetic_coefficient=0.3), t_end=0.5, y0=resting)
+    weight = 0.1 * G - 0.05 * math.sin(0.7)
+    np.testing.assert_allclose(run["normal_force"], weight, rtol=1e-12)
+    np.testing.assert_allclose(run["friction"], 0.05 * math.cos(0.7), rtol=1e-9)
+
+
+def test_a_coil_gives_the_inner_mass_the_energy_of_its_closed_form():
+    # the integral of u (1 + u^2)^(-5/2) is -(1 + u^2)^(-3/2) / 3
+    force, radius, begin = 0.3, 0.01, 1e-3
+    coil = Coil(radius=radius, drive=Square(high=force, low=force, period=1.0, duty=0.5))
+    body = Capsule(capsule_mass=0.8, inner_mass=0.02, drive=coil)
+    run = simulate(body, Coulomb(kinetic_coefficient=2.0), t_end=0.3, y0={"xi": begin})
+    seen = run.at(np.linspace(0.0, 0.3, 31))
+    shape = (1.0 + (np.array([begin]) / radius) ** 2) ** -1.5
+    shape = shape - (1.0 + (seen["xi"] / radius) ** 2) ** -1.5
+    work = force * radius * shape / 3.0 / (16.0 / (25.0 * math.sqrt(5.0)))
+    np.testing.assert_allclose(0.5 * 0.02 * seen["xi_dot"] ** 2, work, atol=1e-11)
+    assert seen["xi"][-1] > 3.0 * radius
+    assert energy_balance(body, run).mismatch < 1e-9

@@ -10,6 +10,7 @@ import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
+import cma
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from stickslip.errors import ConvergenceError, InputError, ParameterError, Unkno
 from stickslip.mechanisms import DCMotor, Link, Prescribed, SerialArm, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, SplineSwing, Square, ThreePhase
 from stickslip.study.optimisation import GOALS, Margin, Optimum, measure
+from stickslip.study.optimisation.search import WIDTH
 
 GRAVITY, SHARE = 9.81, 0.2
 STROKE = ThreePhase(amplitude=0.008, fast=20.0, slow=9.0, first="slow")
@@ -80,6 +82,46 @@ def test_a_capsule_that_a_force_drives_is_optimised():
     assert cycle.speed == best.value
     assert cycle.peak_force == pytest.approx(0.15, rel=1e-12)
     assert best.mechanism.drive.drive.duty == best.best.parameters["mechanism.drive.drive.duty"]
+
+
+def test_a_search_that_has_converged_begins_again_from_another_start(monkeypatch):
+    begun = []
+    usual = cma.CMAEvolutionStrategy
+
+    def watched(place, width, options):
+        begun.append((np.round(place, 6).tolist(), width))
+        return usual(place, width, {**options, "maxiter": 2})  # as if it had converged
+
+    monkeypatch.setattr(cma, "CMAEvolutionStrategy", watched)
+    good, better = ({PROFILE + "amplitude": 5e-3, PROFILE + "slow": x} for x in (9.0, 9.8))
+    asked = {"evaluations": 40, "seed": 3}
+    found = optimise(CAPSULE, LAW, STROKES, starts=[good, better], **asked)
+    log = math.log
+    places = [[log(5.0) / log(10.0), log(x) / log(15.0)] for x in (9.8, 9.0)]
+    as_given = [log(8.0) / log(10.0), log(9.0) / log(15.0)]
+    known = sorted(map(tuple, np.round([*places, as_given], 6).tolist()))
+    assert sorted(tuple(place) for place, _ in begun[:3]) == known
+    assert {width for _, width in begun[:3]} == {0.5 * WIDTH}
+    assert len(begun) > 3
+    assert begun[3][1] == WIDTH
+    assert found.evaluations == 3 + 40 + (-40 % 6)  # generations of six, all of them used
+    again = optimise(CAPSULE, LAW, STROKES, starts=[good, better], **asked)
+    assert again.best.parameters == found.best.parameters
+
+
+def test_motions_that_do_not_repeat_may_be_beyond_a_limit():
+    wild = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, restitution=0.6,
+        upper_stop=2e-3, lower_stop=-1.5e-3,
+        drive=Torque(drive=Sine(amplitude=0.49, frequency=14.0)),
+    )  # fmt: skip
+    assert not measure(wild, LAW).repeats
+    path, limits = "drive.drive.amplitude", {"unsettled": 0.0}
+    starts = [{path: 0.05}]
+    found = optimise(wild, LAW, {path: (0.02, 0.5)}, limits=limits, starts=starts, evaluations=4)
+    assert found.start.reason == "exceeds unsettled"
+    assert found.best.cycles[0].repeats
+    assert measure(found.mechanism, LAW).repeats
 
 
 def test_the_positions_of_a_spline_are_parameters():

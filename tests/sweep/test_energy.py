@@ -1,20 +1,33 @@
 """Energy balances of runs, sweeps and orbits."""
 
+import json
 import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
+from tests.commands import commands
 from tests.support import SHOWN, example_of, informed
 
 from stickslip import Axis, Capsule, Coulomb, simulate
+from stickslip.data import rig_toml
 from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import LAWS
 from stickslip.mechanisms import DCMotor, SoftStop, Torque
 from stickslip.mechanisms.drives import Feedback, Relay, Sine
 from stickslip.study.energy import has_electric_motor
-from stickslip.study.sweep import average_velocity, energy_balance, orbit_diagram, periodic_orbit
+from stickslip.study.sweep import (
+    Campaign,
+    Case,
+    Levels,
+    average_velocity,
+    campaign,
+    energy_balance,
+    orbit_diagram,
+    periodic_orbit,
+)
 
 RUBS = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
 FREQUENCY = "mechanism.drive.drive.frequency"
@@ -99,6 +112,44 @@ def test_powers_of_a_sweep_an_orbit_and_a_diagram_are_the_same():
         assert math.isclose(nearest[name], value, rel_tol=0.05, abs_tol=1e-9), name
 
 
+def test_runs_of_a_campaign_have_the_columns_of_their_balances(tmp_path):
+    values = [0.15, 0.2]
+    found = campaign(
+        CAPSULE, RUBS, {"drive.drive.amplitude": values}, t_end=1.0, folder=tmp_path / "runs",
+        outputs=["x"], energy=True,
+    )  # fmt: skip
+    table = found.to_dataframe()
+    for row, amplitude in enumerate(values):
+        rig = replace(CAPSULE, drive=Torque(drive=Sine(amplitude=amplitude, frequency=13.0)))
+        run = simulate(rig, RUBS, t_end=1.0)
+        balance = energy_balance(rig, run)
+        assert balance.mismatch < 1e-9
+        for name, value in balance.columns().items():
+            assert math.isclose(table[name][row], value, rel_tol=1e-9), name
+    assert found.units["power drive"] == "W"
+    assert found.units["energy per travel"] == "J/m"
+
+
+def test_the_command_writes_works_beside_the_run(tmp_path, capsys):
+    rig = tmp_path / "rig.toml"
+    rig.write_text(rig_toml(CAPSULE, RUBS, title="hard", t_end=1.0))
+    output = tmp_path / "run.csv"
+    simulated = commands(capsys, "simulate", "--energy", "--samples", "5")
+    code, out, _ = simulated(rig, "-o", output, "--json")
+    assert code == 0
+    told = json.loads(out)["energy"]
+    table = pd.read_csv(output)
+    balance = energy_balance(CAPSULE, simulate(CAPSULE, RUBS, t_end=1.0), until=0.5)
+    assert math.isclose(table["work drive [J]"][2], balance.works["drive"], rel_tol=1e-9)
+    for name, work in told["works"].items():
+        assert math.isclose(table[f"work {name} [J]"].iloc[-1], work, rel_tol=1e-12), name
+    assert told["mismatch"] < 1e-9
+    assert told["unit"] == "J/m"
+    left = table["energy [J]"].iloc[-1] - table["energy [J]"][0]
+    taken = sum(told["works"].values()) - told["works"]["drive"]
+    assert math.isclose(told["works"]["drive"] - taken, left, rel_tol=1e-9)
+
+
 def test_what_cannot_be_balanced_is_refused():
     run = simulate(CAPSULE, RUBS, t_end=0.5)
     with pytest.raises(InputError, match=r"since and until must lie within the run, 0 to 0\.5 s"):
@@ -107,3 +158,7 @@ def test_what_cannot_be_balanced_is_refused():
     axis = Axis(inertia=1e-3, drive=motor)
     with pytest.raises(InputError, match="electric motor"):
         energy_balance(axis, simulate(axis, RUBS, t_end=0.1))
+    levels = {"inertia": Levels(values=(1e-3, 2e-3))}
+    case = Case(mechanism=axis, law=RUBS, t_end=0.1)
+    with pytest.raises(InputError, match="electric motor"):
+        Campaign(cases=(case,), factors=levels, energy=True).run("unwritten")

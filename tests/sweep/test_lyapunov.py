@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from stickslip import Axis, Capsule, Coulomb, simulate
+from stickslip import Axis, Capsule, Coulomb, TowedBlock, simulate
 from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError
 from stickslip.mechanisms import SoftStop, Torque
@@ -180,6 +180,42 @@ def test_a_run_goes_on_where_its_last_cycle_ended():
     assert found.chaotic
     other = lyapunov_exponents(CHAOTIC, RUBS, settle=250, cycles=300)
     np.testing.assert_allclose(found.largest, other.largest, atol=4.0 * found.errors[0])
+
+
+TOWED = TowedBlock(
+    mass=1.0, stiffness=100.0, speed=1.0, damping=0.4, load=5.0,
+    modulation=Sine(amplitude=2.0, frequency=1.5),
+)  # fmt: skip
+LEVEL = Coulomb(kinetic_coefficient=0.3)
+FORWARD = {"v": 1.0}
+
+
+def test_what_is_carried_along_settles_in_its_moving_frame():
+    # a block that slides all the time is linear: x - V t swings about -mu N(t) / k
+    omega, force = 3.0 * math.pi, -0.3 * 2.0
+    swing = force / complex(100.0 - omega**2, 0.4 * omega)
+    place, speed = swing.imag - 0.3 * 5.0 / 100.0, 1.0 + omega * swing.real
+    found = lyapunov_exponents(TOWED, LEVEL, y0=FORWARD, cycles=64, settle=300)
+    assert found.kind == "periodic"
+    np.testing.assert_allclose([found.end["x"], found.end["v"]], [place, speed], atol=1e-9)
+    assert math.isclose(found.exponents.sum(), -0.4, rel_tol=1e-6)
+    run = simulate(TOWED, LEVEL, t_end=200.0, y0=FORWARD)
+    of_run = lyapunov_exponents(run, cycles=64, settle=0)
+    np.testing.assert_allclose([of_run.end["x"], of_run.end["v"]], [place, speed], atol=1e-9)
+    # twice the cycle, followed at once: neither of the drives alone, but it closes
+    at_once = lyapunov_exponents(TOWED, LEVEL, y0=FORWARD, cycles=64, settle=300, period=5.0 / 3.0)
+    assert at_once.closes == 2
+    assert abs(at_once.largest + 0.2) < 3.0 * at_once.errors[0] + 1e-3
+    orbit = periodic_orbit(TOWED, LEVEL, start=FORWARD, settle=5)
+    np.testing.assert_allclose([*orbit.start.values()], [place, speed], atol=1e-9)
+    assert orbit.mean_velocity["x"] == 1.0
+    path = "mechanism.modulation.frequency"
+    diagram = orbit_diagram(
+        TOWED, LEVEL, path, (1.4, 1.6), values=3, starts=1, settle=150, cycles=1, y0=FORWARD
+    )
+    assert np.isfinite(diagram.samples).all()
+    middle = diagram.samples[np.isclose(diagram.values, 1.5)]
+    np.testing.assert_allclose(middle[0, -1], [place, speed], atol=1e-6)
 
 
 def test_two_incommensurate_drives_do_not_close_and_are_not_chaotic():

@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy.optimize import brentq
 
 from stickslip import (
     Axis,
@@ -31,7 +32,16 @@ from stickslip.engine import Status
 from stickslip.engine.solver import Samples
 from stickslip.friction import law as compose
 from stickslip.mechanisms import Contact, InnerMass, Prescribed, Torque
-from stickslip.mechanisms.drives import Drive, Pulse, Rotation, Sine, SineSwing, Square, ThreePhase
+from stickslip.mechanisms.drives import (
+    DelayedFeedback,
+    Drive,
+    Pulse,
+    Rotation,
+    Sine,
+    SineSwing,
+    Square,
+    ThreePhase,
+)
 from stickslip.quantities import Quantity
 from stickslip.study.sweep import continue_orbit, periodic_orbit
 
@@ -256,6 +266,24 @@ for rate, place in ((2.2, 0.15), (2.5, 0.0)):
     (found,) = (event.value for event in branch.events if event.kind == "period doubling")
     row("Dux 1992", "formula", f"velocity at doubling, omega = {rate}", doubled, into(found))
     print(f"    the period doubles with the stop at {found:.6f}")
+
+# %% A grazing orbit under delayed feedback
+damping, force, omega, gain = 0.01, 0.9 * 0.8**2 / 1.26, 0.8, 0.12
+
+
+def amplitude(delay):
+    """Return the amplitude of the linear oscillator, whose stop is at 1."""
+    fed = 1j * omega * gain * (1.0 - np.exp(-1j * omega * delay))
+    return force / abs(1.0 - omega**2 + 2j * damping * omega + fed)
+
+
+touches = brentq(lambda delay: amplitude(delay) - 1.0, 3.8, 5.0)
+push = Sine(amplitude=force, frequency=omega / math.tau, phase=0.5 * math.pi)
+fed = push + DelayedFeedback(state="v", gain=gain, delay=touches)
+oscillator = Axis(inertia=1.0, stiffness=1.0, damping=2.0 * damping, load=0.0, drive=fed)
+run = simulate(oscillator, Coulomb(kinetic_coefficient=0.0), t_end=36.0 * math.tau / omega)
+largest_place = run.at(np.linspace(35.0, 36.0, 2001) * math.tau / omega)["x"].max()
+row("PWSDDE-cont", "formula", "largest place, delay 4.7008", 1.0, largest_place, "theirs")
 
 # %% The quickest two-body crawler
 p, mu, L = 0.2, 0.2, 0.02

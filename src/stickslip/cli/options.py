@@ -429,6 +429,8 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     its file, and of the mechanism."""
     refit: bool = False
     """Also fit the law to what was measured on this rig, and compare the intervals."""
+    energy: bool = False
+    """Add works of drives, friction, dampers and stops, and the energy per travel."""
     report_asked: Annotated[bool, typer.Option("--report")] = False
     """Write a report of the run to stickslip-run/index.html."""
     report_to: Annotated[Path | None, typer.Option(metavar="FOLDER")] = None

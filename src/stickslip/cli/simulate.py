@@ -34,7 +34,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
-from stickslip.show.display import require_library
+from stickslip.show.display import Summary, require_library
 from stickslip.show.documents import document, write_file, write_folder
 from stickslip.show.report import RunReport, run_sections, versions
 from stickslip.study import sweep
@@ -135,11 +135,16 @@ def run(options: SimulateOptions) -> None:
     if output is not None:
         terminal.refuse_inputs(output, rig.files)
     about = _ran(rig, chosen, options)
+    works = None
+    if options.energy:
+        times = about.run.sampled(options.samples).t
+        works = sweep.energy_balance(about.rig.mechanism, about.run, times=times)
     if output is not None:
-        table = _table(about, options.samples)
-        write_file(output, table_bytes(table, output, _units(about, table)))
+        table, units = _table(about, works, options.samples)
+        write_file(output, table_bytes(table, output, units))
     if not options.as_json:
         terminal.show_sections(run_sections(about))
+        terminal.show_summary(works.in_short() if works else Summary())
         if output is not None:
             terminal.stdout().print(f"\nWritten: {output}")
     page_code = 0
@@ -150,7 +155,7 @@ def run(options: SimulateOptions) -> None:
             options.report, partial(_page, about), write, kept=kept, quiet=options.as_json
         )
     if options.as_json:
-        content = _content(about, chosen)
+        content = _content(about, chosen, works)
         if options.report is not None:
             content["report"] = None if page_code else str(options.report / PAGE)
         terminal.print_json(document("simulate", content))
@@ -269,6 +274,8 @@ def _refuse_impossible(rig: Rig, chosen: Chosen, options: SimulateOptions) -> No
             )
     if options.ensemble is not None and options.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
+    if options.energy and options.fixed_step is not None:
+        raise InputError("--energy requires exact events: leave --fixed-step out.")
     if options.refit and options.fixed_step is not None:
         raise InputError("--refit requires exact events: leave --fixed-step out.")
     known = chosen.estimates is not None or rig.parameter_uncertainties
@@ -366,15 +373,22 @@ def _without_fitted_start(rig: Rig) -> Measurement:
     return replace(rig.measurement, trials=tuple(kept)) if rig.measurement.trials else kept[0]
 
 
-def _table(about: RunReport, samples: int) -> "pd.DataFrame":
-    """Return the run at even times; with a band, its ends beside the columns they are of."""
+def _table(
+    about: RunReport, works: sweep.EnergyBalance | None, samples: int
+) -> tuple["pd.DataFrame", dict[str, str]]:
+    """Return the run at even times with units; with a band, its ends beside their columns."""
     sampled = about.run.sampled(samples)
     frame, band = sampled.to_dataframe(), about.band
     for name in () if band is None else band.states:
         assert band is not None
         low, median, high = band.at(name, sampled.t)
         frame[f"{name}_low"], frame[f"{name}_median"], frame[f"{name}_high"] = low, median, high
-    return frame
+    units = _units(about, frame)
+    if works is not None:
+        added = works.to_dataframe().set_index("t").reindex(sampled.t).reset_index(drop=True)
+        added = added.add_prefix("work ").rename(columns={"work energy": "energy"})
+        frame, units = frame.join(added), units | dict.fromkeys(map(str, added), "J")
+    return frame, units
 
 
 def _solver(options: SimulateOptions) -> Solver | None:
@@ -445,7 +459,7 @@ def _mat_bytes(frame: "pd.DataFrame", units: Mapping[str, str]) -> bytes:
     return MATLAB_HEADER + buffer.getvalue()[len(MATLAB_HEADER) :]
 
 
-def _content(about: RunReport, chosen: Chosen) -> dict[str, Any]:
+def _content(about: RunReport, chosen: Chosen, works: sweep.EnergyBalance | None) -> dict[str, Any]:
     run = about.run
     ends = run.at(run.span)
     unchecked = () if about.fixed_step is None else EVENT_CHECKS
@@ -463,6 +477,8 @@ def _content(about: RunReport, chosen: Chosen) -> dict[str, Any]:
     }
     if about.remarks:
         content["remarks"] = list(map(terminal.plain, about.remarks))
+    if works is not None:
+        content["energy"] = works.to_dict()
     if about.cycles:
         content["cycles"] = [
             asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in about.cycles

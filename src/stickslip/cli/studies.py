@@ -133,18 +133,8 @@ def _show(found: PaperAudit) -> None:
 # ``stickslip sweep campaign.toml``: the file of a campaign, and its runs.
 
 CANCELLED: Final = 130
-KEYS: Final = (
-    "rigs",
-    "laws",
-    "t_end",
-    "design",
-    "runs",
-    "seed",
-    "spread",
-    "part",
-    "factors",
-    "outputs",
-)
+OF_DESIGN: Final = ("design", "runs", "seed", "spread", "energy", "part")
+KEYS: Final = ("rigs", "laws", "t_end", *OF_DESIGN, "factors", "outputs")
 KINDS: Final[Mapping[str, type[Output]]] = {
     "final": Last,
     "max": Max,
@@ -308,7 +298,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
         cases=tuple(cases),
         factors=_factors(raw.get("factors"), cases[0], file),
         outputs=_outputs(raw.get("outputs"), file),
-        **{key: raw[key] for key in ("design", "runs", "seed", "spread", "part") if key in raw},
+        **{key: raw[key] for key in OF_DESIGN if key in raw},
     )
     return campaign, titles
 

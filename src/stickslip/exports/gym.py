@@ -20,7 +20,7 @@ from stickslip.engine.solver import EventDriven, IncrementalEnsemble
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import Coulomb, FrictionLaw
-from stickslip.mechanisms import Capsule, Mechanism, Motor, PendulumCart, Torque, slip_of
+from stickslip.mechanisms import Capsule, Coil, Mechanism, Motor, PendulumCart, Torque, slip_of
 from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Parametrised, Quantity, full_path, parameters, structure
 from stickslip.quantities import vary as changed
@@ -133,7 +133,10 @@ class MotorTask(Parametrised):
         shares = [float(np.clip(action, -1.0, 1.0)) for action in actions] or [0.0]
         times = tuple(k * self.period for k in range(len(shares)))
         efforts = tuple(share * self.effort_limit for share in shares)
-        motor = Torque(drive=Sampled(times=times, values=efforts))
+        drive, held = Sampled(times=times, values=efforts), getattr(self.mechanism, self._motor)
+        # the force of a coil depends on the place still
+        coil = isinstance(held, Coil)
+        motor = dataclasses.replace(held, drive=drive) if coil else Torque(drive=drive)
         return dataclasses.replace(self.mechanism, **{self._motor: motor})
 
     @property

@@ -52,6 +52,7 @@ from stickslip.mechanisms.blocks import SpringBlock as _SpringBlock
 from stickslip.mechanisms.blocks import TowedBlock as _TowedBlock
 from stickslip.mechanisms.blocks import TwoFeet as _TwoFeet
 from stickslip.mechanisms.capsules import Capsule as _Capsule
+from stickslip.mechanisms.capsules import Coil as _Coil
 from stickslip.mechanisms.capsules import InnerMass as _InnerMass
 from stickslip.mechanisms.capsules import MOTORS as MOTORS
 from stickslip.mechanisms.capsules import Motor as Motor
@@ -149,6 +150,18 @@ class Capsule(_Capsule):
         upper_soft_stop: _SoftStop | None = ...,
         drive_on: _Literal['both', 'inner mass'] = ...,
         squeeze: _Given = ...,
+        angle: _Given | None = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Coil(_Coil):
+    def __init__(
+        self,
+        *,
+        drive: _Drive | None = ...,
+        limit: _Given | None = ...,
+        radius: _Given,
+        middle: _Given = ...,
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)

@@ -42,8 +42,21 @@ class Motor(Parametrised, ABC):
         """Return the drives that are fitted, by name."""
 
     @abstractmethod
-    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
-        """Return the force [N] or torque [N m] at present values of the drives."""
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
+        """Return the force [N] or torque [N m] on what is driven.
+
+        Parameters
+        ----------
+        drives : mapping
+            Present values of the drives by name.
+        place : float or array
+            Where what is driven is [m] or [rad].
+
+        Returns
+        -------
+        float or array
+            Force or torque.
+        """
 
     @abstractmethod
     def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
@@ -108,7 +121,7 @@ class Prescribed(Motor):
         return {DRIVE: self.profile}
 
     @override
-    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
         return 0.0
 
     @override
@@ -150,7 +163,7 @@ class Torque(Motor):
         return {} if self.drive is None else {DRIVE: self.drive}
 
     @override
-    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
         wanted = drives.get(DRIVE, 0.0)
         if self.limit is None or self.drive is None:
             return wanted
@@ -172,10 +185,47 @@ class Torque(Motor):
         return {}
 
 
+@dataclass(frozen=True, kw_only=True)
+class Coil(Torque):
+    """A ring-shaped coil that acts on a magnet on its axis: the force depends on the place.
+
+    At a distance ``u R`` from its middle the force of a drive P is ``P s(u)`` with
+
+        s(u) = u (1 + u^2)^(-5/2) / s_max,    s_max = 16 / (25 sqrt(5)) at u = 1/2
+
+    so that P is the largest force, half a radius from the middle. In the middle there is none;
+    a positive P pushes away from it. The magnet is short and the coil thin beside R.
+
+    Source: D. J. Griffiths, Introduction to Electrodynamics, on the field of a loop on its axis and
+    the force on a dipole in it.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> coil = Coil(radius=0.01, middle=-0.005, drive=Sine(amplitude=0.4, frequency=1.0))
+    >>> round(coil.force({"motor": 0.4}, 0.0), 12), round(coil.force({"motor": 0.4}, -0.01), 12)
+    (0.4, -0.4)
+    """
+
+    name: ClassVar[str] = "coil"
+
+    radius: Annotated[float, Quantity("R", "m", above=0, or_unit="rad")]
+    """Radius R of the coil."""
+    middle: Annotated[float, Quantity("xi_m", "m", or_unit="rad")] = 0.0
+    """Place of the inner mass at which its magnet is in the middle of the coil."""
+
+    @override
+    def force(self, drives: Mapping[str, Scalar], place: Scalar = 0.0) -> Scalar:
+        u = (place - self.middle) / self.radius
+        return super().force(drives, place) * (u / _STRONGEST * power(1.0 + u * u, -2.5))
+
+
+_STRONGEST = 0.5 * 1.25**-2.5
+
 IDLE = Torque()
 """A motor that does nothing."""
 
-MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed, Torque)}
+MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed, Torque, Coil)}
 """The motors by the ``type`` they have in rig files."""
 
 
@@ -297,7 +347,8 @@ class Capsule(base.BoundedMechanism):
     force between the two drives it, or one from outside on the mass alone, as that of magnets, or
     its motion is prescribed. With stops, hard or soft, it strikes the capsule, as in vibro-impact
     capsules; at a hard one it bounces, and rests there while it is pressed. On an incline both are
-    pulled towards negative x.
+    pulled towards negative x. With an `angle` the inner mass moves along an inclined line, and the
+    run ends where the capsule lifts off.
 
     Examples
     --------
@@ -345,6 +396,9 @@ class Capsule(base.BoundedMechanism):
     """Where a force drives it: between the two, or from outside on the inner mass alone."""
     squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
     """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
+    angle: Annotated[float, Quantity("alpha", "rad")] | None = None
+    """Angle of the line of the inner mass from the ground, pi/2 being upwards: its weight hangs on
+    the spring, and its motion changes the normal force. None, as usual, is along the ground."""
 
     def __post_init__(self) -> None:
         """Check the parameters: only a force can come from outside."""
@@ -458,17 +512,24 @@ class Capsule(base.BoundedMechanism):
             found["delta"] = self.upper_soft_stop.place * self.stiffness / friction
         return found
 
+    def _parts(self, way: Scalar) -> tuple[Scalar, Scalar]:
+        """Return the parts along and above the ground of a way or force along the inner line."""
+        if self.angle is None:
+            return way, 0.0
+        return cos(self.angle) * way, sin(self.angle) * way
+
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
-        inner = q_dot["x"] + q_dot["xi"]
-        upward = q_dot["y"] * q_dot["y"]
-        capsule = self.capsule_mass * (q_dot["x"] * q_dot["x"] + upward)
-        return 0.5 * capsule + 0.5 * self.inner_mass * (inner * inner + upward)
+        v, w = q_dot["x"], q_dot["y"]
+        along, above = self._parts(q_dot["xi"])
+        inner = self.inner_mass * _square(v + along, w + above)
+        return 0.5 * self.capsule_mass * _square(v, w) + 0.5 * inner
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         capsule = self.capsule_mass * base.height(self.incline, q["x"], q["y"])
-        inner = self.inner_mass * base.height(self.incline, q["x"] + q["xi"], q["y"])
+        along, above = self._parts(q["xi"])
+        inner = self.inner_mass * base.height(self.incline, q["x"] + along, q["y"] + above)
         springs = 0.5 * self.stiffness * q["xi"] * q["xi"]
         for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             springs = springs + stop.energy(q["xi"], side, events)
@@ -482,13 +543,16 @@ class Capsule(base.BoundedMechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        drive = self.drive.force(drives)
+        drive = self.drive.force(drives, q["xi"])
         between = drive - self.damping * q_dot["xi"]
         for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             between = between + stop.damper_force(q["xi"], q_dot["xi"], side, events)
         # xi counts from the capsule: a force between both acts along xi alone, one from outside
         # along x too.
-        return {"xi": between} | ({"x": drive} if self.drive_on == "inner mass" else {})
+        if self.drive_on == "both":
+            return {"xi": between}
+        along, above = self._parts(drive)
+        return {"xi": between, "x": along} | ({} if self.angle is None else {"y": above})
 
     @override
     def contacts(self) -> tuple[base.Contact, ...]:
@@ -648,7 +712,7 @@ class TwoMassCapsule(base.BoundedMechanism):
         found: dict[str, Scalar] = {}
         for name, place, _, mass in self._inner():
             own = {DRIVE: drives[motor]} if (motor := f"{name}_{DRIVE}") in drives else {}
-            force = mass.drive.force(own) - mass.damping * q_dot[place]
+            force = mass.drive.force(own, q[place]) - mass.damping * q_dot[place]
             for stop, side, events in mass.soft_stops(name):
                 force = force + stop.damper_force(q[place], q_dot[place], side, events)
             found[place] = force
@@ -843,7 +907,7 @@ class PendulumCart(base.BoundedMechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        pivot = self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]
+        pivot = self.pendulum.force(drives, q["theta"]) - self.pivot_damping * q_dot["theta"]
         for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             pivot = pivot + stop.damper_force(q["theta"], q_dot["theta"], side, events)
         if self.ground is None:
@@ -889,7 +953,7 @@ class PendulumCart(base.BoundedMechanism):
             others = others + self._shaken(q, drives)
             for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
                 others = others + stop.force(q["theta"], q_dot["theta"], side, events)
-            pivot = base.gear_inputs(self.pendulum.force(drives), others, **pivot)
+            pivot = base.gear_inputs(self.pendulum.force(drives, q["theta"]), others, **pivot)
         return {"wheels": wheels, "pivot": pivot}
 
     @override

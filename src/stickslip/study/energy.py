@@ -18,7 +18,7 @@ E is taken from states alone, so that the mismatch of both sides is evidence.
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +96,11 @@ class EnergyBalance(OnAxes, Tabular):
         powers = {f"power {name}": work / length for name, work in self.works.items()}
         return powers | {PER_TRAVEL: self.per_travel}
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return works over the run [J], energy per travel and mismatch, for JSON."""
+        per_travel = {"energy per travel": self.per_travel, "unit": f"J/{self.unit}"}
+        return {"works": self.works, **per_travel, "mismatch": self.mismatch}
+
     def _over(self) -> str:
         return "t"
 
@@ -127,6 +132,7 @@ def energy_balance(
     coordinate: str | None = None,
     since: float | None = None,
     until: float | None = None,
+    times: Array | None = None,
 ) -> EnergyBalance:
     """Return the energy of a run, what drives put in, and what friction, dampers and stops take.
 
@@ -140,11 +146,13 @@ def energy_balance(
         Coordinate of the travel; the one along which contacts slip if not given.
     since, until : float, optional
         First and last time [s]; those of the run if not given.
+    times : array (n,), optional
+        Further times at which energy and works are known.
 
     Returns
     -------
     EnergyBalance
-        Energy and works at the ends of steps.
+        Energy and works at the ends of steps, and at the times that are given.
 
     Raises
     ------
@@ -179,12 +187,8 @@ def energy_balance(
             f"energy_balance: since and until must lie within the run, {number(first, 6)} to"
             f" {number(last, 6)} s, in this order, got {number(since, 6)} and {number(until, 6)} s."
         )
-    if has_electric_motor(mechanism):
-        raise InputError(
-            f"energy_balance: the force of the electric motor of {type(mechanism).__name__} depends"
-            " on the motion, too, so that its work is not known apart."
-        )
-    times = _times(mechanism, run, since, min(until, last))
+    columns_of(mechanism)
+    times = _times(mechanism, run, since, min(until, last), times)
     widths = np.diff(times)
     at = (times[:-1] + 0.5 * widths)[:, None] + 0.5 * widths[:, None] * _NODES
     seen = run.at(at.ravel())
@@ -204,7 +208,8 @@ def energy_balance(
     before = _energy(mechanism, run.at(np.maximum(np.nextafter(times, -np.inf), first)))
     struck = np.isin(times, [event.t for event in run.events])
     struck[0] = False
-    coordinate, unit, travel = _travel(mechanism, run, coordinate, times)
+    along, unit = travel_of(mechanism, coordinate)
+    places = run.at(times[[0, -1]])
     return EnergyBalance(
         t=times,
         energy=energy,
@@ -213,7 +218,7 @@ def energy_balance(
         friction={name: summed(power) for name, power in powers["friction"].items()},
         dampers=summed(-sum(powers["others"].values(), np.zeros_like(seen.t))),
         stops=np.cumsum(np.where(struck, before - energy, 0.0)),
-        travel=travel,
+        travel=float(np.diff(places[along])[0]) if along else np.nan,
         unit=unit,
     )
 
@@ -235,6 +240,24 @@ def _positive(power: Array) -> Array:
     return found
 
 
+def columns_of(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the names of `EnergyBalance.columns`; what has no balance is refused.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> columns_of(Axis(inertia=1.0))[:2]
+    ('power drive', 'power friction')
+    """
+    if has_electric_motor(mechanism):
+        raise InputError(
+            f"energy_balance: the force of the electric motor of {type(mechanism).__name__} depends"
+            " on the motion, too, so that its work is not known apart."
+        )
+    rubs = (f"friction {contact.name}".strip() for contact in mechanism.contacts())
+    return (*(f"power {name}" for name in ("drive", *rubs, "dampers", "stops")), PER_TRAVEL)
+
+
 def units_of_columns(names: Iterable[str], unit: str) -> dict[str, str]:
     """Return the SI units of `EnergyBalance.columns`, for a travel in a unit.
 
@@ -248,26 +271,33 @@ def units_of_columns(names: Iterable[str], unit: str) -> dict[str, str]:
     return {name: f"J/{unit}" if name == PER_TRAVEL else "W" for name in known}
 
 
-def _travel(
-    mechanism: Mechanism, run: Trajectory, coordinate: str | None, times: Array
-) -> tuple[str, str, float]:
-    """Return coordinate, unit and length of the travel; NaN if none was named and several slip."""
+def travel_of(mechanism: Mechanism, coordinate: str | None = None) -> tuple[str, str]:
+    """Return coordinate and unit of the travel; no coordinate if none was named and several slip.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> travel_of(Axis(inertia=1.0))
+    ('x', 'm')
+    """
     slips = {name for contact in mechanism.contacts() for name in contact.slips}
     if coordinate is None and len(slips) != 1:
-        return "", "m", np.nan
+        return "", "m"
     name = slip_among(mechanism, None, "energy_balance")[0] if coordinate is None else coordinate
     if name not in mechanism.coordinates:
         raise UnknownNameError("coordinate", name, mechanism.coordinates)
-    x = run.at(times[[0, -1]])[name]
-    return name, mechanism.units[mechanism.coordinates.index(name)], float(x[1] - x[0])
+    return name, mechanism.units[mechanism.coordinates.index(name)]
 
 
-def _times(mechanism: Mechanism, run: Trajectory, since: float, until: float) -> Array:
-    """Return ends of steps, events, and starts of pieces of the drives."""
+def _times(
+    mechanism: Mechanism, run: Trajectory, since: float, until: float, others: Array | None
+) -> Array:
+    """Return ends of steps, events, starts of pieces of the drives, and other times."""
     starts = [
         float(piece.start) for drive in mechanism.drives().values() for piece in drive.pieces(until)
     ]
-    times = np.concatenate([run.t, [event.t for event in run.events], starts, [since, until]])
+    ends = [since, until, *(() if others is None else others)]
+    times = np.concatenate([run.t, [event.t for event in run.events], starts, ends])
     return np.unique(times[(times >= since) & (times <= until)])
 
 
@@ -369,10 +399,9 @@ def has_electric_motor(part: object) -> bool:
     """
     if isinstance(part, DCMotor):
         return True
-    inner = part if isinstance(part, tuple) else ()
     if isinstance(part, Parametrised):
-        inner = tuple(vars(part).values())
-    return any(map(has_electric_motor, inner))
+        part = tuple(vars(part).values())
+    return isinstance(part, tuple) and any(map(has_electric_motor, part))
 
 
 def values_of(drive: Drive, times: Array, seen: Trajectory | None = None) -> Array:

@@ -742,6 +742,8 @@ def _spiral(mechanism: mechanisms.PendulumCart, centre: Point, theta: float) -> 
 
 def capsule(mechanism: mechanisms.Capsule, run: Trajectory) -> Picture:
     """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
+    if mechanism.angle is not None:
+        return inclined_masses(mechanism, run)
     places = [float(np.abs(run["xi"]).max()), 0.0]
     places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
     soft = ((mechanism.lower_soft_stop, -1.0), (mechanism.upper_soft_stop, 1.0))
@@ -791,11 +793,17 @@ def capsule(mechanism: mechanisms.Capsule, run: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "force on the inner mass"})
 
 
-def two_mass_capsule(mechanism: mechanisms.TwoMassCapsule, run: Trajectory) -> Picture:
-    """Return the capsule with both masses on their lines, which cross in its middle."""
-    reach = max(float(np.abs(run[name]).max()) for name in ("xi", "zeta")) or 0.1
+def inclined_masses(
+    mechanism: mechanisms.Capsule | mechanisms.TwoMassCapsule, run: Trajectory
+) -> Picture:
+    """Return the capsule with its masses on their lines, which cross in its middle."""
+    inner: dict[str, mechanisms.Capsule | mechanisms.InnerMass]
+    if isinstance(mechanism, mechanisms.Capsule):
+        inner = {"xi": mechanism}
+    else:
+        inner = {"xi": mechanism.first, "zeta": mechanism.second}
+    reach = max(float(np.abs(run[name]).max()) for name in inner) or 0.1
     half = 1.5 * reach
-    inner = (("xi", mechanism.first), ("zeta", mechanism.second))
 
     def shapes(now: Moment) -> list[Shape]:
         x = now["x"]
@@ -803,8 +811,8 @@ def two_mass_capsule(mechanism: mechanisms.TwoMassCapsule, run: Trajectory) -> P
             Ground(touched=((x - half, x + half),)),
             Box(left=x - half, bottom=0.0, width=2.0 * half, height=2.0 * half, fill="mode"),
         ]
-        for name, mass in inner:
-            along, up = math.cos(mass.angle), math.sin(mass.angle)
+        for name, mass in inner.items():
+            along, up = math.cos(mass.angle or 0.0), math.sin(mass.angle or 0.0)
             ends = [(x + side * reach * along, half + side * reach * up) for side in (-1.0, 1.0)]
             found.append(Rod(points=(ends[0], ends[1]), width=0.6))
             middle = (x + along * now[name], half + up * now[name])
@@ -826,7 +834,7 @@ PICTURES: Final[Mapping[str, Callable[[Any, Trajectory], Picture]]] = MappingPro
         mechanisms.Pendulum.name: pendulum,
         mechanisms.PendulumCart.name: pendulum_cart,
         mechanisms.Capsule.name: capsule,
-        mechanisms.TwoMassCapsule.name: two_mass_capsule,
+        mechanisms.TwoMassCapsule.name: inclined_masses,
         mechanisms.BlockChain.name: block_chain,
         mechanisms.TwoFeet.name: two_feet,
         mechanisms.SerialArm.name: arm,

@@ -4,8 +4,9 @@ Each candidate is run from rest until its cycles repeat, and judged by its stead
 Parameters lie between two ends each; where both are above 0 their logarithms are searched, so
 that a stiffness may range over decades.
 
-- One objective: covariance matrix adaptation by `cma`. A candidate within all limits is always
-  better than one beyond any; of those beyond, the one that exceeds less is better.
+- One objective: covariance matrix adaptation by `cma`, first about the motions that are known, the
+  best of them first, then from random points, as often as the evaluations allow. A candidate within
+  all limits is always better than one beyond any; of those beyond, the one that exceeds less.
 - Two objectives: the non-dominated sorting genetic algorithm NSGA-II by `pymoo`, with the same
   order of candidates beyond limits; the result is the front of all candidates that were tried.
 
@@ -121,6 +122,11 @@ class Cycle(metaclass=Described):
     def speed(self) -> float:
         """Mean speed [m/s] or [rad/s]."""
         return self.travel / self.period
+
+    @property
+    def unsettled(self) -> float:
+        """1 where cycles do not repeat, as in chaos, 0 where they do."""
+        return 0.0 if self.repeats else 1.0
 
     @property
     def energy(self) -> float:
@@ -350,7 +356,7 @@ GOALS: Mapping[str, Goal] = {
     )
 }
 """The objectives by name."""
-OF_CYCLES = ("load_share", "back_slip", "energy", "peak_force")
+OF_CYCLES = ("load_share", "back_slip", "energy", "peak_force", "unsettled")
 """What can be limited beside coordinates, rates, efforts and accelerations."""
 
 
@@ -371,7 +377,7 @@ def units_of(mechanism: Mechanism, slip: str) -> dict[str, str]:
     efforts = {guide.effort: guide.unit for guide in guided.values()}
     force = "N m" if columns[driven[0]] == "rad" else "N"
     found = {"speed": f"{length}/s", "energy": f"J/{length}", "back_slip": length}
-    found |= {"load_share": "1", "peak_force": force}
+    found |= {"load_share": "1", "peak_force": force, "unsettled": "1"}
     if guided:
         found[ACCELERATION] = f"{columns[driven[0]]}/s^2"
     rates = zip(mechanism.rates, mechanism.units, strict=True)
@@ -703,7 +709,8 @@ def optimise(
         Largest absolute values [SI] of coordinates, rates and efforts of prescribed motions by
         name, such as ``{"xi": 0.01, "xi_dot": 0.8, "force": 8.0}``, of ``"acceleration"`` (of a
         prescribed motion), ``"back_slip"`` [m per cycle], ``"energy"`` [J/m], ``"peak_force"``
-        [N]; and the least ``"load_share"``, the normal force over that at rest.
+        [N]; the least ``"load_share"``, the normal force over that at rest; and
+        ``"unsettled"``, which is 0 where only motions count that repeat themselves, not chaos.
     scenarios : sequence of FrictionLaw or mapping, optional
         Laws in place of `law`, such as those that ``verdict.sample`` draws, or values of uncertain
         parameters by path. Limits hold in each of them.
@@ -714,7 +721,8 @@ def optimise(
     starts : sequence of mapping
         Values of parameters by path of motions that are known to be good, such as
         ``motion.parameters`` of another `Optimum`; what is left out is as given. With one
-        objective the search begins at the best of them, with two its first generation has all.
+        objective a search begins at the best of them, and others where one has converged; with two
+        the first generation has all.
     evaluations : int
         Candidates to try, rounded up to whole generations.
     seed : int
@@ -882,20 +890,14 @@ def _scenarios(
             f"scenarios must be friction laws or values by path, at least one, got {given!r}."
         )
     known = known_paths(mechanism, law)
-    found: list[FrictionLaw | Laws | Mapping[str, float]] = []
-    for scenario in given:
-        if isinstance(scenario, Mapping) and all(
-            isinstance(v, float | int) for v in scenario.values()
-        ):
-            found.append(
-                {
-                    full_path(path, known): float(value)  # type: ignore[arg-type]  # no laws here
-                    for path, value in scenario.items()
-                }
-            )
-        else:
-            found.append(event_driven_law(mechanism, scenario))
-    return tuple(found)
+
+    def checked(scenario: Any) -> FrictionLaw | Laws | Mapping[str, float]:
+        values = scenario.values() if isinstance(scenario, Mapping) else [None]
+        if all(isinstance(value, float | int) for value in values):
+            return {full_path(path, known): float(value) for path, value in scenario.items()}
+        return event_driven_law(mechanism, scenario)
+
+    return tuple(map(checked, given))
 
 
 def _words(problem: OptimisationProblem) -> str:
@@ -975,28 +977,32 @@ def _single(
     """Return what covariance matrix adaptation tried, and whether it was stopped."""
     import cma
 
-    normal = np.random.default_rng(seed).standard_normal
+    random = np.random.default_rng(seed)
     options = {
         "bounds": [0.0, 1.0],
-        "randn": lambda *shape: normal(shape),
+        "randn": lambda *shape: random.standard_normal(shape),
         "seed": np.nan,  # leaves the global state of NumPy alone
-        "maxfevals": evaluations,
         "verbose": -9,
     }
-    first = next(iter(_best(known, problem.goals)), known[0])
-    strategy = cma.CMAEvolutionStrategy(problem.place(first.parameters), WIDTH, options)
+    begin = sorted(known, key=lambda motion: (motion.violation, _cost(motion, problem)))
+    places = [problem.place(motion.parameters) for motion in begin]
     tried: list[Motion] = []
-    while not strategy.stop():
-        points = [np.asarray(point, dtype=np.float64) for point in strategy.ask()]
-        motions = _evaluated(problem, points, executor)
-        tried += motions
-        costs = [_costs(motion, problem.goals)[0] for motion in motions]
-        feasible = [_costs(motion, problem.goals)[0] for motion in tried if motion.feasible]
-        worst = max(feasible, default=0.0)  # beyond limits is worse than anything within
-        beyond = [0.0 if motion.feasible else worst + motion.violation for motion in motions]
-        strategy.tell(points, np.add(costs, beyond))
-        if not _told(progress, tried, evaluations, problem.goals):
-            return tried, True
+    while len(tried) < evaluations:
+        # from the motions that are known, and then from anywhere
+        near = bool(places) and len(known) > 1
+        place = places.pop(0) if places else random.uniform(size=len(problem.ends))
+        options["maxfevals"] = evaluations - len(tried)
+        strategy = cma.CMAEvolutionStrategy(place, 0.5 * WIDTH if near else WIDTH, options)
+        while not strategy.stop():
+            points = [np.asarray(point, dtype=np.float64) for point in strategy.ask()]
+            motions = _evaluated(problem, points, executor)
+            tried += motions
+            # beyond limits is worse than anything within
+            worst = max((_cost(m, problem) for m in tried if m.feasible), default=0.0)
+            costs = [_cost(m, problem) + (worst + m.violation) * (not m.feasible) for m in motions]
+            strategy.tell(points, costs)
+            if not _told(progress, tried, evaluations, problem.goals):
+                return tried, True
     return tried, False
 
 
@@ -1039,6 +1045,10 @@ def _front(
 def _costs(motion: Motion, goals: tuple[Goal, ...]) -> list[float]:
     """Return objectives, all to be small; 0 for motions beyond limits, which do not count."""
     return [-goal.sign * motion.goals[goal.name] if motion.feasible else 0.0 for goal in goals]
+
+
+def _cost(motion: Motion, problem: OptimisationProblem) -> float:
+    return _costs(motion, problem.goals)[0]
 
 
 def _best(motions: Sequence[Motion], goals: tuple[Goal, ...]) -> tuple[Motion, ...]:

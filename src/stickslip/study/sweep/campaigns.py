@@ -36,19 +36,20 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from urllib.parse import quote
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.engine.simulation import beginning_pair, ensemble, event_driven_law
 from stickslip.engine.solver import EventDriven, Output, check_columns
 from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, UnknownNameError, not_whole
-from stickslip.friction import Friction, Laws
+from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.show import documents
 from stickslip.show.described import Described
 from stickslip.show.display import Summary, Tabular, require_library, text_of
 from stickslip.show.formatting import count, quantity
+from stickslip.study.energy import columns_of, travel_of, units_of_columns
 from stickslip.study.sweep.design import (
     OF_INDICES,
     Design,
@@ -59,7 +60,7 @@ from stickslip.study.sweep.design import (
     indices_of,
 )
 from stickslip.study.sweep.lyapunov import starts_nearby
-from stickslip.study.sweep.parameter_grid import axis_of, early_ends
+from stickslip.study.sweep.parameter_grid import axis_of, early_ends, energies_of
 from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
@@ -326,6 +327,9 @@ class Campaign(metaclass=Described):
     """Whether each run is made again from rates 1e-9 m/s or rad/s off, and each number that is kept
     has a column ``spread of ...``, by how much it differs then: in chaos, by as much as it means
     little."""
+    energy: bool = False
+    """Whether each run is made again for columns of mean powers and of the energy per travel, as
+    in `average_velocity`."""
     part: int = PART
     """Runs of a file, and of a task of an executor."""
     solver: EventDriven = field(default_factory=lambda: EventDriven(tier="compiled"))
@@ -337,8 +341,9 @@ class Campaign(metaclass=Described):
             raise InputError("a campaign has at least one case, got none.")
         if type(self.part) is not int or self.part < 1:
             raise InputError(not_whole("part", 1, self.part))
-        if not isinstance(self.spread, bool):
-            raise InputError(f"spread must be True or False, got {self.spread!r}.")
+        for flag in ("spread", "energy"):
+            if not isinstance(getattr(self, flag), bool):
+                raise InputError(f"{flag} is True or False, got {getattr(self, flag)!r}.")
         names = {tuple(case.labels) for case in self.cases}
         if len(names) > 1 or len({case.where for case in self.cases}) < len(self.cases):
             raise InputError("cases need the same labels with different values.")
@@ -508,7 +513,14 @@ class Campaign(metaclass=Described):
             units |= runs.units
             if self.spread:
                 units |= {SPREAD_OF + name: runs.units[name] for name in runs.outputs}
+            units |= self.units_of_energy(case)
         return units
+
+    def units_of_energy(self, case: Case) -> dict[str, str]:
+        """Return the units of columns of powers and energies, if the campaign has any."""
+        if not self.energy:
+            return {}
+        return units_of_columns(columns_of(case.mechanism), travel_of(case.mechanism)[1])
 
 
 def _laws(law: Friction) -> Sequence[object]:
@@ -532,13 +544,22 @@ def _told(case: Case, start: int) -> str:
     return "".join([f"{at}: " if at else "", f"from run {start} on: " if start else ""])
 
 
+def _rows(
+    case: Case, campaign: Campaign, start: int, stop: int
+) -> tuple[Mechanism, FrictionLaw | Laws, dict[str, NDArray[np.float64]]]:
+    """Return mechanism and law that some runs begin with, and what varies by full path."""
+    rows = campaign.whole.rows(start, stop)
+    law = event_driven_law(case.mechanism, case.law)
+    mechanism, law = beginning_pair(case.mechanism, law, rows)
+    return mechanism, law, {axis_of(mechanism, law, path, x)[0]: x for path, x in rows.items()}
+
+
 def _runs(case: Case, campaign: Campaign, start: int, stop: int, off: float = 0.0) -> Any:
     """Make some runs of a case, in this thread, from rates that are off."""
     rows = campaign.whole.rows(start, stop)
     if off:
-        law, n = event_driven_law(case.mechanism, case.law), len(case.mechanism.coordinates)
-        mechanism, law = beginning_pair(case.mechanism, law, rows)
-        rows = {axis_of(mechanism, law, path, x)[0]: x for path, x in rows.items()}
+        mechanism, law, rows = _rows(case, campaign, start, stop)
+        n = len(mechanism.coordinates)
         shifts = np.tile([0.0] * n + [off] * n, (stop - start, 1))
         rows = starts_nearby(mechanism, law, case.y0, rows, shifts)
     return ensemble(
@@ -565,6 +586,12 @@ def _made(
         other = _runs(case, campaign, start, stop, off=ROUNDING)
         for output in (name for name, values in runs.outputs.items() if values.ndim == 1):
             frame[SPREAD_OF + output] = np.abs(other[output] - runs[output])
+    units = runs.units | campaign.units_of_energy(case)
+    if campaign.energy:
+        spans = np.tile([0.0, case.t_end], (len(frame), 1))
+        varied = _rows(case, campaign, start, stop)
+        columns = energies_of(*varied, spans, case.y0, campaign.solver)
+        frame[list(columns)] = np.column_stack([*columns.values()])
     for place, (label, value) in enumerate(case.labels.items()):
         # Labels first, then the number of the run, then what varies.
         frame.insert(place, label, value)
@@ -573,7 +600,7 @@ def _made(
     table = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(None)
     for place, name_of in enumerate(table.column_names):
         kept = name_of.removeprefix(SPREAD_OF)
-        unit = runs.units.get(kept, runs.units.get(kept.rpartition(".")[0], ""))
+        unit = units.get(kept, units.get(kept.rpartition(".")[0], ""))
         if unit:
             known = table.schema.field(place).with_metadata({"unit": unit})
             table = table.set_column(place, known, table.column(place))
@@ -815,6 +842,7 @@ def campaign(
     seed: int = 0,
     outputs: Sequence[str] | Mapping[str, Output] | None = None,
     spread: bool = False,
+    energy: bool = False,
     y0: Mapping[str, float] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -847,6 +875,8 @@ def campaign(
         What is kept of each run, as in `ensemble`.
     spread : bool
         Whether it is also kept by how much that differs from a start 1e-9 away, as in `Campaign`.
+    energy : bool
+        Whether mean powers and the energy per travel are kept, as in `Campaign`.
     y0 : mapping, optional
         Initial states that do not vary, as in `simulate`.
     executor : concurrent.futures.Executor, optional
@@ -895,4 +925,5 @@ def campaign(
         seed=seed,
         outputs=outputs,
         spread=spread,
+        energy=energy,
     ).run(folder, executor=executor, progress=progress)

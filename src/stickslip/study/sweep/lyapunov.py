@@ -196,12 +196,7 @@ def lyapunov_exponents(
     cycle = map_.duration(motion, np.nan)
     if _cuts(motion, cycle):
         return _at_once(map_, np.array(begin)[list(map_.free)], cycle, settle, cycles)
-    if settle:
-        before = map_.solver.bare(motion, found, y0=begin, t_end=settle * cycle)
-        if not before.status.complete:
-            raise SimulationError(f"{owner}, settling: {before.status.value}")
-        begin = before.at(np.array([settle * cycle]))[0].tolist()
-    return _cycle_by_cycle(map_, np.array(begin)[list(map_.free)], cycle, cycles)
+    return _cycle_by_cycle(map_, map_.settled(owner, begin, settle), cycle, cycles)
 
 
 def is_chaotic(
@@ -328,8 +323,13 @@ def _continued(
         )
     cycle = cycle_of(mechanism) if period is None else period
     refuse_cut(mechanism, cycle)
-    at = run.at([int(run.span[1] / cycle * (1.0 + WHOLE)) * cycle])
-    return mechanism, law, {name: float(at[name][0]) for name in run.states}
+    last = int(run.span[1] / cycle * (1.0 + WHOLE)) * cycle
+    at, carried = run.at([last]), mechanism.carried()
+    return (
+        mechanism,
+        law,
+        {name: float(at[name][0] - last * carried.get(name, 0.0)) for name in run.states},
+    )
 
 
 def _cuts(mechanism: Mechanism, cycle: float) -> bool:
@@ -415,9 +415,9 @@ def growth(
     scale = np.ones(n)
     for begin in range(0, cycles, stretch):
         length = min(stretch, cycles - begin)
-        _, _, _, run = replace(map_, cycles=length).run(y, value)
+        mechanism, _, _, run = replace(map_, cycles=length).run(y, value)
         times = cycle * np.arange(1.0, length + 1.0)
-        states = run.at(times)[:, list(map_.free)]
+        states = map_.seen(mechanism, run, times)[:, list(map_.free)]
         if not begin:
             size = np.abs(states).max(axis=0)
             scale = np.where(size > 0.0, size, max(size.max(initial=0.0), 1e-300))

@@ -23,8 +23,8 @@ ends of the band are quantiles of all of that at each value.
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,25 +35,18 @@ from stickslip.engine.simulation import (
     beginning_pair,
     ensemble,
     event_driven_law,
-    initial_state,
 )
-from stickslip.engine.solver import EventDriven, Mean, Output, Samples
-from stickslip.engine.trajectory import Ensemble, Status
+from stickslip.engine.solver import EventDriven, Mean, Samples
+from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, SimulationError
-from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, slip_among
-from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
-from stickslip.study.energy import energy_balance, units_of_columns
+from stickslip.study.energy import units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
-from stickslip.study.sweep.lyapunov import (
-    closing,
-    have_left,
-    is_chaotic,
-    starts_nearby,
-)
+from stickslip.study.sweep.lyapunov import closing, have_left, is_chaotic, starts_nearby
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
+from stickslip.study.sweep.sections import speeds_of
 from stickslip.study.tolerances import ALIKE, ROUNDING
 
 if TYPE_CHECKING:
@@ -144,20 +137,17 @@ class VelocityMap(OnAxes):
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
         least = ALIKE * float(np.nanmax(np.abs(self.velocity), initial=0.0))
+        doubt = np.fmax(np.maximum(least, 2.0 * self.unsettled), self.spread)
         with np.errstate(invalid="ignore"):
-            found: NDArray[np.bool_] = np.abs(self.velocity) > np.fmax(
-                np.maximum(least, 2.0 * self.unsettled), self.spread
-            )
-        return found
+            return np.asarray(np.abs(self.velocity) > doubt)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point of the grid, with the reason where it has no velocity."""
         import pandas as pd
 
         columns: dict[str, object] = dict(grid.product(self.axes))
-        columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
-        columns |= {"unsettled": self.unsettled.ravel(), "closes": self.closes.ravel()}
-        columns |= {"spread": self.spread.ravel(), "chaotic": self.chaotic.ravel()}
+        for name in ("period", "velocity", "unsettled", "closes", "spread", "chaotic"):
+            columns[name] = getattr(self, name).ravel()
         columns |= {name: values.ravel() for name, values in self.energies.items()}
         columns["status"] = grid.names_of(self.status).ravel()
         columns["reason"] = grid.reasons_of(self.status)
@@ -175,16 +165,12 @@ class VelocityMap(OnAxes):
         import xarray as xr
 
         over = tuple(self.axes)
-        columns = {
-            "velocity": (over, self.velocity, {"units": self.unit}),
-            "unsettled": (over, self.unsettled, {"units": self.unit}),
-            "closes": (over, self.closes),
-            "spread": (over, self.spread, {"units": self.unit}),
-            "chaotic": (over, self.chaotic),
-            "period": (over, self.period, {"units": "s"}),
-            "status": (over, grid.names_of(self.status)),
-            "certified": (over, self.certified),
-        }
+        columns: dict[str, Any] = {"period": (over, self.period, {"units": "s"})}
+        for name in ("velocity", "unsettled", "spread"):
+            columns[name] = over, getattr(self, name), {"units": self.unit}
+        columns |= {name: (over, getattr(self, name)) for name in ("closes", "chaotic")}
+        columns["status"] = over, grid.names_of(self.status)
+        columns["certified"] = over, self.certified
         units = units_of_columns(self.energies, self.unit.removesuffix("/s"))
         columns |= {n: (over, self.energies[n], {"units": unit}) for n, unit in units.items()}
         axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
@@ -298,8 +284,13 @@ def average_velocity(
     axes = dict(grid.axis_of(mechanism, law, path, values) for path, values in parameters.items())
     columns = grid.product(axes)
     periods = grid.cycles_of(mechanism, columns, period)
-    table, tally = _Table(len(periods)), grid.Tally(len(periods), progress)
-    solver = grid.compiled(solver)
+    tally = grid.Tally(len(periods), progress)
+    nothing = np.full(len(periods), np.nan)
+    table: dict[str, Any] = {"velocity": nothing, "unsettled": nothing.copy(), "period": periods}
+    table |= {"spread": nothing.copy(), "closes": np.zeros(len(periods), dtype=np.int64)}
+    table |= {name: np.zeros(len(periods), dtype=np.bool_) for name in ("chaotic", "certified")}
+    table["status"] = np.full(len(periods), Status.CANCELLED, dtype=object)
+    solver, names = grid.compiled(solver), (*mechanism.coordinates, *mechanism.rates)
     # an ensemble has one end: rows of short periods would run on for those of long ones
     for rows in grid.near(periods, TOGETHER):
         if not tally.going:
@@ -312,18 +303,27 @@ def average_velocity(
             law,
             own,
             t_end=t_end,
-            outputs=_means(rate, cycles, periods[rows])
-            | {name: Samples(name, strobes) for name in _motions(mechanism)},
+            outputs={
+                "all": Mean(rate, last=cycles * periods[rows]),
+                # the late half tells whether the mean still drifts
+                "late": Mean(rate, last=cycles // 2 * periods[rows]),
+                **{name: Samples(name, strobes) for name in names},
+            },
             y0=y0,
             solver=solver,
             executor=executor,
             progress=tally.part(),
         )
-        table.keep(rows, runs)
-        samples = np.stack([runs[name] for name in _motions(mechanism)], axis=2)
+        # a run that ended early would have the mean of what it had by then
+        whole = np.array([status.complete for status in runs.status])
+        velocity = table["velocity"][rows] = np.where(whole, runs["all"], np.nan)
+        # half of what the mean changes between both halves
+        table["unsettled"][rows] = np.abs(runs["late"] - velocity)
+        table["status"][rows], table["certified"][rows] = runs.status, runs.certified
+        samples = np.stack([runs[name] for name in names], axis=2)
         closes, sizes = closing(samples, periods[rows])
-        table.closes[rows] = np.where(np.isfinite(table.velocity[rows]), closes, 0)
-        left = np.flatnonzero(np.isfinite(table.velocity[rows]) & (closes == 0))
+        table["closes"][rows] = np.where(np.isfinite(velocity), closes, 0)
+        left = np.flatnonzero(np.isfinite(velocity) & (closes == 0))
         if not len(left):
             continue
         some = {path: values[left] for path, values in own.items()}
@@ -339,26 +339,31 @@ def average_velocity(
         )
         spread = np.abs(near["all"] - runs["all"][left])
         apart = ROUNDING * sizes[left, len(mechanism.coordinates) + mechanism.rates.index(rate)]
-        table.spread[rows[left]] = spread
-        table.chaotic[rows[left]], unclear = have_left(spread / apart)
+        table["spread"][rows[left]] = spread
+        table["chaotic"][rows[left]], unclear = have_left(spread / apart)
         for k in left[unclear].tolist():
-            pair = _pair(mechanism, law, {path: float(values[k]) for path, values in own.items()})
-            end = dict(zip(_motions(mechanism), samples[k, -1].tolist(), strict=True))
+            at = {path: float(values[k]) for path, values in own.items()}
+            pair = grid.pair_of(mechanism, law, at)
+            moved = strobes[k, -1] * speeds_of(pair[0], names)
+            end = dict(zip(names, (samples[k, -1] - moved).tolist(), strict=True))
             with suppress(SimulationError, InputError):  # one that ends, or has no derivative
-                table.chaotic[rows[k]] = is_chaotic(*pair, end, period, solver)
+                table["chaotic"][rows[k]] = is_chaotic(*pair, end, period, solver)
     units = {path: grid.unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
-    found = table.mapped(axes, units, shape, periods, unit, coordinate or "")
-    if not energy:
-        return found
-    kept: dict[str, Array] = {}
-    for row in np.flatnonzero(np.isfinite(table.velocity)).tolist():
-        at = {path: float(values[row]) for path, values in columns.items()}
-        since, until = settle * periods[row], (settle + cycles) * periods[row]
-        for name, value in _energies(mechanism, law, at, since, until, slip, y0, solver).items():
-            kept.setdefault(name, np.full(len(periods), np.nan))[row] = value
-    return replace(found, energies={name: column.reshape(shape) for name, column in kept.items()})
+    powers: dict[str, Array] = {}
+    if energy:
+        spans = np.outer(periods, [settle, settle + cycles])
+        spans[~np.isfinite(table["velocity"])] = np.nan
+        powers = grid.energies_of(mechanism, law, columns, spans, y0, solver, slip)
+    return VelocityMap(
+        axes=axes,
+        units=units,
+        unit=unit,
+        coordinate=coordinate or "",
+        energies={name: column.reshape(shape) for name, column in powers.items()},
+        **{name: column.reshape(shape) for name, column in table.items()},
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -543,45 +548,11 @@ def velocity_band(
     )
 
 
-def _motions(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return names of coordinates, then of rates."""
-    return (*mechanism.coordinates, *mechanism.rates)
-
-
 def _strobes(t_end: float, periods: Array, cycles: int) -> Array:
     """Return the last times (n, cycles + 1) of runs that are multiples of their periods."""
     last = np.floor(t_end / periods * (1.0 + WHOLE))
     times = (last[:, None] - np.arange(cycles, -1.0, -1.0)) * periods[:, None]
     return np.asarray(np.clip(times, 0.0, t_end))
-
-
-def _pair(
-    mechanism: Mechanism, law: FrictionLaw | Laws, at: Mapping[str, float]
-) -> tuple[Mechanism, FrictionLaw | Laws]:
-    """Return mechanism and law with values by full path; starts are left out."""
-    own = {path: x for path, x in at.items() if path.startswith("mechanism.")}
-    laws = {path: x for path, x in at.items() if path.startswith("friction.")}
-    return vary(mechanism, "mechanism", own), vary(law, "friction", laws)
-
-
-def _energies(
-    mechanism: Mechanism,
-    law: FrictionLaw | Laws,
-    at: Mapping[str, float],
-    since: float,
-    until: float,
-    slip: str,
-    y0: Mapping[str, float] | Sequence[float] | None,
-    solver: EventDriven,
-) -> dict[str, float]:
-    """Return mean powers and energy per travel of a run within a stretch of time."""
-    own, laws = _pair(mechanism, law, at)
-    begin = initial_state("average_velocity", own, laws, y0)
-    states = grid.states_of(own, laws)
-    start = [at.get(f"initial.{name}", x) for name, x in zip(states, begin, strict=True)]
-    run = solver.run(own, laws, y0=start, t_end=until)
-    balance = energy_balance(own, run, coordinate=slip, since=since, until=until)
-    return balance.columns()
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:
@@ -590,58 +561,3 @@ def _check(parameters: object, cycles: int, settle: int) -> None:
         raise InputError(f"average_velocity: cycles must be even, got {cycles}.")
     if not isinstance(parameters, Mapping) or not parameters:
         raise InputError(f"parameters must map at least one path to numbers, got {parameters!r}.")
-
-
-def _means(rate: str, cycles: int, periods: Array) -> dict[str, Output]:
-    # The late half tells whether the mean still drifts.
-    return {
-        "all": Mean(rate, last=cycles * periods),
-        "late": Mean(rate, last=cycles // 2 * periods),
-    }
-
-
-class _Table:
-    """What came of the runs, a row each."""
-
-    def __init__(self, count: int) -> None:
-        self.velocity = np.full(count, np.nan)
-        self.late = np.full(count, np.nan)
-        self.status: NDArray[np.object_] = np.full(count, Status.CANCELLED, dtype=object)
-        self.certified = np.zeros(count, dtype=np.bool_)
-        self.closes = np.zeros(count, dtype=np.int64)
-        self.spread = np.full(count, np.nan)
-        self.chaotic = np.zeros(count, dtype=np.bool_)
-
-    def keep(self, rows: NDArray[np.intp], runs: Ensemble) -> None:
-        """Keep the runs of an ensemble; those that ended early have no mean motion."""
-        # a run that ended early would have the mean of what it had by then
-        whole = np.array([status.complete for status in runs.status])
-        self.velocity[rows] = np.where(whole, runs["all"], np.nan)
-        self.late[rows] = np.where(whole, runs["late"], np.nan)
-        self.status[rows], self.certified[rows] = runs.status, runs.certified
-
-    def mapped(
-        self,
-        axes: Mapping[str, Array],
-        units: Mapping[str, str],
-        shape: tuple[int, ...],
-        periods: Array,
-        unit: str,
-        coordinate: str,
-    ) -> VelocityMap:
-        """Return all of it over the grid."""
-        return VelocityMap(
-            axes=axes,
-            units=units,
-            unit=unit,
-            velocity=self.velocity.reshape(shape),
-            # Half of what the mean changes between both halves.
-            unsettled=np.abs(self.late - self.velocity).reshape(shape),
-            closes=self.closes.reshape(shape),
-            spread=self.spread.reshape(shape),
-            chaotic=self.chaotic.reshape(shape),
-            period=periods.reshape(shape),
-            status=self.status.reshape(shape),
-            certified=self.certified.reshape(shape),
-            coordinate=coordinate,
-        )

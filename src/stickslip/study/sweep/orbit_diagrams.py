@@ -611,10 +611,10 @@ class Search:
                 left -= cycles
                 if not run.status.complete or not left:
                     break
-                start = run.at(np.array([cycles * cycle]))[0].tolist()
+                start = self.map.seen(mechanism, run, np.array([cycles * cycle]))[0].tolist()
             if run.status.complete:
                 times = [cycle * i for i in range(cycles - keep, cycles + 1)]
-                states = run.at(np.array(times))[:, kept]
+                states = self.map.seen(mechanism, run, np.array(times))[:, kept]
                 points[row] = states[1:, :free]
                 velocities[row] = (states[-1, free:] - states[0, free:]) / (keep * cycle)
         return points, velocities, status

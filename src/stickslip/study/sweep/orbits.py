@@ -315,13 +315,7 @@ def periodic_orbit(
         PERIOD.check("periodic_orbit", "period", period)
         refuse_cut(mechanism, cycles * period)
     map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
-    if settle:
-        cycle = map_.duration(mechanism, np.nan) / cycles
-        before = map_.solver.bare(mechanism, found, y0=begin, t_end=settle * cycle)
-        if not before.status.complete:
-            raise SimulationError(f"periodic_orbit, settling: {before.status.value}")
-        begin = before.at(np.array([settle * cycle]))[0].tolist()
-    return map_.orbit(solved(map_, np.array(begin)[list(map_.free)]))
+    return map_.orbit(solved(map_, map_.settled("periodic_orbit", begin, settle)))
 
 
 def is_excited(mechanism: Mechanism) -> bool:
@@ -753,6 +747,20 @@ class ReturnMap:
             raise SimulationError(run.status.value)
         return mechanism, law, start, run
 
+    def seen(self, mechanism: Mechanism, run: BareRun, times: Array) -> Array:
+        """Return the states of a run at times (n,), less what they are carried along."""
+        return np.asarray(run.at(times) - times[:, None] * self.speeds(mechanism))
+
+    def settled(self, owner: str, begin: Sequence[float], cycles: int) -> Array:
+        """Return the free states after a number of cycles from all states."""
+        if cycles:
+            end = np.array([cycles * self.duration(self.mechanism, np.nan) / self.cycles])
+            run = self.solver.bare(self.mechanism, self.law, y0=begin, t_end=float(end[0]))
+            if not run.status.complete:
+                raise SimulationError(f"{owner}, settling: {run.status.value}")
+            begin = self.seen(self.mechanism, run, end)[0].tolist()
+        return np.array(begin)[list(self.free)]
+
     def happens(self, y: Array, value: float) -> Signature:
         """Return what happens in the period from free states."""
         mechanism, _, _, run = self.run(y, value)
@@ -767,7 +775,7 @@ class ReturnMap:
         mechanism, law, start, run = self.run(y, value)
         period = run.differentiate.t_end
         times, n, begun = period * _SHARES, len(self.free), np.array([start[i] for i in self.free])
-        states = (run.at(times) - times[:, None] * self.speeds(mechanism))[:, self.kept]
+        states = self.seen(mechanism, run, times)[:, self.kept]
         ends = states[ORBIT_TIMES - 1 :]  # right before the end, too
         residual, half = ends[0, :n] - begun, states[ORBIT_TIMES // 2, :n] - begun
         size = np.abs(states[:, :n]).max(axis=0)

@@ -2,19 +2,21 @@
 
 import math
 import numbers
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.engine.simulation import initial_state
 from stickslip.engine.solver import EventDriven, as_numbers, path_units
 from stickslip.errors import InputError, ParameterError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.show.formatting import span
+from stickslip.study.energy import columns_of, energy_balance
 
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
@@ -124,6 +126,61 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
             with concerning(f"run {row}:"):
                 seen[key] = cycle_of(vary(mechanism, "mechanism", changes))
         found[row] = seen[key]
+    return found
+
+
+def pair_of(
+    mechanism: Mechanism, law: FrictionLaw | Laws, at: Mapping[str, float]
+) -> tuple[Mechanism, FrictionLaw | Laws]:
+    """Return mechanism and law with values by full path; starts are left out.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> axis, law = Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0)
+    >>> pair_of(axis, law, {"mechanism.inertia": 2.0, "initial.x": 0.1})[0].inertia
+    2.0
+    """
+    own = {path: x for path, x in at.items() if path.startswith("mechanism.")}
+    laws = {path: x for path, x in at.items() if path.startswith("friction.")}
+    return vary(mechanism, "mechanism", own), vary(law, "friction", laws)
+
+
+def energies_of(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    columns: Mapping[str, Array],
+    spans: Array,
+    y0: Mapping[str, float] | Sequence[float] | None,
+    solver: EventDriven,
+    coordinate: str | None = None,
+) -> dict[str, Array]:
+    """Return `EnergyBalance.columns` (n,) of a run for each row, within spans of time (n, 2) [s].
+
+    Rows without a span have no number; the span of a run that ends early ends with it.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> axis, law = Axis(inertia=1.0), Coulomb(kinetic_coefficient=0.5)
+    >>> speeds, spans = {"initial.v": np.array([1.0, 2.0])}, np.array([[0.0, 4.0], [0.0, 4.0]])
+    >>> energies_of(axis, law, speeds, spans, None, compiled(None))["power friction"].tolist()
+    [0.125, 0.5]
+    """
+    found = {name: np.full(len(spans), np.nan) for name in columns_of(mechanism)}
+    for row in np.flatnonzero(np.isfinite(spans).all(axis=1)).tolist():
+        at = {path: float(values[row]) for path, values in columns.items()}
+        own, laws = pair_of(mechanism, law, at)
+        begin = zip(states_of(own, laws), initial_state("energies_of", own, laws, y0), strict=True)
+        start = [at.get(f"initial.{name}", x) for name, x in begin]
+        since, until = spans[row].tolist()
+        run = solver.run(own, laws, y0=start, t_end=until)
+        if since < run.span[1]:
+            balance = energy_balance(
+                own, run, coordinate=coordinate, since=since, until=min(until, run.span[1])
+            )
+            for name, value in balance.columns().items():
+                found[name][row] = value
     return found
 
 
