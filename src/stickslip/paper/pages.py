@@ -38,7 +38,6 @@ from stickslip.paper.printed import (
     StepTravel,
     lugre_row,
 )
-from stickslip.paper.printed import FINE_STEP as FINE
 from stickslip.paper.rigs import (
     CYCLES,
     KINETIC,
@@ -52,7 +51,7 @@ from stickslip.paper.rigs import (
     Share,
 )
 from stickslip.quantities import fields_of
-from stickslip.show import plots, report
+from stickslip.show import plots
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -68,21 +67,33 @@ from stickslip.show.formatting import (
 )
 from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, sketch
 from stickslip.show.report import (
+    Animation,
     Axis,
+    Block,
+    Caption,
     Cell,
     Column,
+    Columns,
     Fact,
+    Figure,
+    Gallery,
+    Mark,
+    Math,
     Name,
+    Number,
     Opening,
     Origin,
     Page,
+    Panel,
     Paragraph,
     Row,
+    RowPlot,
     Section,
     SectionMaker,
     Subheading,
     Table,
     blocks,
+    figure,
     render,
     reproduce,
     table_of,
@@ -152,9 +163,22 @@ def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Ax
     )
 
 
+def section(
+    place: str, nav: str, heading: str, *content: Block | str, collapsed: bool = True
+) -> Section:
+    """Return a section with an address on the page; a text is a paragraph of it."""
+    shown = (Paragraph(text=part) if isinstance(part, str) else part for part in content)
+    return Section(id=place, nav=nav, heading=heading, blocks=tuple(shown), collapsed=collapsed)
+
+
+def milli(value: float, digits: int = 3) -> str:
+    """Return a length or a velocity in thousandths of its unit, without this."""
+    return significant(1e3 * value, digits)
+
+
 def back_slip_text(way: float) -> str:
     """Return a cell of `BACK_SLIP`."""
-    return "none" if way == 0.0 else significant(1e3 * way, 2)
+    return "none" if way == 0.0 else milli(way, 2)
 
 
 # Sections on Table II and on the figures, which are drawn again.
@@ -162,14 +186,18 @@ def back_slip_text(way: float) -> str:
 # The paper's Table II beside ours, and its criteria applied again.
 
 
-def table_section(found: PaperAudit) -> report.Section:
+def table_section(found: PaperAudit) -> Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
+    values = found.values
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
         " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are"
         " those of Table I; what the paper does not print is assumed:"
-        f" {_assumptions(found)}. “Coulomb plus viscous plus static”, which the paper names, has no"
-        " row in it."
+        f" $sigma_2$ {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none"
+        f" in Stribeck and LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s,"
+        f" bristles of {significant(values.stiffness, 2)} N/m and"
+        f" {significant(values.damping, 2)} N s/m. “Coulomb plus viscous plus static”, which the"
+        " paper names, has no row in it."
     )
     if found.viscous_travels:
         titles = {row.law.name: row.law.title for row in found.table}
@@ -178,84 +206,60 @@ def table_section(found: PaperAudit) -> report.Section:
             " With the same viscous part, which (5) and (9) have too, the spring gives"
             f" {joined(travels)}: between the rows of B lies what is assumed, not the model."
         )
-    return report.Section(
-        id="table2",
-        nav="Table II",
-        heading=("The paper’s Table II beside ours"),
-        blocks=(
-            report.Paragraph(text=text),
-            _table(found),
-            report.Caption(text=_step_text(found)),
-        ),
-    )
-
-
-def _assumptions(found: PaperAudit) -> str:
-    """List the values that are not printed, in the paper's own terms."""
-    values = found.values
-    return (
-        f"$sigma_2$ {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none"
-        f" in Stribeck and LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s,"
-        f" bristles of {significant(values.stiffness, 2)} N/m and"
-        f" {significant(values.damping, 2)} N s/m"
-    )
+    heading = "The paper’s Table II beside ours"
+    shown = _table(found), Caption(text=_step_text(found))
+    return section("table2", "Table II", heading, text, *shown, collapsed=False)
 
 
 RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from break-away"}
 """What the friction in the first step out of rest is called."""
 
 
-def _table(found: PaperAudit) -> report.Table:
+def _table(found: PaperAudit) -> Table:
     travels = [row.published.travel or 0.0 for row in found.table]
     travels += [reading.criteria.travel for row in found.table for reading in row.readings]
     marks = "travel, m; triangle: A, dot: B, line: measured, ring: published"
-    columns = (
-        report.Column(head="friction model"),
-        numbers("published\nm"),
-        numbers("A, exact\nm", "A exact, m"),
-        *(numbers(f"A, 10 ms\n{what}", f"10 ms, {what}") for what in RULES.values()),
-        numbers("B, spring\nm"),
-        numbers("C, fixed\nm"),
-        report.Column(head="", axis=travel_axis(found, travels, marks)),
-    )
-    caption = (
-        f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
-        " block at its first stop, by the paper’s switch to static friction."
-    )
-    return report.Table(
-        columns=columns, rows=tuple(_row(found, row) for row in found.table), caption=caption
+
+    def travel(key: str) -> Callable[[TableRow], Cell]:
+        return lambda row: _with_error(found, row.travel(key))
+
+    def in_steps(rule: BreakAway) -> Callable[[TableRow], Cell]:
+        return lambda row: _with_error(found, row.coarse.get(rule))
+
+    return table(
+        found.table,
+        ("friction model", lambda row: Name(text=row.law.title, aside=row.published.note)),
+        (numbers("published\nm"), lambda row: _with_error(found, row.published.travel, 2)),
+        (numbers("A, exact\nm", "A exact, m"), travel("A")),
+        *(
+            (numbers(f"A, 10 ms\n{what}", f"10 ms, {what}"), in_steps(rule))
+            for rule, what in RULES.items()
+        ),
+        (numbers("B, spring\nm"), travel("B")),
+        (numbers("C, fixed\nm"), travel("C")),
+        (Column(head="", axis=travel_axis(found, travels, marks)), _travel_plot),
+        caption=(
+            f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
+            " block at its first stop, by the paper’s switch to static friction."
+        ),
     )
 
 
-def _row(found: PaperAudit, row: TableRow) -> report.Row:
-    published = row.published.travel
-    push, spring = (row.reading(key).criteria for key in ("A", "B"))
+def _travel_plot(row: TableRow) -> RowPlot:
     marks = [
-        report.Mark(kind="triangle", at=push.travel, colour="c2"),
-        report.Mark(kind="dot", at=spring.travel, colour="c1"),
+        Mark(kind="triangle", at=row.travel("A"), colour="c2"),
+        Mark(kind="dot", at=row.travel("B"), colour="c1"),
     ]
-    if published is not None:
-        marks.append(report.Mark(kind="ring", at=published, colour="muted"))
-    return report.Row(
-        cells=(
-            report.Name(text=row.law.title, aside=row.published.note),
-            _with_error(found, published, 2),
-            _with_error(found, push.travel),
-            *(_with_error(found, row.coarse.get(rule)) for rule in RULES),
-            _with_error(found, spring.travel),
-            _with_error(found, row.reading("C").criteria.travel),
-            report.RowPlot(marks=tuple(marks), lanes=2),
-        )
-    )
+    if row.published.travel is not None:
+        marks.append(Mark(kind="ring", at=row.published.travel, colour="muted"))
+    return RowPlot(marks=tuple(marks), lanes=2)
 
 
-def _with_error(found: PaperAudit, travel: float | None, digits: int = 4) -> report.Name | str:
+def _with_error(found: PaperAudit, travel: float | None, digits: int = 4) -> Name | str:
     """Return a travel with its relative error below it."""
     if travel is None:
         return "—"
-    return report.Name(
-        text=fixed(travel, digits), aside=signed_percent(travel / found.measured - 1.0)
-    )
+    return Name(text=fixed(travel, digits), aside=signed_percent(travel / found.measured - 1.0))
 
 
 def _step_text(found: PaperAudit) -> str:
@@ -275,42 +279,26 @@ def _step_text(found: PaperAudit) -> str:
     return text
 
 
-def ranking_section(found: PaperAudit) -> report.Section:
+def ranking_section(found: PaperAudit) -> Section:
     """Apply the paper's own criteria to its table and to ours, with our verdict beside."""
-    keys = ("published", "A", "B")
     names = {"published": "published", "A": "A, push", "B": "B, spring"}
-    judged = [f"{names[key]}: both\ncriteria, rank" for key in keys]
-    heads = ["friction model", *judged, "by select"]
+    judged = [f"{name}: both\ncriteria, rank" for name in names.values()]
     rows = [
-        (row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row))
+        (row.law.title, *(_judged(found, row, key) for key in names), _ours(found, row))
         for row in found.table
     ]
-    return report.Section(
-        id="ranking",
-        nav="Criteria",
-        heading=_ranking_heading(found),
-        blocks=(
-            report.Paragraph(text=_criteria_text(found)),
-            report.table_of(heads, rows),
-            report.Caption(text=_caption(found)),
-            report.Paragraph(text=_energy_text(found)),
-        ),
+    heading = "The two criteria of the paper, applied to our runs"
+    if all(row.holds(key) for row in found.table for key in "AB"):
+        heading = "Every exact run that holds the block meets both criteria of the paper"
+    errors = sorted(abs(row.reading("B").criteria.relative_error or 0.0) for row in found.table)
+    half = found.values.uncertainty / found.measured
+    caption = (
+        f"In B the first four errors are {percent(errors[0])} to {percent(errors[3])}, and the"
+        f" measured travel is rounded to ± {percent(half)}: their order means nothing."
     )
-
-
-def _met(found: PaperAudit, key: str) -> int:
-    return sum(
-        seen.velocity_never_negative and seen.displacement_never_decreases
-        for seen in (row.reading(key).criteria for row in found.table)
-    )
-
-
-def _ranking_heading(found: PaperAudit) -> str:
-    total, keys = len(found.table), ("A", "B")
-    met = [_met(found, key) for key in keys]
-    if all(count == total for count in met):
-        return "Every exact run that holds the block meets both criteria of the paper"
-    return "The two criteria of the paper, applied to our runs"
+    shown = table_of(["friction model", *judged, "by select"], rows), Caption(text=caption)
+    texts = _criteria_text(found), *shown, _energy_text(found)
+    return section("ranking", "Criteria", heading, *texts, collapsed=False)
 
 
 def _judged(found: PaperAudit, row: TableRow, key: str) -> str:
@@ -327,18 +315,18 @@ def _judged(found: PaperAudit, row: TableRow, key: str) -> str:
 def _criteria_text(found: PaperAudit) -> str:
     """Say what the criteria reject among our runs, and that this is physical for bristles."""
     backs = [
-        f"{back.law.title} {significant(1e3 * back.criteria.least_velocity, 2)} mm/s and"
+        f"{back.law.title} {milli(back.criteria.least_velocity, 2)} mm/s and"
         f" {quantity(back.criteria.largest_return, 'm', 2)}"
         for back in found.springbacks
     ]
-    free = next(row for row in found.fixed_steps if row.dt is not None and not row.stick_rule)
+    free = found.without_rule
     return (
         "The velocity never becomes negative, and the displacement never decreases; of the models"
         " that meet both, the least relative error decides. What fails is, first, bristles of"
         f" 10⁵ N/m that nothing holds ({joined(backs)} backwards): they are springs, and to spring"
         f" back is physical.{_soft_text(found)} Second, fixed steps without a rule for rest: in"
         f" {1e3 * (free.dt or 0.0):g} ms the velocity changes its sign {free.reversals} times in"
-        f" 1 s and reaches {significant(1e3 * free.criteria.least_velocity, 2)} mm/s. The criteria"
+        f" 1 s and reaches {milli(free.criteria.least_velocity, 2)} mm/s. The criteria"
         " alone tell neither from a body that is really driven back."
     )
 
@@ -354,15 +342,6 @@ def _ours(found: PaperAudit, row: TableRow) -> str:
     estimate = fit.estimates[0]
     symbol, value = estimate.quantity.symbol, significant(estimate.value, 3)
     return f"${symbol}$ = {value} reproduces the travel"
-
-
-def _caption(found: PaperAudit) -> str:
-    errors = sorted(abs(row.reading("B").criteria.relative_error or 0.0) for row in found.table)
-    half = found.values.uncertainty / found.measured
-    return (
-        f"In B the first four errors are {percent(errors[0])} to {percent(errors[3])}, and the"
-        f" measured travel is rounded to ± {percent(half)}: their order means nothing."
-    )
 
 
 def _soft_text(found: PaperAudit) -> str:
@@ -406,47 +385,35 @@ RUN_FIGURES = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-visc
 BLOCK_SIZES = plots.Sizes(wide=(880, 270), narrow=(358, 520))
 
 
-def schematic_section(found: PaperAudit) -> report.Section:
+def schematic_section(found: PaperAudit) -> Section:
     """Return Figs 1 and 5: cart and rig with the paper's symbols."""
     values = found.values
-    return report.Section(
-        collapsed=True,
-        id="systems",
-        nav="Figs 1 and 5",
-        heading="The two systems of the paper",
-        blocks=(
-            report.Columns(
-                left=(
-                    report.Figure(
-                        svg=plots.schematic(
-                            "cart",
-                            alt="Cart of mass M with an inverted pendulum of length l and ball m",
-                            prefix="fig1",
-                        ),
-                        caption="**Fig. 1. Pendulum-driven cart.** Mass $M$, ball $m$ on a rod of"
-                        " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
-                        " $tau$, friction coefficient $mu$. The paper prints no values.",
-                    ),
-                ),
-                right=(
-                    report.Figure(
-                        svg=plots.schematic(
-                            "rig",
-                            alt="Steel block of mass m before a compressed spring of stiffness k",
-                            prefix="fig5",
-                        ),
-                        caption="**Fig. 5. Spring and steel block.** By Table I"
-                        f" $M$ = {values.rig.mass:g} kg, $K$ = {values.rig.stiffness:g} N/m,"
-                        f" $mu_d$ = {values.mu_k:g}, $mu_s$ = {values.mu_s:g}; $x$ is the"
-                        f" compression, $s$ the travel, measured as {found.measured:.2f} m.",
-                    ),
-                ),
-            ),
+    cart = Figure(
+        svg=plots.schematic(
+            "cart",
+            alt="Cart of mass M with an inverted pendulum of length l and ball m",
+            prefix="fig1",
         ),
+        caption="**Fig. 1. Pendulum-driven cart.** Mass $M$, ball $m$ on a rod of"
+        " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
+        " $tau$, friction coefficient $mu$. The paper prints no values.",
     )
+    rig = Figure(
+        svg=plots.schematic(
+            "rig",
+            alt="Steel block of mass m before a compressed spring of stiffness k",
+            prefix="fig5",
+        ),
+        caption="**Fig. 5. Spring and steel block.** By Table I"
+        f" $M$ = {values.rig.mass:g} kg, $K$ = {values.rig.stiffness:g} N/m,"
+        f" $mu_d$ = {values.mu_k:g}, $mu_s$ = {values.mu_s:g}; $x$ is the"
+        f" compression, $s$ the travel, measured as {_metres(found)}.",
+    )
+    sides = Columns(left=(cart,), right=(rig,))
+    return section("systems", "Figs 1 and 5", "The two systems of the paper", sides)
 
 
-def phenomena_section(found: PaperAudit) -> report.Section:
+def phenomena_section(found: PaperAudit) -> Section:
     """Return stick-slip and Figs 3 and 4: the phenomena of friction that the paper reviews."""
     pulled = found.stick_slip
     assert pulled is not None  # of the rig of the paper
@@ -459,7 +426,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
     bristle = {title: law for title, law in laws.items() if law.states}
     load = found.values.load
     figures = [
-        report.figure(
+        figure(
             plots.draw_run(pulled.run, until=pulled.run.span[1]),
             "Displacement, velocity and friction of a block in stick-slip",
             "stick-slip",
@@ -473,7 +440,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
     curve = next((law for law in laws.values() if isinstance(law, Stribeck)), None)
     if curve is not None:
         figures.append(
-            report.figure(
+            figure(
                 plots.draw_stribeck(curve, load),
                 "Stribeck curve with static level, Coulomb level and Stribeck velocity",
                 "fig3",
@@ -483,7 +450,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
             )
         )
     figures += [
-        report.figure(
+        figure(
             plots.draw_presliding(bristle, load=load),
             "Friction force against displacement before slip",
             "fig4",
@@ -492,7 +459,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
             " these are the corrected Dahl and LuGre laws.",
             plots.presliding_sizes(len(bristle)),
         ),
-        report.figure(
+        figure(
             plots.draw_characteristics(laws, load=load, v_max=0.5),
             "Friction force against slip velocity of the five models",
             "laws-of-table2",
@@ -501,16 +468,11 @@ def phenomena_section(found: PaperAudit) -> report.Section:
             plots.characteristic_sizes(len(laws)),
         ),
     ]
-    return report.Section(
-        collapsed=True,
-        id="phenomena",
-        nav="Phenomena, Figs 3, 4",
-        heading="Stick-slip, Stribeck effect and presliding, recomputed",
-        blocks=tuple(figures),
-    )
+    heading = "Stick-slip, Stribeck effect and presliding, recomputed"
+    return section("phenomena", "Phenomena, Figs 3, 4", heading, *figures)
 
 
-def figure_section(found: PaperAudit) -> report.Section:
+def figure_section(found: PaperAudit) -> Section:
     """Return Figs 6 to 10, the block with each law, in the order of the paper."""
     rows = {row.law.name: row for row in found.table}
     figures = [
@@ -522,16 +484,10 @@ def figure_section(found: PaperAudit) -> report.Section:
         "The block in readings A and B with the values assumed for Table II, and a third run with"
         " the value that gives the published travel. Dashed: the published and the measured travel."
     )
-    return report.Section(
-        collapsed=True,
-        id="figures",
-        nav="Figs 6 to 10",
-        heading="The block with each law, recomputed",
-        blocks=(report.Paragraph(text=text), *figures),
-    )
+    return section("figures", "Figs 6 to 10", "The block with each law, recomputed", text, *figures)
 
 
-def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
+def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
     shown = [row.reading(key) for key in ("B", "A")]
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in shown}
     need = found.requirement(row.law.name)
@@ -539,7 +495,7 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
         runs[_need_label(need, row, plots.symbol_label(need.symbol))] = need.run
     if row.law.name == "stribeck" and found.creeps:
         creep = found.creeps[len(found.creeps) // 2]
-        velocity = f"{significant(1e3 * creep.stribeck_velocity, 4)} mm/s"
+        velocity = f"{milli(creep.stribeck_velocity, 4)} mm/s"
         runs[f"(5) in 10 ms, {plots.symbol_label('v_s')} = {velocity}"] = creep.run
     published = row.published.travel
     travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
@@ -548,7 +504,7 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
     printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
     title = f"Fig. {number}. {row.law.title}"
     levels |= {f"measured, {found.measured:.2f} m": found.measured}
-    return report.figure(
+    return figure(
         plots.draw_motion(runs, levels=levels),
         f"Displacement and velocity of the block with {row.law.title} friction",
         f"fig{number}",
@@ -557,12 +513,12 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
     )
 
 
-def _need_label(need: Requirement, row: TableRow, symbol: str) -> str:
+def _need_label(need: Requirement, row: TableRow, symbol: str = "") -> str:
     """Name the run that gives the published travel, with its symbol as it is to be set."""
-    solution, unit = need.solution, "" if need.unit == "1" else f" {need.unit}"
+    solution = need.solution
     other = solution is not None and solution.name != row.law.name
     model = f"{solution.title.lower()}, " if other and solution is not None else ""
-    return f"{need.reading}, {model}{symbol} = {significant(need.value or 0.0, 3)}{unit}"
+    return f"{need.reading}, {model}{_setting(need, symbol)}"
 
 
 def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> str:
@@ -571,7 +527,7 @@ def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> st
         return ""
     done, last = need.criteria, need.run.span[1]
     if not done.displacement_never_decreases:
-        lowest = with_unit(significant(1e3 * done.least_velocity, 2), "mm/s")
+        lowest = with_unit(milli(done.least_velocity, 2), "mm/s")
         how = (
             f"the velocity falls to {lowest} and the block goes back by"
             f" {quantity(done.largest_return, 'm', 2)}, in kind as the paper describes. Nothing"
@@ -584,8 +540,7 @@ def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> st
     else:
         left = residue(float(need.run.at([last])["v"][0]))
         how = f"the block creeps there, and moves at {left} m/s after {last:g} s"
-    label = _need_label(need, row, f"${need.symbol}$")
-    said = f" {label}: {fixed(done.travel, 2)} m; {how}."
+    said = f" {_need_label(need, row)}: {fixed(done.travel, 2)} m; {how}."
     return said if need.kept else f"{said}{_least_friction(found, row)}"
 
 
@@ -614,8 +569,7 @@ def _least_friction(found: PaperAudit, row: TableRow) -> str:
 
 def unpublished_section(found: PaperAudit) -> Section:
     """Show the value behind each published row with its range, for a push and for a spring."""
-    total = sum(row.published.travel is not None for row in found.table)
-    reached = {key: _reached(found, key) for key in "AB"}
+    total = in_words(sum(row.published.travel is not None for row in found.table))
     needs = {(need.law, need.reading): need for need in found.requirements}
     heads = ["row", "published\nm", "A, push: would need", "B, spring: would need"]
     rows = [
@@ -628,54 +582,34 @@ def unpublished_section(found: PaperAudit) -> Section:
         for row in found.table
         if (row.law.name, "A") in needs
     ]
-    return Section(
-        id="unpublished",
-        nav="Unpublished values",
-        heading=(
-            f"With Table I kept, unpublished values can give {in_words(reached['A'])} of the"
-            f" {in_words(total)} travels for the push and {in_words(reached['B'])} for the spring"
-        ),
-        blocks=(
-            Paragraph(
-                text=(
-                    "Found by root finding, solved exactly; under each value the range for travels"
-                    " that round to the printed figure. That a value gives the row does not show"
-                    " that it was used."
-                )
-            ),
-            table_of([*heads, "what that means"], rows),
-            Subheading(text=_step_heading(found)),
-            _step_table(found),
-        ),
+    steps = found.step_travels
+    reached = in_words(sum(travel.reached for travel in steps))
+    return section(
+        "unpublished",
+        "Unpublished values",
+        f"With Table I kept, unpublished values can give {in_words(found.reached('A'))} of the"
+        f" {total} travels for the push and {in_words(found.reached('B'))} for the spring",
+        "Found by root finding, solved exactly; under each value the range for travels"
+        " that round to the printed figure. That a value gives the row does not show"
+        " that it was used.",
+        table_of([*heads, "what that means"], rows),
+        Subheading(text=f"In steps of 10 ms, {reached} of {in_words(len(steps))}, Table I kept"),
+        _step_table(found),
+        collapsed=False,
     )
 
 
 def trial_section(found: PaperAudit) -> Section:
     """Show the runs behind the values for (5) in steps and for bristles."""
-    return Section(
-        collapsed=True,
-        id="trials",
-        nav="(5) in steps, bristles",
-        heading="The 0.45 m of Stribeck in steps, and travels by stiffness of the bristles",
-        blocks=(
-            Paragraph(text=_creep_text(found)),
-            _creep_table(found),
-            Subheading(text="By stiffness of the bristles"),
-            _bristle_table(found),
-        ),
+    return section(
+        "trials",
+        "(5) in steps, bristles",
+        "The 0.45 m of Stribeck in steps, and travels by stiffness of the bristles",
+        _creep_text(found),
+        _creep_table(found),
+        Subheading(text="By stiffness of the bristles"),
+        _bristle_table(found),
     )
-
-
-def _reached(found: PaperAudit, key: str) -> int:
-    return sum(
-        need.value is not None and need.kept and need.reading == key for need in found.requirements
-    )
-
-
-def _step_heading(found: PaperAudit) -> str:
-    reached = sum(step_travel.reached for step_travel in found.step_travels)
-    total = len(found.step_travels)
-    return f"In steps of 10 ms, {in_words(reached)} of {in_words(total)}, Table I kept"
 
 
 def _step_table(found: PaperAudit) -> Table:
@@ -717,7 +651,7 @@ def _creep_text(found: PaperAudit) -> str:
         " friction backwards exceeds $F_s$, so that in steps of 10 ms each step back is followed by"
         " a larger one forwards, and the block creeps on. That agrees with the remark on Fig. 8"
         " that the velocity does not become exactly zero; the Yes of Table II does not, since it"
-        f" falls to {significant(1e3 * least, 2)} mm/s again and again. The creep is chaotic: $v_s$"
+        f" falls to {milli(least, 2)} mm/s again and again. The creep is chaotic: $v_s$"
         " that differ by 10⁻⁹ of themselves give the scatter, whose digits differ between"
         " computers."
     )
@@ -738,7 +672,7 @@ def _creep_table(found: PaperAudit) -> Table:
     ]
     rows = [
         (
-            f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
+            f"$v_s$ = {milli(creep.stribeck_velocity, 4)} mm/s",
             fixed(creep.mean, 2),
             f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
             fixed(creep.held, 4),
@@ -750,13 +684,18 @@ def _creep_table(found: PaperAudit) -> Table:
 
 
 def _value(need: Requirement) -> Name:
-    unit = "" if need.unit == "1" else f" {need.unit}"
     if need.value is None:
         return Name(text=f"no ${need.symbol}$", aside=f"nearest {fixed(need.start, 3)} m")
     limits = "one-sided"
     if need.low is not None and need.high is not None:
         limits = f"{significant(need.low, 3)} to {significant(need.high, 3)}"
-    return Name(text=f"${need.symbol}$ = {significant(need.value, 3)}{unit}", aside=limits)
+    return Name(text=_setting(need), aside=limits)
+
+
+def _setting(need: Requirement, symbol: str = "") -> str:
+    """Return what gives a travel: the parameter, by its symbol or one that is given, and value."""
+    unit = "" if need.unit == "1" else f" {need.unit}"
+    return f"{symbol or f'${need.symbol}$'} = {significant(need.value or 0.0, 3)}{unit}"
 
 
 def _bristle_table(found: PaperAudit) -> Table:
@@ -772,7 +711,7 @@ def _bristle_table(found: PaperAudit) -> Table:
             f"{significant(held.stiffness, 1)} N/m",
             fixed(held.criteria.travel, 4),
             fixed(free.criteria.travel, 4),
-            significant(1e3 * free.criteria.least_velocity, 2),
+            milli(free.criteria.least_velocity, 2),
         )
         for held, free in zip(dahl, lugre, strict=True)
     ]
@@ -795,15 +734,10 @@ SAMPLES = 4000
 def claim_section(audit: PaperAudit) -> Section:
     """List every claim, equation and figure with the result and its number."""
     claims = (*_table_2(audit), *_rig(audit), *_equations(audit), *_phenomena(audit), *_cart(audit))
-    heads = ["claim, equation or figure", "where", "result"]
     rows = [(what, where, Name(text=result, aside=why)) for what, where, result, why in claims]
-    listed = table_of(heads, rows)
-    return Section(
-        id="claims",
-        nav="Claims",
-        heading="What the paper claims, and what became of it",
-        blocks=(listed,),
-    )
+    listed = table_of(["claim, equation or figure", "where", "result"], rows)
+    heading = "What the paper claims, and what became of it"
+    return section("claims", "Claims", heading, listed, collapsed=False)
 
 
 def _table_2(audit: PaperAudit) -> Iterator[Claim]:
@@ -812,11 +746,8 @@ def _table_2(audit: PaperAudit) -> Iterator[Claim]:
         if row.published.travel is None:
             continue
         need, step = audit.requirement(row.law.name), steps.get(row.law.name)
-        parts = [f"exactly {fixed(row.reading('A').criteria.travel, 3)} m"]
-        given = ""
-        if need is not None and need.reading == "A":
-            unit = "" if need.unit == "1" else f" {need.unit}"
-            given = f"${need.symbol}$ = {significant(need.value or 0.0, 3)}{unit}"
+        parts = [f"exactly {fixed(row.travel('A'), 3)} m"]
+        given = _setting(need) if need is not None and need.reading == "A" else ""
         if need is not None and given and need.kept:
             parts = [f"{given} gives it"]
         elif row.law.name == "stribeck":
@@ -827,7 +758,7 @@ def _table_2(audit: PaperAudit) -> Iterator[Claim]:
         elif row.law.name != "coulomb":
             parts = ["exactly, no $sigma_2$ gives it for the push"]
         if step is not None and step.scatter is not None:
-            speed = significant(1e3 * audit.creeps[len(audit.creeps) // 2].stribeck_velocity, 4)
+            speed = milli(audit.creeps[len(audit.creeps) // 2].stribeck_velocity, 4)
             low, high = (fixed(end, 2) for end in step.scatter)
             parts.append(
                 f"in steps, sgn $v$ added and $v_s$ = {speed} mm/s, it creeps to {low} to {high} m"
@@ -880,13 +811,7 @@ def _rig(audit: PaperAudit) -> Iterator[Claim]:
         REPRODUCED,
         f"{fixed(spring.closed_form or 0.0, 4)} m by formula and by simulation",
     )
-    met = [
-        sum(
-            seen.velocity_never_negative and seen.displacement_never_decreases
-            for seen in (row.reading(key).criteria for row in audit.table)
-        )
-        for key in "AB"
-    ]
+    met = [sum(row.holds(key) for row in audit.table) for key in "AB"]
     backs = [
         f"{back.law.title} {quantity(back.criteria.largest_return, 'm', 2)}"
         for back in audit.springbacks
@@ -898,7 +823,7 @@ def _rig(audit: PaperAudit) -> Iterator[Claim]:
         f"met by {met[0]} and {met[1]} of {len(audit.table)} exact runs that hold the block (push,"
         f" spring); free bristles spring back ({', '.join(backs)}), which is physical",
     )
-    free = next(row for row in audit.fixed_steps if row.dt is not None and not row.stick_rule)
+    free = audit.without_rule
     yield (
         "A rule for rest is needed in steps",
         "III.A",
@@ -1058,7 +983,7 @@ def _ranges(run: Trajectory) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _speed(velocity: float) -> str:
-    return with_unit(significant(1e3 * velocity, 2), "mm/s")
+    return with_unit(milli(velocity, 2), "mm/s")
 
 
 def _way(way: float) -> str:
@@ -1070,30 +995,23 @@ def _way(way: float) -> str:
 # The printed equations, their defects, and where these act.
 
 
-def equation_section(found: PaperAudit) -> report.Section:
+def equation_section(found: PaperAudit) -> Section:
     """Show each equation as printed, what is wrong in it, what is right, and what is used here."""
-    blocks: list[report.Block] = [
-        report.Paragraph(
-            text=(
-                "In the paper’s symbols; those of this page are in the table after the equations."
-                " The paper quotes (1) to (4) from its references [6] and [7], in order to improve"
-                " on them. (1) and (3) are forces on the cart, (5) to (10) resistances. “Coulomb"
-                " plus viscous plus static” has no equation of its own; it is taken here as (10)"
-                " with the rule for rest of (5), the law `coulomb-viscous-static`."
-            )
-        )
-    ]
-    for form in PRINTED_EQUATIONS:
-        blocks += _shown(form)
-    blocks.append(report.Paragraph(text=_energy_answer(found)))
-    blocks += [report.Subheading(text="Symbols"), _symbol_table()]
-    blocks += [report.Subheading(text="Values in the tests of the equations"), _values_table(found)]
-    return report.Section(
-        collapsed=True,
-        id="equations",
-        nav="Equations",
-        heading="The equations as printed, symbols and values",
-        blocks=tuple(blocks),
+    return section(
+        "equations",
+        "Equations",
+        "The equations as printed, symbols and values",
+        "In the paper’s symbols; those of this page are in the table after the equations."
+        " The paper quotes (1) to (4) from its references [6] and [7], in order to improve"
+        " on them. (1) and (3) are forces on the cart, (5) to (10) resistances. “Coulomb"
+        " plus viscous plus static” has no equation of its own; it is taken here as (10)"
+        " with the rule for rest of (5), the law `coulomb-viscous-static`.",
+        *(block for form in PRINTED_EQUATIONS for block in _shown(form)),
+        _energy_answer(found),
+        Subheading(text="Symbols"),
+        table_of(["here", "meaning", "unit", "in the paper"], SYMBOLS),
+        Subheading(text="Values in the tests of the equations"),
+        _values_table(found),
     )
 
 
@@ -1130,18 +1048,14 @@ SYMBOLS = (
 """Symbols of the page: symbol, meaning, unit, in the paper."""
 
 
-def _symbol_table() -> report.Table:
-    return report.table_of(["here", "meaning", "unit", "in the paper"], SYMBOLS)
-
-
-def _shown(form: type[PrintedForm] | RightEquation) -> tuple[report.Block, ...]:
+def _shown(form: type[PrintedForm] | RightEquation) -> tuple[Block, ...]:
     right = "Right" if form.defect else "Right as printed"
     parts = {"Defect": form.defect, right: form.right, "Used here": form.cure}
     text = " ".join(f"**{key}**: {what}." for key, what in parts.items() if what)
     return (
-        report.Subheading(text=f"{form.equation} {form.title}"),
-        report.Math(latex=form.formula, tag=form.equation),
-        report.Paragraph(text=text),
+        Subheading(text=f"{form.equation} {form.title}"),
+        Math(latex=form.formula, tag=form.equation),
+        Paragraph(text=text),
     )
 
 
@@ -1159,38 +1073,31 @@ def _energy_answer(found: PaperAudit) -> str:
     )
 
 
-def misprint_section(found: PaperAudit) -> report.Section:
+def misprint_section(found: PaperAudit) -> Section:
     """Show where each defect acts, as printed and with a stick rule added."""
     errs = {key: sum(defect.differs(key) for defect in found.consequences) for key in TESTS}
-    heading = (
-        f"As printed, {in_words(errs['coast'])} equations err when the block coasts forwards,"
-        f" {in_words(errs['push'])} when it is pushed from rest"
-    )
     heads = ["equation", *(f"{what}\nm" for what in TESTS.values())]
     rows = [
         (f"{item.form.equation} {item.form.title}", *(_cell(item.outcome(key)) for key in TESTS))
         for item in found.consequences
     ]
-    return report.Section(
-        collapsed=True,
-        id="misprints",
-        nav="Where they act",
-        heading=heading,
-        blocks=(
-            report.Paragraph(text=_tests_text(found)),
-            report.table_of(heads, rows),
-            report.Caption(
-                text=(
-                    f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
-                    f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
-                    " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of"
-                    " the corrected law, solved exactly. For a block, (4) equals (3). Viscous"
-                    " friction has no entry in the last column. As text: `stickslip models"
-                    " --published`."
-                )
-            ),
-            report.Paragraph(text=_rule_text(found)),
-        ),
+    caption = (
+        f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
+        f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
+        " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of"
+        " the corrected law, solved exactly. For a block, (4) equals (3). Viscous"
+        " friction has no entry in the last column. As text: `stickslip models"
+        " --published`."
+    )
+    return section(
+        "misprints",
+        "Where they act",
+        f"As printed, {in_words(errs['coast'])} equations err when the block coasts forwards,"
+        f" {in_words(errs['push'])} when it is pushed from rest",
+        _tests_text(found),
+        table_of(heads, rows),
+        Caption(text=caption),
+        _rule_text(found),
     )
 
 
@@ -1228,7 +1135,7 @@ def _rule_text(found: PaperAudit) -> str:
     return f"{what} {'; '.join(parts)}." if parts else f"{what} nothing changes."
 
 
-def _values_table(found: PaperAudit) -> report.Table:
+def _values_table(found: PaperAudit) -> Table:
     """Show the values behind every number of the tests."""
     load = found.values.load
     bare = [
@@ -1252,28 +1159,26 @@ def _values_table(found: PaperAudit) -> report.Table:
         (
             f"{item.form.equation} {item.form.title}",
             values_of(item.printed),
-            report.Name(text=values_of(item.corrected, load), aside=item.corrected.title),
+            Name(text=values_of(item.corrected, load), aside=item.corrected.title),
         )
         for item in found.consequences
     ]
     heads = ["equation", "values as printed", "values of the corrected law"]
-    return report.table_of(heads, rows, text)
+    return table_of(heads, rows, text)
 
 
-def _cell(outcome: Outcome | None) -> report.Name | str:
+def _cell(outcome: Outcome | None) -> Name | str:
     if outcome is None:
         return "—"
     run, right = outcome.printed, significant(outcome.corrected.travel, 3)
     if run.diverged:
         when = with_unit(f"{1e3 * run.lasted:.3g}", "ms") if run.lasted else "one step"
-        return report.Name(text=f"diverges in {when}", aside=f"not {right}")
+        return Name(text=f"diverges in {when}", aside=f"not {right}")
     travel = significant(run.criteria.travel, 3)
     if not outcome.differs:
         return travel
     held = run.criteria.travel == 0.0
-    return report.Name(
-        text=travel, aside=f"held without limit; not {right}" if held else f"not {right}"
-    )
+    return Name(text=travel, aside=f"held without limit; not {right}" if held else f"not {right}")
 
 
 # Three readings of how the block is set in motion.
@@ -1281,7 +1186,7 @@ def _cell(outcome: Outcome | None) -> report.Name | str:
 SKETCHES = {"A": "push", "B": "released-spring", "C": "fixed-spring"}
 
 
-def excitation_section(found: PaperAudit) -> report.Section:
+def excitation_section(found: PaperAudit) -> Section:
     """Show three readings of one sentence of the paper, with the first law of its table."""
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
@@ -1295,24 +1200,23 @@ def excitation_section(found: PaperAudit) -> report.Section:
         f" {mu_k:g} and {row.law.title} friction:"
     )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
-    return report.Section(
-        id="excitation",
-        nav="Three excitations",
-        heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
-        blocks=(
-            report.Paragraph(text=text),
-            _sketches(row.readings),
-            _figure(found, row.readings),
-            _excitation_table(found, row.readings),
-            _closed_forms(row.readings),
-        ),
+    return section(
+        "excitation",
+        "Three excitations",
+        f"Two readings of the rig and a control, {in_words(len(travels))} travels",
+        text,
+        _sketches(row.readings),
+        _figure(found, row.readings),
+        _excitation_table(found, row.readings),
+        _closed_forms(row.readings),
+        collapsed=False,
     )
 
 
-def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
-    return report.Gallery(
+def _sketches(readings: Sequence[Excitation]) -> Gallery:
+    return Gallery(
         panels=tuple(
-            report.Panel(
+            Panel(
                 svg=sketch(
                     SKETCHES[reading.key],
                     alt=f"Sketch of the rig: {reading.title}",
@@ -1327,59 +1231,51 @@ def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
     )
 
 
-def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> report.Figure:
+def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
     values = found.values
     low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
     draw = draw_excitations(
         {_label(r): r.run for r in readings},
         chosen=next(_label(r) for r in readings if r.key == "B"),
         band=(low, high),
-        measured=f"measured, {found.measured:.2f} m",
+        measured=f"measured, {_metres(found)}",
     )
+    band = "Line: the measured travel, whose uncertainty is not stated."
+    if high > low:
+        what = "the measured travel ± its standard uncertainty"
+        if values.rounded:
+            what = f"the travels that round to {_metres(found)}"
+        band = f"Blue-grey band: {interval(low, high)} m, {what}."
     alt = "Travel against time in the three readings of the rig"
-    caption = f"**Travel in the two readings and the control.** {_band_text(found, low, high)}"
-    return report.figure(draw, alt, "excitations", caption, EXCITATION_SIZES)
+    caption = f"**Travel in the two readings and the control.** {band}"
+    return figure(draw, alt, "excitations", caption, EXCITATION_SIZES)
 
 
-def _band_text(found: PaperAudit, low: float, high: float) -> str:
-    """Say what the band around the measured travel is, where there is one."""
-    if not high > low:
-        return "Line: the measured travel, whose uncertainty is not stated."
-    what = (
-        f"the travels that round to {found.measured:.2f} m"
-        if found.values.rounded
-        else "the measured travel ± its standard uncertainty"
-    )
-    return f"Blue-grey band: {interval(low, high)} m, {what}."
-
-
-def _excitation_table(found: PaperAudit, readings: Sequence[Excitation]) -> report.Table:
+def _excitation_table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
     travels = [reading.criteria.travel for reading in readings]
     axis = travel_axis(found, travels, "travel, m; line: measured")
+
+    def dot(reading: Excitation) -> RowPlot:
+        at, colour = reading.criteria.travel, COLOURS[reading.key]
+        return RowPlot(marks=(Mark(kind="dot", at=at, colour=colour),))
+
     return table(
         readings,
         ("excitation", _label),
         (
-            report.Column(head="travel\nm", numeric=True),
-            lambda reading: report.Number(value=fixed(reading.criteria.travel, 3)),
+            Column(head="travel\nm", numeric=True),
+            lambda r: Number(value=fixed(r.criteria.travel, 3)),
         ),
-        (report.Column(head="", axis=axis), lambda reading: report.RowPlot(marks=(_dot(reading),))),
-        (
-            numbers("error"),
-            lambda reading: signed_percent(reading.criteria.relative_error or 0.0),
-        ),
-        (numbers("work put in\nJ"), lambda reading: fixed(reading.criteria.work_in, 3)),
+        (Column(head="", axis=axis), dot),
+        (numbers("error"), lambda r: signed_percent(r.criteria.relative_error or 0.0)),
+        (numbers("work put in\nJ"), lambda r: fixed(r.criteria.work_in, 3)),
         ("how it ends", _ending),
-        chosen=lambda reading: reading.key == "B",
+        chosen=lambda r: r.key == "B",
     )
 
 
 def _label(reading: Excitation) -> str:
     return f"{reading.key}. {reading.title}"
-
-
-def _dot(reading: Excitation) -> report.Mark:
-    return report.Mark(kind="dot", at=reading.criteria.travel, colour=COLOURS[reading.key])
 
 
 def _ending(reading: Excitation) -> str:
@@ -1393,72 +1289,55 @@ def _ending(reading: Excitation) -> str:
     return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
 
 
-def _closed_forms(readings: Sequence[Excitation]) -> report.Caption:
+def _closed_forms(readings: Sequence[Excitation]) -> Caption:
     """Set the runs against the formulas."""
     known = {r: r.closed_form for r in readings if r.closed_form is not None}
-    if not known:
-        return report.Caption(
-            text="No reading has a closed form here: the block stays with its spring."
-        )
-    off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
-    travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
-    return report.Caption(
-        text=f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
-    )
+    text = "No reading has a closed form here: the block stays with its spring."
+    if known:
+        off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
+        travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
+        text = f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
+    return Caption(text=text)
 
 
 # All that is assumed on the page, in one table.
 
 
-def assumption_section(found: PaperAudit) -> report.Section:
+def assumption_section(found: PaperAudit) -> Section:
     """List every value that the page uses and the source does not print, with its origin."""
-    rows = (*_rig_rows(found), *_law_rows(found), *_run_rows(found))
-    return report.Section(
-        collapsed=True,
-        id="assumptions",
-        nav="Assumptions",
-        heading="What is assumed, and where it is used",
-        blocks=(
-            report.Paragraph(
-                text="Every value on this page is one that Tables I and II and the text of the"
-                " paper print, or stands in this table."
-            ),
-            report.table_of(["where", "value", "origin"], rows),
-        ),
-    )
-
-
-def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     values = found.values
-    rig, pushed = values.rig, f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
-    return [
-        ("block, gravity", quantity(rig.gravity, "m/s^2"), "not printed"),
+    pushed = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s, then coasting"
+    rig_rows = [
+        ("block, gravity", quantity(values.rig.gravity, "m/s^2"), "not printed"),
         (
             "readings B and C, compression",
-            quantity(rig.compression, "m"),
+            quantity(values.rig.compression, "m"),
             "inferred from $F$ = $K$$x$ and 10 N",
         ),
-        ("reading A", f"{pushed}, then coasting", "printed; that it coasts is inferred"),
+        ("reading A", pushed, "printed; that it coasts is inferred"),
         ("reading C", "the block stays fastened", "ours, a control"),
     ]
+    rows = (*rig_rows, *_law_rows(found), *_run_rows(found))
+    return section(
+        "assumptions",
+        "Assumptions",
+        "What is assumed, and where it is used",
+        "Every value on this page is one that Tables I and II and the text of the"
+        " paper print, or stands in this table.",
+        table_of(["where", "value", "origin"], rows),
+    )
 
 
 def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     load = found.values.load
     rows = []
     for row in found.table:
-        held = " held at its first stop" if getattr(row.law, "static_switch", False) else ""
-        assumed = found.rig.assumed.get(row.law.name, ())
-        origin = "Table I"
-        if assumed:
-            origin = (
-                f"levels of Table I; {joined([name.replace('_', ' ') for name in assumed])} assumed"
-            )
+        held = ", held at its first stop" if getattr(row.law, "static_switch", False) else ""
+        assumed = [name.replace("_", " ") for name in found.rig.assumed.get(row.law.name, ())]
+        origin = f"levels of Table I; {joined(assumed)} assumed" if assumed else "Table I"
         if isinstance(row.law, LuGre):
             origin += "; $n$ not printed"
-        rows.append(
-            (f"models, {row.law.title}", f"{values_of(row.law, load)}{held and ','}{held}", origin)
-        )
+        rows.append((f"models, {row.law.title}", f"{values_of(row.law, load)}{held}", origin))
     return rows
 
 
@@ -1475,8 +1354,8 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "printed equations, tests",
-            f"{-BACKWARD:g} m/s backwards; held against {HELD:g} $F_c$; steps of {1e3 * FINE:g} ms,"
-            f" {1e3 * BRISTLE_STEP:g} ms with bristles; Heun’s method",
+            f"{-BACKWARD:g} m/s backwards; held against {HELD:g} $F_c$; steps of"
+            f" {1e3 * FINE_STEP:g} ms, {1e3 * BRISTLE_STEP:g} ms with bristles; Heun’s method",
             "ours",
         ),
         (
@@ -1509,8 +1388,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "(5) in steps of 10 ms",
-            f"$v_s$ {joined([significant(1e3 * value, 4) for value in CREEPING])} mm/s; sgn $v$"
-            " added",
+            f"$v_s$ {joined([milli(value, 4) for value in CREEPING])} mm/s; sgn $v$ added",
             "tried",
         ),
         ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
@@ -1540,34 +1418,30 @@ STEADY = 1e-6
 """Share of the travel within which cycles are the same."""
 
 
-def cart_section(found: PaperAudit) -> report.Section:
+def cart_section(found: PaperAudit) -> Section:
     """Fig. 2: the cart with the printed equations, in fixed steps and exactly."""
     study = found.cart
-    return report.Section(
-        id="cart",
-        nav="Fig. 2, the cart",
-        heading=_cart_heading(study),
-        blocks=(
-            report.Paragraph(text=_setting(study)),
-            _run_table((*study.runs, *study.table_1)),
-            report.Paragraph(text=_scheme_text(study)),
-            _cycle_figure(study),
-            _animation(study),
-            report.Subheading(text="Where the backward motion comes from"),
-            _share_table(study),
-            report.Caption(text=_shares_text(study)),
-        ),
+    free, exact = (study.run(key).least_velocity for key in ("fixed", "exact"))
+    heading = "Fig. 2: the cart with the printed equations"
+    if exact > 0.5 * free:  # both are at most 0
+        heading = "Fig. 2: most of the backward motion of the old scheme comes from its steps"
+    return section(
+        "cart",
+        "Fig. 2, the cart",
+        heading,
+        _setting_text(study),
+        _run_table((*study.runs, *study.table_1)),
+        _scheme_text(study),
+        _cycle_figure(study),
+        _animation(study),
+        Subheading(text="Where the backward motion comes from"),
+        _share_table(study),
+        Caption(text=_shares_text(study)),
+        collapsed=False,
     )
 
 
-def _cart_heading(study: CartStudy) -> str:
-    free, exact = (study.run(key).least_velocity for key in ("fixed", "exact"))
-    if exact > 0.5 * free:  # both are at most 0
-        return "Fig. 2: most of the backward motion of the old scheme comes from its steps"
-    return "Fig. 2: the cart with the printed equations"
-
-
-def _setting(study: CartStudy) -> str:
+def _setting_text(study: CartStudy) -> str:
     cart, swing = study.cart, study.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
     origin = (
@@ -1610,13 +1484,13 @@ def _scheme_text(study: CartStudy) -> str:
     )
 
 
-def _animation(study: CartStudy) -> report.Animation:
+def _animation(study: CartStudy) -> Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
     until = 2.0 * study.period
     draw = partial(plots.animation_html, exact, study.cart, fps=ANIMATED, until=until)
-    return report.Animation(
+    return Animation(
         html=partial(draw, alt=alt, narrow=(358, 560)),
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
@@ -1624,45 +1498,43 @@ def _animation(study: CartStudy) -> report.Animation:
     )
 
 
-def _run_table(runs: Sequence[CartRun]) -> report.Table:
+def _run_table(runs: Sequence[CartRun]) -> Table:
     heads = ["run", f"travel in\n{CYCLES} cycles, m", "by cycle\nmm", LOWEST_VELOCITY, BACK_SLIP]
     exact = [run.key.endswith("exact") for run in runs]
-    return report.table_of(heads, map(_run_row, runs, exact), chosen=exact)
+    return table_of(heads, map(_run_row, runs, exact), chosen=exact)
 
 
-def _run_row(run: CartRun, exact: bool) -> Sequence[report.Cell]:
+def _run_row(run: CartRun, exact: bool) -> Sequence[Cell]:
     later = sorted((1e3 * travel for travel in run.travels[1:]), key=abs)
     steady = abs(later[-1] - later[0]) < STEADY * abs(later[0])
     ends = [significant(travel, 3) for travel in (later[0], later[-1])]
     following = ends[0] if steady else " to ".join(ends)
     return (
-        report.Name(text=run.title, aside="events located" if exact else STEP_TEXT),
+        Name(text=run.title, aside="events located" if exact else STEP_TEXT),
         significant(run.travel, 3),
-        f"{significant(1e3 * run.travels[0], 3)}, then {following}",
-        significant(1e3 * run.least_velocity, 3),
-        significant(1e3 * run.mean_return, 3),
+        f"{milli(run.travels[0])}, then {following}",
+        milli(run.least_velocity),
+        milli(run.mean_return),
     )
 
 
-def _cycle_figure(study: CartStudy) -> report.Figure:
+def _cycle_figure(study: CartStudy) -> Figure:
     keys = ("exact", "printed-1", "fixed-held")
     runs = {study.run(key).title: study.run(key).run for key in keys}
-    last = study.run("exact").run.span[1]
-    return report.figure(
-        plots.draw_cycles(runs, chosen=study.run("exact").title, cycle=(last - study.period, last)),
+    exact = study.run("exact")
+    last = exact.run.span[1]
+    same = ""
+    if study.run("printed-1").travels == study.run("fixed").travels:
+        same = "Without the stick rule the corrected law is (1), (2): the same run."
+    return figure(
+        plots.draw_cycles(runs, chosen=exact.title, cycle=(last - study.period, last)),
         "Displacement of the cart in all cycles, and its velocity near zero in the last",
         "fig2b",
         "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
         f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
-        f" Yellow: the exact run sticks. {_same_text(study)}",
+        f" Yellow: the exact run sticks. {same}",
         plots.CYCLE_SIZES,
     )
-
-
-def _same_text(study: CartStudy) -> str:
-    """Say that (1) is the corrected law without its rule, where the runs bear it out."""
-    same = study.run("printed-1").travels == study.run("fixed").travels
-    return "Without the stick rule the corrected law is (1), (2): the same run." if same else ""
 
 
 def _shares_text(study: CartStudy) -> str:
@@ -1680,7 +1552,7 @@ def _shares_text(study: CartStudy) -> str:
     )
 
 
-def _share_table(study: CartStudy) -> report.Table:
+def _share_table(study: CartStudy) -> Table:
     printed = study.run("printed-1")
     shares = [share for share in study.shares if share.key in CAUSES]
     named = [
@@ -1690,51 +1562,40 @@ def _share_table(study: CartStudy) -> report.Table:
     parts: list[Share | CartRun] = [*shares, printed]
     rows = [
         (
-            report.Name(text=cause, aside=runs),
-            significant(1e3 * of.least_velocity, 3),
-            significant(1e3 * of.mean_return, 3),
+            Name(text=cause, aside=runs),
+            milli(of.least_velocity),
+            milli(of.mean_return),
         )
         for (cause, runs), of in zip(named, parts, strict=True)
     ]
     chosen = [share.key == "friction" for share in shares]
-    return report.table_of(["cause", LOWEST_VELOCITY, BACK_SLIP], rows, chosen=(*chosen, False))
+    return table_of(["cause", LOWEST_VELOCITY, BACK_SLIP], rows, chosen=(*chosen, False))
 
 
-def choice_section(found: PaperAudit) -> report.Section:
+def choice_section(found: PaperAudit) -> Section:
     """Fig. 11: the cart with the law that the selection names, and with the paper's choice."""
     study = found.cart
-    return report.Section(
-        id="cart-choice",
-        nav="Fig. 11, the choice",
-        heading=_choice_heading(study),
-        blocks=(
-            report.Paragraph(text=_choice_text(found)),
-            _choice_table(study),
-            _choice_figure(study),
-            report.Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
-        ),
-    )
-
-
-def _choice_heading(study: CartStudy) -> str:
-    travels = {choice.key: quantity(choice.travels[-1], "m") for choice in study.choices}
-    if "selected" not in travels:
-        return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
-    return (
-        f"The cart moves {travels['selected']} a cycle with the law that select names, and"
-        f" {travels['paper']} with the paper’s example"
-    )
-
-
-def _choice_text(found: PaperAudit) -> str:
-    named = [choice for choice in found.cart.choices if choice.key == "selected"]
-    chosen = f"names {named[0].law.title}" if named else "names no law"
-    cart = "given by `--set`" if found.cart.given else "ours"
-    return (
+    ways = {choice.key: quantity(choice.travels[-1], "m") for choice in study.choices}
+    heading = f"{study.run('paper').law.title} friction moves the cart {ways['paper']} a cycle"
+    chosen = "names no law"
+    if "selected" in ways:
+        heading = (
+            f"The cart moves {ways['selected']} a cycle with the law that select names, and"
+            f" {ways['paper']} with the paper’s example"
+        )
+        chosen = f"names {study.run('selected').law.title}"
+    return section(
+        "cart-choice",
+        "Fig. 11, the choice",
+        heading,
         "The paper takes Coulomb + viscous friction “for instance”; its $sigma_2$ is not printed"
         f" ({quantity(found.values.viscous, 'N s/m', 2)}, assumed). `select` {chosen} for the rig."
-        f" Masses and swing of the cart are {cart}"
-        ", so that the figure can be compared in kind only."
+        f" Masses and swing of the cart are {'given by `--set`' if study.given else 'ours'}"
+        ", so that the figure can be compared in kind only.",
+        _choice_table(study),
+        _choice_figure(study),
+        Caption(text=f"{_return_text(study)} {_normal_text(study)}"),
+        collapsed=False,
     )
 
 
@@ -1742,25 +1603,25 @@ def _run_label(run: CartRun) -> str:
     return "by select" if run.key == "selected" else "the paper’s example"
 
 
-def _choice_table(study: CartStudy) -> report.Table:
+def _choice_table(study: CartStudy) -> Table:
     heads = ["law", "travel\nm", FIRST_CYCLE, "last cycle\nmm", BACK_SLIP, LOWEST_VELOCITY]
     rows = [
         (
-            report.Name(text=f"{run.law.title}, {_run_label(run)}", aside=values_of(run.law)),
+            Name(text=f"{run.law.title}, {_run_label(run)}", aside=values_of(run.law)),
             significant(run.travel, 3),
             fixed(1e3 * run.travels[0], 2),
             fixed(1e3 * run.travels[-1], 2),
             back_slip_text(run.mean_return),
-            significant(1e3 * run.least_velocity, 2),
+            milli(run.least_velocity, 2),
             fixed(run.least_normal_force, 3),
         )
         for run in study.choices
     ]
     chosen = [run.key == "selected" for run in study.choices]
-    return report.table_of([*heads, "lowest normal\nforce, N"], rows, chosen=chosen)
+    return table_of([*heads, "lowest normal\nforce, N"], rows, chosen=chosen)
 
 
-def _choice_figure(study: CartStudy) -> report.Figure:
+def _choice_figure(study: CartStudy) -> Figure:
     runs = {_run_label(choice): choice.run for choice in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
@@ -1776,7 +1637,7 @@ def _choice_figure(study: CartStudy) -> report.Figure:
             )
         )
         apart = ", and by how much that of the paper’s example differs"
-    return report.figure(
+    return figure(
         plots.draw_motion(runs, views=views),
         "Displacement and velocity of the cart with the chosen laws",
         "fig11",
@@ -1787,9 +1648,8 @@ def _choice_figure(study: CartStudy) -> report.Figure:
     )
 
 
-def _return_text(found: PaperAudit) -> str:
+def _return_text(study: CartStudy) -> str:
     """Say whether the cart slips back, and what keeps it from it."""
-    study = found.cart
     back = [choice for choice in study.choices if choice.mean_return > 0.0]
     if back:
         ways = ", ".join(f"{_run_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
@@ -1825,7 +1685,7 @@ def _normal_text(study: CartStudy) -> str:
 # Rules for rest beside the exact switch, and break-away levels that vary.
 
 
-def rest_section(found: PaperAudit) -> report.Section:
+def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
     heads = [
         "rule for rest",
@@ -1842,22 +1702,14 @@ def rest_section(found: PaperAudit) -> report.Section:
             str(rule.reversals),
             "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves",
             fixed(rule.cart_travel, 3),
-            significant(1e3 * rule.cart_back_slip, 2),
+            milli(rule.cart_back_slip, 2),
         )
         for rule in found.rest_rules
     ]
-    rules = report.table_of(heads, rows, chosen=[rule.dt is None for rule in found.rest_rules])
-    return report.Section(
-        collapsed=True,
-        id="rest",
-        nav="Rules for rest",
-        heading="The zero-velocity band of [18] beside the exact switch",
-        blocks=(
-            report.Paragraph(text=_rest_text(found)),
-            rules,
-            report.Caption(text=_rest_caption(found)),
-        ),
-    )
+    rules = table_of(heads, rows, chosen=[rule.dt is None for rule in found.rest_rules])
+    heading = "The zero-velocity band of [18] beside the exact switch"
+    caption = Caption(text=_rest_caption(found))
+    return section("rest", "Rules for rest", heading, _rest_text(found), rules, caption)
 
 
 def _rest_text(found: PaperAudit) -> str:
@@ -1873,32 +1725,27 @@ def _rest_text(found: PaperAudit) -> str:
     )
 
 
-def _rule_name(rule: RestRule) -> report.Name:
+def _rule_name(rule: RestRule) -> Name:
     if rule.dt is None:
-        return report.Name(text="exact switch", aside="events located")
+        return Name(text="exact switch", aside="events located")
     text = "at a change of sign" if rule.stick_rule else "none"
     if rule.band > 0.0:
         text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
-    return report.Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
+    return Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
 
 
 def _rest_caption(found: PaperAudit) -> str:
-    exact = found.rest_rules[0]
-    wide = [rest_rule for rest_rule in found.rest_rules if rest_rule.band > 0.0 and rest_rule.rests]
-    narrow = [one for one in found.rest_rules if one.band > 0.0 and not one.rests]
-    parts = []
-    for rule in wide:
+    exact, *others = found.rest_rules
+    held, missed = [], []
+    for rule in (rule for rule in others if rule.band > 0.0):
+        band = f"{number(1e3 * rule.band)} mm/s in steps of {1e3 * (rule.dt or 0.0):g} ms"
         off = rule.block.travel / exact.block.travel - 1.0
-        parts.append(
-            f"{number(1e3 * rule.band)} mm/s in steps of {1e3 * (rule.dt or 0.0):g} ms"
-            f" ({percent(off)} too far)"
-        )
-    text = f"Bands that hold the block: {joined(parts)}." if parts else "No band holds the block."
-    if narrow:
-        missed = [
-            f"{number(1e3 * one.band)} mm/s in steps of {1e3 * (one.dt or 0.0):g} ms"
-            for one in narrow
-        ]
+        if rule.rests:
+            held.append(f"{band} ({percent(off)} too far)")
+        else:
+            missed.append(band)
+    text = f"Bands that hold the block: {joined(held)}." if held else "No band holds the block."
+    if missed:
         text += f" Bands that it jumps over: {joined(missed)}."
     return (
         f"{text} With a rule, friction begins at $F_s$; without one, sgn 0 = 0. A wide band does"
@@ -1907,20 +1754,25 @@ def _rest_caption(found: PaperAudit) -> str:
     )
 
 
-def break_away_section(found: PaperAudit) -> report.Section:
+def break_away_section(found: PaperAudit) -> Section:
     """Show what a break-away level that varies does to the cart."""
+    values, groups = found.values, _groups(found)
     reached = "friction reached\nby cycle, over $N$"
     heads = ["break-away level", reached, FIRST_CYCLE, "later cycles\nmm", BACK_SLIP]
-    return report.Section(
-        collapsed=True,
-        id="break-away",
-        nav="Break-away that varies",
-        heading=_break_away_heading(found),
-        blocks=(
-            report.Paragraph(text=_break_away_text(found)),
-            report.table_of(heads, map(_break_away_row, found.cart.break_away)),
-            report.Caption(text=_break_away_caption(found)),
-        ),
+    heading = "A break-away level that varies"
+    if _spread(groups[0]) < STEADY:
+        heading += " changes the first cycle of the cart, and whether it slips back"
+    return section(
+        "break-away",
+        "Break-away that varies",
+        heading,
+        "Section III lists a break-away force that varies; of the equations only (9) has one, since"
+        " bristles give way earlier the faster the force grows. The cart, solved exactly: Coulomb"
+        f" friction with other static levels, at $mu_k$ = {number(values.mu_k)} and at"
+        f" {KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵ N/m and"
+        " the other values of its 1995 paper.",
+        table_of(heads, map(_break_away_row, found.cart.break_away)),
+        Caption(text=_break_away_caption(found, groups)),
     )
 
 
@@ -1945,54 +1797,29 @@ def _spread(runs: list[CartRun]) -> float:
     return (high - low) / abs(high)
 
 
-def _break_away_heading(found: PaperAudit) -> str:
-    first = _groups(found)[0]
-    if _spread(first) < SAME:
-        return (
-            "A break-away level that varies changes the first cycle of the cart, and whether it"
-            " slips back"
-        )
-    return "A break-away level that varies"
-
-
-SAME = 1e-6
-"""Share of the travel within which cycles are the same."""
-
-
-def _break_away_text(found: PaperAudit) -> str:
-    values = found.values
-    return (
-        "Section III lists a break-away force that varies; of the equations only (9) has one, since"
-        " bristles give way earlier the faster the force grows. The cart, solved exactly: Coulomb"
-        f" friction with other static levels, at $mu_k$ = {number(values.mu_k)} and at"
-        f" {KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵ N/m and"
-        " the other values of its 1995 paper."
-    )
-
-
-def _break_away_row(run: CartRun) -> Sequence[report.Cell]:
-    low, high = (significant(1e3 * value, 4) for value in _later(run))
+def _break_away_row(run: CartRun) -> Sequence[Cell]:
+    low, high = (milli(value, 4) for value in _later(run))
     reached = [significant(value, 3) for value in run.largest_friction]
     steady = len(set(reached[1:])) == 1
     return (
-        report.Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
+        Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
         f"{reached[0]}, then {reached[1]}" if steady else ", ".join(reached),
-        significant(1e3 * run.travels[0], 4),
+        milli(run.travels[0], 4),
         low if low == high else f"{low} to {high}",
         back_slip_text(run.mean_return),
     )
 
 
-def _break_away_caption(found: PaperAudit) -> str:
+def _break_away_caption(found: PaperAudit, groups: list[list[CartRun]]) -> str:
     parts = []
-    for runs in _groups(found):
+    for runs in groups:
         kinetic = number(getattr(runs[0].law, "kinetic_coefficient", 0.0))
         first = [1e3 * run.travels[0] for run in runs]
         ends = f"{interval(min(first), max(first))} mm"
         parts.append(f"at $mu_k$ = {kinetic} the first cycle has {ends}")
     slipping = [run for run in found.cart.break_away if run.mean_return > 0.0]
     text = f"By level, {joined(parts)}."
-    if _spread(_groups(found)[0]) < SAME:
+    if _spread(groups[0]) < STEADY:
         text += (
             " Later on the swing reverses its acceleration at once and asks for more than any of"
             " these levels at that instant, so that the cart starts at the same time with each."
@@ -2086,7 +1913,7 @@ def result_sections(found: PaperAudit) -> tuple[Section, ...]:
 
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     """Return the audit of the paper as one HTML page."""
-    makers: tuple[Callable[[PaperAudit], Section], ...] = (
+    makers = (
         claim_section,
         table_section,
         ranking_section,
@@ -2150,9 +1977,7 @@ def _opening(found: PaperAudit) -> Opening:
 def _facts(found: PaperAudit) -> tuple[Fact, ...]:
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
-    exactly = sum(n.value is not None and n.kept and n.reading == "A" for n in found.requirements)
     in_steps = sum(step_travel.reached for step_travel in found.step_travels)
-    total = len(found.rig.published)
     return (
         Fact(
             value=percent(abs(spring.relative_error or 0.0)),
@@ -2165,7 +1990,7 @@ def _facts(found: PaperAudit) -> tuple[Fact, ...]:
             what="work of the push of 10 N for 0.1 s, and of the released spring",
         ),
         Fact(
-            value=f"{exactly} of {total} rows",
+            value=f"{found.reached('A')} of {len(found.rig.published)} rows",
             aside=f"{in_steps} in steps of 10 ms",
             what="of Table II can follow from unpublished values for the push, Table I kept: solved"
             " exactly, and by forward Euler with some rule for rest",
