@@ -20,38 +20,10 @@ from stickslip.friction import (
     Stribeck,
 )
 from stickslip.identify.kinds import TravelVerdict
+from stickslip.paper import printed, rigs
 from stickslip.paper.paper_audit import PaperAudit, TableRow, audit
-from stickslip.paper.printed import (
-    BACKWARD,
-    BRISTLE_STEP,
-    CART_STEP,
-    CREEPING,
-    FINE_STEP,
-    HELD,
-    ROUNDING,
-    SECONDS,
-    STIFFNESS,
-    TESTS,
-    Consequence,
-    Outcome,
-    Requirement,
-    StepTravel,
-    lugre_row,
-)
-from stickslip.paper.rigs import (
-    CYCLES,
-    KINETIC,
-    PUSH_DURATION,
-    SPEED,
-    STEP,
-    CartRun,
-    CartStudy,
-    Excitation,
-    RestRule,
-    Share,
-)
 from stickslip.quantities import fields_of
-from stickslip.show import plots
+from stickslip.show import plots, report
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -66,38 +38,7 @@ from stickslip.show.formatting import (
     with_unit,
 )
 from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, sketch
-from stickslip.show.report import (
-    Animation,
-    Axis,
-    Block,
-    Caption,
-    Cell,
-    Column,
-    Columns,
-    Fact,
-    Figure,
-    Gallery,
-    Mark,
-    Math,
-    Name,
-    Number,
-    Opening,
-    Origin,
-    Page,
-    Panel,
-    Paragraph,
-    Row,
-    RowPlot,
-    Section,
-    SectionMaker,
-    Subheading,
-    Table,
-    blocks,
-    figure,
-    render,
-    reproduce,
-    table_of,
-)
+from stickslip.show.report import Name, Section, Table, figure, table_of
 
 # What the sections share.
 
@@ -111,9 +52,9 @@ STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 """Ends of axes, times a power of ten."""
 
 
-def numbers(head: str, label: str = "") -> Column:
+def numbers(head: str, label: str = "") -> report.Column:
     """Return a column of numbers, which on a phone have a label: the head, or a shorter one."""
-    return Column(head=head, numeric=True, phone="label", label=label)
+    return report.Column(head=head, numeric=True, phone="label", label=label)
 
 
 FIRST_CYCLE = "first cycle\nmm"
@@ -124,14 +65,17 @@ BACK_SLIP = "back-slip\nmm/cycle"
 
 def table(
     items: Iterable[T],
-    *columns: tuple[str | Column, Callable[[T], Cell]],
+    *columns: tuple[str | report.Column, Callable[[T], report.Cell]],
     caption: str = "",
     chosen: Callable[[T], bool] = lambda _: False,
 ) -> Table:
     """Return a table with a row for each item; each column stands beside what makes its cells."""
-    heads = [Column(head=column) if isinstance(column, str) else column for column, _ in columns]
+    heads = [
+        report.Column(head=column) if isinstance(column, str) else column for column, _ in columns
+    ]
     rows = [
-        Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item)) for item in items
+        report.Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item))
+        for item in items
     ]
     return Table(columns=tuple(heads), rows=tuple(rows), caption=caption)
 
@@ -149,12 +93,12 @@ def values_of(law: FrictionLaw | PrintedForm, load: float | None = None) -> str:
     return ", ".join(parts)
 
 
-def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Axis:
+def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> report.Axis:
     """Return the travel axis of the tables, with the measured travel as its line."""
     most = max((*travels, audit.measured))
     power = 10.0 ** math.floor(math.log10(most))
     high = next(step * power for step in STEPS if step * power >= most)
-    return Axis(
+    return report.Axis(
         low=0.0,
         high=high,
         ticks=(0.0, 0.4 * high, 0.8 * high),
@@ -164,10 +108,10 @@ def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Ax
 
 
 def section(
-    place: str, nav: str, heading: str, *content: Block | str, collapsed: bool = True
+    place: str, nav: str, heading: str, *content: report.Block | str, collapsed: bool = True
 ) -> Section:
     """Return a section with an address on the page; a text is a paragraph of it."""
-    shown = (Paragraph(text=part) if isinstance(part, str) else part for part in content)
+    shown = (report.Paragraph(text=part) if isinstance(part, str) else part for part in content)
     return Section(id=place, nav=nav, heading=heading, blocks=tuple(shown), collapsed=collapsed)
 
 
@@ -191,13 +135,12 @@ def table_section(found: PaperAudit) -> Section:
     values = found.values
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
-        " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are"
-        " those of Table I; what the paper does not print is assumed:"
-        f" $sigma_2$ {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none"
-        f" in Stribeck and LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s,"
-        f" bristles of {significant(values.stiffness, 2)} N/m and"
-        f" {significant(values.damping, 2)} N s/m. “Coulomb plus viscous plus static”, which the"
-        " paper names, has no row in it."
+        " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are those of"
+        " Table I; what the paper does not print is assumed: $sigma_2$"
+        f" {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none in Stribeck and"
+        f" LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s, bristles of"
+        f" {significant(values.stiffness, 2)} N/m and {significant(values.damping, 2)} N s/m."
+        " “Coulomb plus viscous plus static”, which the paper names, has no row in it."
     )
     if found.viscous_travels:
         titles = {row.law.name: row.law.title for row in found.table}
@@ -207,7 +150,7 @@ def table_section(found: PaperAudit) -> Section:
             f" {joined(travels)}: between the rows of B lies what is assumed, not the model."
         )
     heading = "The paper’s Table II beside ours"
-    shown = _table(found), Caption(text=_step_text(found))
+    shown = _table(found), report.Caption(text=_step_text(found))
     return section("table2", "Table II", heading, text, *shown, collapsed=False)
 
 
@@ -220,10 +163,10 @@ def _table(found: PaperAudit) -> Table:
     travels += [reading.criteria.travel for row in found.table for reading in row.readings]
     marks = "travel, m; triangle: A, dot: B, line: measured, ring: published"
 
-    def travel(key: str) -> Callable[[TableRow], Cell]:
+    def travel(key: str) -> Callable[[TableRow], report.Cell]:
         return lambda row: _with_error(found, row.travel(key))
 
-    def in_steps(rule: BreakAway) -> Callable[[TableRow], Cell]:
+    def in_steps(rule: BreakAway) -> Callable[[TableRow], report.Cell]:
         return lambda row: _with_error(found, row.coarse.get(rule))
 
     return table(
@@ -237,7 +180,7 @@ def _table(found: PaperAudit) -> Table:
         ),
         (numbers("B, spring\nm"), travel("B")),
         (numbers("C, fixed\nm"), travel("C")),
-        (Column(head="", axis=travel_axis(found, travels, marks)), _travel_plot),
+        (report.Column(head="", axis=travel_axis(found, travels, marks)), _travel_plot),
         caption=(
             f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
             " block at its first stop, by the paper’s switch to static friction."
@@ -245,14 +188,14 @@ def _table(found: PaperAudit) -> Table:
     )
 
 
-def _travel_plot(row: TableRow) -> RowPlot:
+def _travel_plot(row: TableRow) -> report.RowPlot:
     marks = [
-        Mark(kind="triangle", at=row.travel("A"), colour="c2"),
-        Mark(kind="dot", at=row.travel("B"), colour="c1"),
+        report.Mark(kind="triangle", at=row.travel("A"), colour="c2"),
+        report.Mark(kind="dot", at=row.travel("B"), colour="c1"),
     ]
     if row.published.travel is not None:
-        marks.append(Mark(kind="ring", at=row.published.travel, colour="muted"))
-    return RowPlot(marks=tuple(marks), lanes=2)
+        marks.append(report.Mark(kind="ring", at=row.published.travel, colour="muted"))
+    return report.RowPlot(marks=tuple(marks), lanes=2)
 
 
 def _with_error(found: PaperAudit, travel: float | None, digits: int = 4) -> Name | str:
@@ -296,7 +239,7 @@ def ranking_section(found: PaperAudit) -> Section:
         f"In B the first four errors are {percent(errors[0])} to {percent(errors[3])}, and the"
         f" measured travel is rounded to ± {percent(half)}: their order means nothing."
     )
-    shown = table_of(["friction model", *judged, "by select"], rows), Caption(text=caption)
+    shown = table_of(["friction model", *judged, "by select"], rows), report.Caption(text=caption)
     texts = _criteria_text(found), *shown, _energy_text(found)
     return section("ranking", "Criteria", heading, *texts, collapsed=False)
 
@@ -388,7 +331,7 @@ BLOCK_SIZES = plots.Sizes(wide=(880, 270), narrow=(358, 520))
 def schematic_section(found: PaperAudit) -> Section:
     """Return Figs 1 and 5: cart and rig with the paper's symbols."""
     values = found.values
-    cart = Figure(
+    cart = report.Figure(
         svg=plots.schematic(
             "cart",
             alt="Cart of mass M with an inverted pendulum of length l and ball m",
@@ -398,7 +341,7 @@ def schematic_section(found: PaperAudit) -> Section:
         " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
         " $tau$, friction coefficient $mu$. The paper prints no values.",
     )
-    rig = Figure(
+    rig = report.Figure(
         svg=plots.schematic(
             "rig",
             alt="Steel block of mass m before a compressed spring of stiffness k",
@@ -409,7 +352,7 @@ def schematic_section(found: PaperAudit) -> Section:
         f" $mu_d$ = {values.mu_k:g}, $mu_s$ = {values.mu_s:g}; $x$ is the"
         f" compression, $s$ the travel, measured as {_metres(found)}.",
     )
-    sides = Columns(left=(cart,), right=(rig,))
+    sides = report.Columns(left=(cart,), right=(rig,))
     return section("systems", "Figs 1 and 5", "The two systems of the paper", sides)
 
 
@@ -421,8 +364,7 @@ def phenomena_section(found: PaperAudit) -> Section:
         abs(pulled.stick_time / pulled.stick_formula - 1.0),
         abs(pulled.slip_time / pulled.slip_formula - 1.0),
     )
-    printed = [row.law for row in found.table if row.published.travel is not None]
-    laws = {law.title: law for law in printed}
+    laws = {row.law.title: row.law for row in found.table if row.published.travel is not None}
     bristle = {title: law for title, law in laws.items() if law.states}
     load = found.values.load
     figures = [
@@ -431,7 +373,7 @@ def phenomena_section(found: PaperAudit) -> Section:
             "Displacement, velocity and friction of a block in stick-slip",
             "stick-slip",
             "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
-            f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
+            f" {1e3 * rigs.SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
             f" for {pulled.slip_time:.3f} s, as the closed forms have it within a relative"
             f" {residue(error)}.",
             plots.RUN_SIZES,
@@ -487,7 +429,7 @@ def figure_section(found: PaperAudit) -> Section:
     return section("figures", "Figs 6 to 10", "The block with each law, recomputed", text, *figures)
 
 
-def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
+def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
     shown = [row.reading(key) for key in ("B", "A")]
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in shown}
     need = found.requirement(row.law.name)
@@ -501,19 +443,19 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
     travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
     note = f" ({row.published.note})" if row.published.note else ""
     levels = {} if published is None else {f"published, {published:.2f} m": published}
-    printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
+    quoted = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
     title = f"Fig. {number}. {row.law.title}"
     levels |= {f"measured, {found.measured:.2f} m": found.measured}
     return figure(
         plots.draw_motion(runs, levels=levels),
         f"Displacement and velocity of the block with {row.law.title} friction",
         f"fig{number}",
-        f"**{title}.** {printed}{', '.join(travels)}.{_need_text(found, need, row)}",
+        f"**{title}.** {quoted}{', '.join(travels)}.{_need_text(found, need, row)}",
         BLOCK_SIZES,
     )
 
 
-def _need_label(need: Requirement, row: TableRow, symbol: str = "") -> str:
+def _need_label(need: printed.Requirement, row: TableRow, symbol: str = "") -> str:
     """Name the run that gives the published travel, with its symbol as it is to be set."""
     solution = need.solution
     other = solution is not None and solution.name != row.law.name
@@ -521,7 +463,7 @@ def _need_label(need: Requirement, row: TableRow, symbol: str = "") -> str:
     return f"{need.reading}, {model}{_setting(need, symbol)}"
 
 
-def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> str:
+def _need_text(found: PaperAudit, need: printed.Requirement | None, row: TableRow) -> str:
     """Say what gives the published travel, how the block then stops, and what it would take."""
     if need is None or need.criteria is None or need.run is None:
         return ""
@@ -548,7 +490,7 @@ def _least_friction(found: PaperAudit, row: TableRow) -> str:
     """Say why (5) does not reach its travel when solved exactly, and how it can in steps."""
     values, published = found.values, row.published.travel or 0.0
     rig, level = values.rig, values.mu_k * values.load
-    impulse = values.force * PUSH_DURATION
+    impulse = values.force * rigs.PUSH_DURATION
     most = max(0.5 * rig.stiffness * rig.compression**2, 0.5 * impulse**2 / rig.mass)
     mean = most / published
     if not isinstance(row.law, Stribeck) or mean >= level:
@@ -589,11 +531,12 @@ def unpublished_section(found: PaperAudit) -> Section:
         "Unpublished values",
         f"With Table I kept, unpublished values can give {in_words(found.reached('A'))} of the"
         f" {total} travels for the push and {in_words(found.reached('B'))} for the spring",
-        "Found by root finding, solved exactly; under each value the range for travels"
-        " that round to the printed figure. That a value gives the row does not show"
-        " that it was used.",
+        "Found by root finding, solved exactly; under each value the range for travels that round"
+        " to the printed figure. That a value gives the row does not show that it was used.",
         table_of([*heads, "what that means"], rows),
-        Subheading(text=f"In steps of 10 ms, {reached} of {in_words(len(steps))}, Table I kept"),
+        report.Subheading(
+            text=f"In steps of 10 ms, {reached} of {in_words(len(steps))}, Table I kept"
+        ),
         _step_table(found),
         collapsed=False,
     )
@@ -607,7 +550,7 @@ def trial_section(found: PaperAudit) -> Section:
         "The 0.45 m of Stribeck in steps, and travels by stiffness of the bristles",
         _creep_text(found),
         _creep_table(found),
-        Subheading(text="By stiffness of the bristles"),
+        report.Subheading(text="By stiffness of the bristles"),
         _bristle_table(found),
     )
 
@@ -635,7 +578,7 @@ def _step_table(found: PaperAudit) -> Table:
     return table_of(heads, rows, caption)
 
 
-def _step_cells(travel: StepTravel) -> tuple[str, str]:
+def _step_cells(travel: printed.StepTravel) -> tuple[str, str]:
     """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
     if travel.scatter is None:
         return fixed(travel.travel, 3), fixed(travel.static, 3)
@@ -651,9 +594,8 @@ def _creep_text(found: PaperAudit) -> str:
         " friction backwards exceeds $F_s$, so that in steps of 10 ms each step back is followed by"
         " a larger one forwards, and the block creeps on. That agrees with the remark on Fig. 8"
         " that the velocity does not become exactly zero; the Yes of Table II does not, since it"
-        f" falls to {milli(least, 2)} mm/s again and again. The creep is chaotic: $v_s$"
-        " that differ by 10⁻⁹ of themselves give the scatter, whose digits differ between"
-        " computers."
+        f" falls to {milli(least, 2)} mm/s again and again. The creep is chaotic: $v_s$ that differ"
+        " by 10⁻⁹ of themselves give the scatter, whose digits differ between computers."
     )
 
 
@@ -683,7 +625,7 @@ def _creep_table(found: PaperAudit) -> Table:
     return table_of(heads, rows, caption)
 
 
-def _value(need: Requirement) -> Name:
+def _value(need: printed.Requirement) -> Name:
     if need.value is None:
         return Name(text=f"no ${need.symbol}$", aside=f"nearest {fixed(need.start, 3)} m")
     limits = "one-sided"
@@ -692,7 +634,7 @@ def _value(need: Requirement) -> Name:
     return Name(text=_setting(need), aside=limits)
 
 
-def _setting(need: Requirement, symbol: str = "") -> str:
+def _setting(need: printed.Requirement, symbol: str = "") -> str:
     """Return what gives a travel: the parameter, by its symbol or one that is given, and value."""
     unit = "" if need.unit == "1" else f" {need.unit}"
     return f"{symbol or f'${need.symbol}$'} = {significant(need.value or 0.0, 3)}{unit}"
@@ -835,11 +777,11 @@ def _rig(audit: PaperAudit) -> Iterator[Claim]:
 
 def _pushed(audit: PaperAudit) -> str:
     """Return the coefficients whose travel after the push rounds to the measured one."""
-    values, duration = audit.values, PUSH_DURATION
+    values, duration = audit.values, rigs.PUSH_DURATION
     levels = [
         (values.force * duration) ** 2
         / (2.0 * values.rig.mass * travel + values.force * duration**2)
-        for travel in (audit.measured + ROUNDING, audit.measured - ROUNDING)
+        for travel in (audit.measured + printed.ROUNDING, audit.measured - printed.ROUNDING)
     ]
     low, high = (level / values.load for level in levels)
     return f"{low:.3f} to {high:.3f}"
@@ -883,7 +825,7 @@ def _equations(audit: PaperAudit) -> Iterator[Claim]:
         )
 
 
-def _ends(consequence: Consequence, test: str) -> str:
+def _ends(consequence: printed.Consequence, test: str) -> str:
     seen = consequence.outcome(test)
     assert seen is not None
     right, viscous = significant(seen.corrected.travel, 3), _assumed(consequence)
@@ -892,7 +834,7 @@ def _ends(consequence: Consequence, test: str) -> str:
     return f"ends at {significant(seen.printed.criteria.travel, 3)} m, not {right} m{viscous}"
 
 
-def _assumed(consequence: Consequence) -> str:
+def _assumed(consequence: printed.Consequence) -> str:
     """Name the viscous part with which an equation is run where Table II gives its law none."""
     viscous = getattr(consequence.corrected, "viscous_coefficient", 0.0)
     if consequence.form.equation not in ("(5)", "(9)") or not viscous:
@@ -900,7 +842,7 @@ def _assumed(consequence: Consequence) -> str:
     return f" (with $sigma_2$ = {viscous:g} N s/m, assumed)"
 
 
-def _corrected(consequence: Consequence, test: str) -> float:
+def _corrected(consequence: printed.Consequence, test: str) -> float:
     seen = consequence.outcome(test)
     assert seen is not None
     return seen.corrected.travel
@@ -940,14 +882,14 @@ def _phenomena(audit: PaperAudit) -> Iterator[Claim]:
 
 def _cart(audit: PaperAudit) -> Iterator[Claim]:
     study = audit.cart
-    printed, exact = study.run("printed-1"), study.run("exact")
+    steps, exact = study.run("printed-1"), study.run("exact")
     old, new = study.run("table-1"), study.run("table-1-exact")
     yield (
         "Fig. 2 the cart of [6], [7] goes back",
         "II",
         IN_KIND,
-        f"(1), (2) in steps of 10 ms reach {_speed(printed.least_velocity)}; exactly"
-        f" {_speed(exact.least_velocity)} at $mu$ = {KINETIC:g}",
+        f"(1), (2) in steps of 10 ms reach {_speed(steps.least_velocity)}; exactly"
+        f" {_speed(exact.least_velocity)} at $mu$ = {rigs.KINETIC:g}",
     )
     loads, speeds = _ranges(study.run("paper").run)
     _, block = _ranges(audit.table[0].reading("B").run)
@@ -971,7 +913,7 @@ def _cart(audit: PaperAudit) -> Iterator[Claim]:
         "V",
         IN_KIND,
         f"(1), (2) in steps of 10 ms and exactly: {fixed(old.travel, 3)} and"
-        f" {fixed(new.travel, 3)} m in {CYCLES} cycles at Table I’s levels",
+        f" {fixed(new.travel, 3)} m in {rigs.CYCLES} cycles at Table I’s levels",
     )
 
 
@@ -1008,9 +950,9 @@ def equation_section(found: PaperAudit) -> Section:
         " with the rule for rest of (5), the law `coulomb-viscous-static`.",
         *(block for form in PRINTED_EQUATIONS for block in _shown(form)),
         _energy_answer(found),
-        Subheading(text="Symbols"),
+        report.Subheading(text="Symbols"),
         table_of(["here", "meaning", "unit", "in the paper"], SYMBOLS),
-        Subheading(text="Values in the tests of the equations"),
+        report.Subheading(text="Values in the tests of the equations"),
         _values_table(found),
     )
 
@@ -1048,14 +990,14 @@ SYMBOLS = (
 """Symbols of the page: symbol, meaning, unit, in the paper."""
 
 
-def _shown(form: type[PrintedForm] | RightEquation) -> tuple[Block, ...]:
+def _shown(form: type[PrintedForm] | RightEquation) -> tuple[report.Block, ...]:
     right = "Right" if form.defect else "Right as printed"
     parts = {"Defect": form.defect, right: form.right, "Used here": form.cure}
     text = " ".join(f"**{key}**: {what}." for key, what in parts.items() if what)
     return (
-        Subheading(text=f"{form.equation} {form.title}"),
-        Math(latex=form.formula, tag=form.equation),
-        Paragraph(text=text),
+        report.Subheading(text=f"{form.equation} {form.title}"),
+        report.Math(latex=form.formula, tag=form.equation),
+        report.Paragraph(text=text),
     )
 
 
@@ -1066,28 +1008,29 @@ def _energy_answer(found: PaperAudit) -> str:
     way = float(abs(places[1:] - places[:-1]).sum())
     x = quantity(found.values.rig.compression, "m")
     return (
-        f"With the coefficient of Table I and $x$ = {x} it gives"
-        f" {fixed(release.travel, 3)} m. For a block that"
-        f" stays fastened to its spring $s$ would be the length of its path, {fixed(way, 3)} m;"
-        f" since that block returns, it ends at {fixed(attached.travel, 3)} m."
+        f"With the coefficient of Table I and $x$ = {x} it gives {fixed(release.travel, 3)} m. For"
+        " a block that stays fastened to its spring $s$ would be the length of its path,"
+        f" {fixed(way, 3)} m; since that block returns, it ends at {fixed(attached.travel, 3)} m."
     )
 
 
 def misprint_section(found: PaperAudit) -> Section:
     """Show where each defect acts, as printed and with a stick rule added."""
-    errs = {key: sum(defect.differs(key) for defect in found.consequences) for key in TESTS}
-    heads = ["equation", *(f"{what}\nm" for what in TESTS.values())]
+    errs = {key: sum(defect.differs(key) for defect in found.consequences) for key in printed.TESTS}
+    heads = ["equation", *(f"{what}\nm" for what in printed.TESTS.values())]
     rows = [
-        (f"{item.form.equation} {item.form.title}", *(_cell(item.outcome(key)) for key in TESTS))
+        (
+            f"{item.form.equation} {item.form.title}",
+            *(_cell(item.outcome(key)) for key in printed.TESTS),
+        )
         for item in found.consequences
     ]
     caption = (
-        f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
-        f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
-        " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of"
-        " the corrected law, solved exactly. For a block, (4) equals (3). Viscous"
-        " friction has no entry in the last column. As text: `stickslip models"
-        " --published`."
+        f"Travel in {printed.SECONDS:g} s, by Heun’s method in steps of {1e3 * printed.FINE_STEP:g}"
+        f" ms ({1e3 * printed.BRISTLE_STEP:g} ms with bristles), without a stick rule. Below it,"
+        " where the two differ by more than 1 mm and 1 %, that of the corrected law, solved"
+        " exactly. For a block, (4) equals (3). Viscous friction has no entry in the last column."
+        " As text: `stickslip models --published`."
     )
     return section(
         "misprints",
@@ -1096,22 +1039,22 @@ def misprint_section(found: PaperAudit) -> Section:
         f" {in_words(errs['push'])} when it is pushed from rest",
         _tests_text(found),
         table_of(heads, rows),
-        Caption(text=caption),
+        report.Caption(text=caption),
         _rule_text(found),
     )
 
 
 def _tests_text(found: PaperAudit) -> str:
     values = found.values
-    below = HELD * values.mu_k * values.load
+    below = printed.HELD * values.mu_k * values.load
     return (
-        f"Each equation as it stands, in four tests on the block of Table I: coasting"
-        f" forwards, as after the push; pushed from rest with {number(values.force)} N for"
-        f" {PUSH_DURATION:g} s; coasting backwards from {-BACKWARD:g} m/s; held at rest against"
-        f" {below:.3g} N, half of kinetic friction. A block that coasts forwards in steps ends with"
-        " a velocity a little below zero, and there the errors of sign act. (6) to (10) hold a"
-        " body at rest without limit, so that the push does not start it; as Table II has travels,"
-        " we infer that the simulations had another rule for rest."
+        "Each equation as it stands, in four tests on the block of Table I: coasting forwards, as"
+        f" after the push; pushed from rest with {number(values.force)} N for"
+        f" {rigs.PUSH_DURATION:g} s; coasting backwards from {-printed.BACKWARD:g} m/s; held at"
+        f" rest against {below:.3g} N, half of kinetic friction. A block that coasts forwards in"
+        " steps ends with a velocity a little below zero, and there the errors of sign act. (6) to"
+        " (10) hold a body at rest without limit, so that the push does not start it; as Table II"
+        " has travels, we infer that the simulations had another rule for rest."
     )
 
 
@@ -1127,7 +1070,7 @@ def _rule_text(found: PaperAudit) -> str:
             and not seen.with_rule.errs(seen.corrected)
         ]
         if right:
-            parts.append(f"{TESTS[key]}, {joined(right)}")
+            parts.append(f"{printed.TESTS[key]}, {joined(right)}")
     what = (
         "With a stick rule, which holds the block where its velocity changes sign and which none of"
         " the equations prints,"
@@ -1167,7 +1110,7 @@ def _values_table(found: PaperAudit) -> Table:
     return table_of(heads, rows, text)
 
 
-def _cell(outcome: Outcome | None) -> Name | str:
+def _cell(outcome: printed.Outcome | None) -> Name | str:
     if outcome is None:
         return "—"
     run, right = outcome.printed, significant(outcome.corrected.travel, 3)
@@ -1191,7 +1134,7 @@ def excitation_section(found: PaperAudit) -> Section:
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
     values = found.values
-    force = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
+    force = f"{quantity(values.force, 'N')} for {rigs.PUSH_DURATION:g} s"
     text = (
         "Section IV has a compressed spring that is released, with $F$ = $K$$x$, and for"
         f" experiment and simulation alike a force of {force}. A released spring does not push"
@@ -1213,10 +1156,10 @@ def excitation_section(found: PaperAudit) -> Section:
     )
 
 
-def _sketches(readings: Sequence[Excitation]) -> Gallery:
-    return Gallery(
+def _sketches(readings: Sequence[rigs.Excitation]) -> report.Gallery:
+    return report.Gallery(
         panels=tuple(
-            Panel(
+            report.Panel(
                 svg=sketch(
                     SKETCHES[reading.key],
                     alt=f"Sketch of the rig: {reading.title}",
@@ -1231,7 +1174,7 @@ def _sketches(readings: Sequence[Excitation]) -> Gallery:
     )
 
 
-def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
+def _figure(found: PaperAudit, readings: Sequence[rigs.Excitation]) -> report.Figure:
     values = found.values
     low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
     draw = draw_excitations(
@@ -1251,22 +1194,22 @@ def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
     return figure(draw, alt, "excitations", caption, EXCITATION_SIZES)
 
 
-def _excitation_table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
+def _excitation_table(found: PaperAudit, readings: Sequence[rigs.Excitation]) -> Table:
     travels = [reading.criteria.travel for reading in readings]
     axis = travel_axis(found, travels, "travel, m; line: measured")
 
-    def dot(reading: Excitation) -> RowPlot:
+    def dot(reading: rigs.Excitation) -> report.RowPlot:
         at, colour = reading.criteria.travel, COLOURS[reading.key]
-        return RowPlot(marks=(Mark(kind="dot", at=at, colour=colour),))
+        return report.RowPlot(marks=(report.Mark(kind="dot", at=at, colour=colour),))
 
     return table(
         readings,
         ("excitation", _label),
         (
-            Column(head="travel\nm", numeric=True),
-            lambda r: Number(value=fixed(r.criteria.travel, 3)),
+            report.Column(head="travel\nm", numeric=True),
+            lambda r: report.Number(value=fixed(r.criteria.travel, 3)),
         ),
-        (Column(head="", axis=axis), dot),
+        (report.Column(head="", axis=axis), dot),
         (numbers("error"), lambda r: signed_percent(r.criteria.relative_error or 0.0)),
         (numbers("work put in\nJ"), lambda r: fixed(r.criteria.work_in, 3)),
         ("how it ends", _ending),
@@ -1274,11 +1217,11 @@ def _excitation_table(found: PaperAudit, readings: Sequence[Excitation]) -> Tabl
     )
 
 
-def _label(reading: Excitation) -> str:
+def _label(reading: rigs.Excitation) -> str:
     return f"{reading.key}. {reading.title}"
 
 
-def _ending(reading: Excitation) -> str:
+def _ending(reading: rigs.Excitation) -> str:
     """Say in words how a run ends."""
     seen = reading.criteria
     if seen.stop_time is None:
@@ -1289,7 +1232,7 @@ def _ending(reading: Excitation) -> str:
     return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
 
 
-def _closed_forms(readings: Sequence[Excitation]) -> Caption:
+def _closed_forms(readings: Sequence[rigs.Excitation]) -> report.Caption:
     """Set the runs against the formulas."""
     known = {r: r.closed_form for r in readings if r.closed_form is not None}
     text = "No reading has a closed form here: the block stays with its spring."
@@ -1297,7 +1240,7 @@ def _closed_forms(readings: Sequence[Excitation]) -> Caption:
         off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
         travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
         text = f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
-    return Caption(text=text)
+    return report.Caption(text=text)
 
 
 # All that is assumed on the page, in one table.
@@ -1306,7 +1249,7 @@ def _closed_forms(readings: Sequence[Excitation]) -> Caption:
 def assumption_section(found: PaperAudit) -> Section:
     """List every value that the page uses and the source does not print, with its origin."""
     values = found.values
-    pushed = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s, then coasting"
+    pushed = f"{quantity(values.force, 'N')} for {rigs.PUSH_DURATION:g} s, then coasting"
     rig_rows = [
         ("block, gravity", quantity(values.rig.gravity, "m/s^2"), "not printed"),
         (
@@ -1344,7 +1287,7 @@ def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
 def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     values, cart, swing = found.values, found.cart.cart, found.cart.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
-    soft = lugre_row(values, STIFFNESS)
+    soft = printed.lugre_row(values, printed.STIFFNESS)
     return [
         (
             "printed equations",
@@ -1354,8 +1297,9 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "printed equations, tests",
-            f"{-BACKWARD:g} m/s backwards; held against {HELD:g} $F_c$; steps of"
-            f" {1e3 * FINE_STEP:g} ms, {1e3 * BRISTLE_STEP:g} ms with bristles; Heun’s method",
+            f"{-printed.BACKWARD:g} m/s backwards; held against {printed.HELD:g} $F_c$; steps of"
+            f" {1e3 * printed.FINE_STEP:g} ms, {1e3 * printed.BRISTLE_STEP:g} ms with bristles;"
+            " Heun’s method",
             "ours",
         ),
         (
@@ -1365,7 +1309,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "steps of 10 ms",
-            f"{quantity(CART_STEP, 's')}, forward Euler",
+            f"{quantity(printed.CART_STEP, 's')}, forward Euler",
             "the paper states the time for its cart, not the method",
         ),
         (
@@ -1377,7 +1321,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         (
             "cart, swing",
             f"−{angle} to {angle} and back, {number(swing.fast)}, −{number(swing.slow)},"
-            f" {number(swing.fast)} rad/s², {CYCLES} cycles",
+            f" {number(swing.fast)} rad/s², {rigs.CYCLES} cycles",
             "ours",
         ),
         (
@@ -1388,11 +1332,11 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "(5) in steps of 10 ms",
-            f"$v_s$ {joined([milli(value, 4) for value in CREEPING])} mm/s; sgn $v$ added",
+            f"$v_s$ {joined([milli(value, 4) for value in printed.CREEPING])} mm/s; sgn $v$ added",
             "tried",
         ),
-        ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
-        ("stick-slip, pulling speed", f"{1e3 * SPEED:g} mm/s", "ours"),
+        ("cart, $mu_k$ = $mu_s$", f"{rigs.KINETIC:g}; Table I’s where said", "ours"),
+        ("stick-slip, pulling speed", f"{1e3 * rigs.SPEED:g} mm/s", "ours"),
     ]
 
 
@@ -1400,7 +1344,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
 
 # The paper's cart: the printed equations and exactly (Fig. 2), then a chosen law (Fig. 11).
 
-STEP_TEXT = f"steps of {1e3 * STEP:g} ms"
+STEP_TEXT = f"steps of {1e3 * rigs.STEP:g} ms"
 CAUSES = {
     "no-stick-rule": ("no rule for rest", "without and with the stick rule, in {step}"),
     "step": ("the time step", "{step} against located events, both with the stick rule"),
@@ -1434,14 +1378,14 @@ def cart_section(found: PaperAudit) -> Section:
         _scheme_text(study),
         _cycle_figure(study),
         _animation(study),
-        Subheading(text="Where the backward motion comes from"),
+        report.Subheading(text="Where the backward motion comes from"),
         _share_table(study),
-        Caption(text=_shares_text(study)),
+        report.Caption(text=_shares_text(study)),
         collapsed=False,
     )
 
 
-def _setting_text(study: CartStudy) -> str:
+def _setting_text(study: rigs.CartStudy) -> str:
     cart, swing = study.cart, study.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
     origin = (
@@ -1454,14 +1398,14 @@ def _setting_text(study: CartStudy) -> str:
     return (
         f"{origin}: cart {cart.cart_mass:g} kg, ball {cart.ball_mass:g} kg, rod {cart.length:g} m;"
         f" the rod swings from −{angle} to {angle} and back with {swing.fast:g}, −{swing.slow:g}"
-        f" and {swing.fast:g} rad/s², in {study.period:.5f} s. {in_words(CYCLES).capitalize()}"
-        f" cycles from rest with $mu_k$ = $mu_s$ = {KINETIC:g}, then at the levels of Table I; in"
-        " steps of the paper’s 10 ms by forward Euler (our choice), and exactly. With the stick"
+        f" and {swing.fast:g} rad/s², in {study.period:.5f} s. {in_words(rigs.CYCLES).capitalize()}"
+        f" cycles from rest with $mu_k$ = $mu_s$ = {rigs.KINETIC:g}, then at the levels of Table I;"
+        " in steps of the paper’s 10 ms by forward Euler (our choice), and exactly. With the stick"
         " rule friction begins at $F_s$, without it sgn 0 = 0."
     )
 
 
-def _scheme_text(study: CartStudy) -> str:
+def _scheme_text(study: rigs.CartStudy) -> str:
     """Say what (4) cannot have been, and how far the old scheme and the exact run agree."""
     exact, old, new = (study.run(key) for key in ("exact", "table-1", "table-1-exact"))
     literal = study.run("printed-4")
@@ -1475,7 +1419,7 @@ def _scheme_text(study: CartStudy) -> str:
     )
     return (
         "The paper concludes that a rule for rest removes the backward motion and leaves the"
-        f" displacement as it was. At $mu$ = {KINETIC:g}, (1) and (2) in steps give"
+        f" displacement as it was. At $mu$ = {rigs.KINETIC:g}, (1) and (2) in steps give"
         f" {fixed(study.run('printed-1').travel, 3)} m and the exact run"
         f" {fixed(exact.travel, 3)} m; at the levels of Table I {fixed(old.travel, 3)} and"
         f" {fixed(new.travel, 3)} m, with a back-slip of {quantity(old.mean_return, 'm', 2)} and"
@@ -1484,13 +1428,13 @@ def _scheme_text(study: CartStudy) -> str:
     )
 
 
-def _animation(study: CartStudy) -> Animation:
+def _animation(study: rigs.CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
     until = 2.0 * study.period
     draw = partial(plots.animation_html, exact, study.cart, fps=ANIMATED, until=until)
-    return Animation(
+    return report.Animation(
         html=partial(draw, alt=alt, narrow=(358, 560)),
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
@@ -1498,13 +1442,19 @@ def _animation(study: CartStudy) -> Animation:
     )
 
 
-def _run_table(runs: Sequence[CartRun]) -> Table:
-    heads = ["run", f"travel in\n{CYCLES} cycles, m", "by cycle\nmm", LOWEST_VELOCITY, BACK_SLIP]
+def _run_table(runs: Sequence[rigs.CartRun]) -> Table:
+    heads = [
+        "run",
+        f"travel in\n{rigs.CYCLES} cycles, m",
+        "by cycle\nmm",
+        LOWEST_VELOCITY,
+        BACK_SLIP,
+    ]
     exact = [run.key.endswith("exact") for run in runs]
     return table_of(heads, map(_run_row, runs, exact), chosen=exact)
 
 
-def _run_row(run: CartRun, exact: bool) -> Sequence[Cell]:
+def _run_row(run: rigs.CartRun, exact: bool) -> Sequence[report.Cell]:
     later = sorted((1e3 * travel for travel in run.travels[1:]), key=abs)
     steady = abs(later[-1] - later[0]) < STEADY * abs(later[0])
     ends = [significant(travel, 3) for travel in (later[0], later[-1])]
@@ -1518,7 +1468,7 @@ def _run_row(run: CartRun, exact: bool) -> Sequence[Cell]:
     )
 
 
-def _cycle_figure(study: CartStudy) -> Figure:
+def _cycle_figure(study: rigs.CartStudy) -> report.Figure:
     keys = ("exact", "printed-1", "fixed-held")
     runs = {study.run(key).title: study.run(key).run for key in keys}
     exact = study.run("exact")
@@ -1537,29 +1487,28 @@ def _cycle_figure(study: CartStudy) -> Figure:
     )
 
 
-def _shares_text(study: CartStudy) -> str:
+def _shares_text(study: rigs.CartStudy) -> str:
     shares = {share.key: share for share in study.shares}
     steps = [shares["no-stick-rule"], shares["step"]]
     free, exact = study.run("fixed"), study.run("exact")
     late = sum(share.least_velocity for share in steps)
     return (
-        "What each cause adds at $mu$ = 0.2; the rows add up to the run with (1) and (2)."
-        f" In {STEP_TEXT} it reaches {_speed(free.least_velocity)}, of which the step and the"
-        f" missing rule make up {percent(late / free.least_velocity)} and vanish with the step. The"
-        f" exact run reaches {_speed(exact.least_velocity)}: the swing pulls this cart back harder"
-        " than friction can hold. A criterion on the sign of the velocity cannot tell the two"
-        " apart."
+        "What each cause adds at $mu$ = 0.2; the rows add up to the run with (1) and (2). In"
+        f" {STEP_TEXT} it reaches {_speed(free.least_velocity)}, of which the step and the missing"
+        f" rule make up {percent(late / free.least_velocity)} and vanish with the step. The exact"
+        f" run reaches {_speed(exact.least_velocity)}: the swing pulls this cart back harder than"
+        " friction can hold. A criterion on the sign of the velocity cannot tell the two apart."
     )
 
 
-def _share_table(study: CartStudy) -> Table:
-    printed = study.run("printed-1")
+def _share_table(study: rigs.CartStudy) -> Table:
+    together = study.run("printed-1")
     shares = [share for share in study.shares if share.key in CAUSES]
     named = [
         (CAUSES[share.key][0], CAUSES[share.key][1].format(step=STEP_TEXT)) for share in shares
     ]
-    named.append(("all together", f"{printed.title}, {STEP_TEXT}"))
-    parts: list[Share | CartRun] = [*shares, printed]
+    named.append(("all together", f"{together.title}, {STEP_TEXT}"))
+    parts: list[rigs.Share | rigs.CartRun] = [*shares, together]
     rows = [
         (
             Name(text=cause, aside=runs),
@@ -1594,16 +1543,16 @@ def choice_section(found: PaperAudit) -> Section:
         ", so that the figure can be compared in kind only.",
         _choice_table(study),
         _choice_figure(study),
-        Caption(text=f"{_return_text(study)} {_normal_text(study)}"),
+        report.Caption(text=f"{_return_text(study)} {_normal_text(study)}"),
         collapsed=False,
     )
 
 
-def _run_label(run: CartRun) -> str:
+def _run_label(run: rigs.CartRun) -> str:
     return "by select" if run.key == "selected" else "the paper’s example"
 
 
-def _choice_table(study: CartStudy) -> Table:
+def _choice_table(study: rigs.CartStudy) -> Table:
     heads = ["law", "travel\nm", FIRST_CYCLE, "last cycle\nmm", BACK_SLIP, LOWEST_VELOCITY]
     rows = [
         (
@@ -1621,7 +1570,7 @@ def _choice_table(study: CartStudy) -> Table:
     return table_of([*heads, "lowest normal\nforce, N"], rows, chosen=chosen)
 
 
-def _choice_figure(study: CartStudy) -> Figure:
+def _choice_figure(study: rigs.CartStudy) -> report.Figure:
     runs = {_run_label(choice): choice.run for choice in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
@@ -1648,7 +1597,7 @@ def _choice_figure(study: CartStudy) -> Figure:
     )
 
 
-def _return_text(study: CartStudy) -> str:
+def _return_text(study: rigs.CartStudy) -> str:
     """Say whether the cart slips back, and what keeps it from it."""
     back = [choice for choice in study.choices if choice.mean_return > 0.0]
     if back:
@@ -1658,11 +1607,11 @@ def _return_text(study: CartStudy) -> str:
     return (
         f"The cart never slips back: at rest the swing pulls it back with up to {percent(pull)} of"
         " the normal force, less than friction can hold. At a lower level of"
-        f" {KINETIC:g} it does slip back, as the tables above show."
+        f" {rigs.KINETIC:g} it does slip back, as the tables above show."
     )
 
 
-def largest_pull(run: CartRun) -> float:
+def largest_pull(run: rigs.CartRun) -> float:
     """Return the largest backward pull on the resting cart, over the normal force.
 
     NaN if it never rests.
@@ -1674,7 +1623,7 @@ def largest_pull(run: CartRun) -> float:
     return float(max(pulls, default=math.nan))
 
 
-def _normal_text(study: CartStudy) -> str:
+def _normal_text(study: rigs.CartStudy) -> str:
     least = min(choice.least_normal_force for choice in study.choices)
     return (
         "The normal force is the same with every law, since the swing is prescribed; it falls to"
@@ -1692,7 +1641,7 @@ def rest_section(found: PaperAudit) -> Section:
         "block, travel\nm",
         "sign changes\nin 1 s",
         "block\nat the end",
-        f"cart, travel in\n{CYCLES} cycles, m",
+        f"cart, travel in\n{rigs.CYCLES} cycles, m",
         "cart, back-slip\nmm/cycle",
     ]
     rows = [
@@ -1708,7 +1657,7 @@ def rest_section(found: PaperAudit) -> Section:
     ]
     rules = table_of(heads, rows, chosen=[rule.dt is None for rule in found.rest_rules])
     heading = "The zero-velocity band of [18] beside the exact switch"
-    caption = Caption(text=_rest_caption(found))
+    caption = report.Caption(text=_rest_caption(found))
     return section("rest", "Rules for rest", heading, _rest_text(found), rules, caption)
 
 
@@ -1718,14 +1667,13 @@ def _rest_text(found: PaperAudit) -> str:
     jumps = joined([f"{significant(1e3 * level * dt, 2)} mm/s in {1e3 * dt:g} ms" for dt in steps])
     return (
         "Karnopp (1985), the paper’s [18], has a body slower than $D_v$ at rest while the force"
-        " needed is within break-away. A step changes the velocity of the block by"
-        f" $F_c$ $dt$/$m$, which is {jumps}, and can jump over a narrower band. Coulomb friction"
-        f" with the levels of Table I, forward Euler, friction from $F_s$ in the first"
-        " step out of rest."
+        " needed is within break-away. A step changes the velocity of the block by $F_c$ $dt$/$m$,"
+        f" which is {jumps}, and can jump over a narrower band. Coulomb friction with the levels of"
+        " Table I, forward Euler, friction from $F_s$ in the first step out of rest."
     )
 
 
-def _rule_name(rule: RestRule) -> Name:
+def _rule_name(rule: rigs.RestRule) -> Name:
     if rule.dt is None:
         return Name(text="exact switch", aside="events located")
     text = "at a change of sign" if rule.stick_rule else "none"
@@ -1769,16 +1717,16 @@ def break_away_section(found: PaperAudit) -> Section:
         "Section III lists a break-away force that varies; of the equations only (9) has one, since"
         " bristles give way earlier the faster the force grows. The cart, solved exactly: Coulomb"
         f" friction with other static levels, at $mu_k$ = {number(values.mu_k)} and at"
-        f" {KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵ N/m and"
-        " the other values of its 1995 paper.",
+        f" {rigs.KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵"
+        " N/m and the other values of its 1995 paper.",
         table_of(heads, map(_break_away_row, found.cart.break_away)),
-        Caption(text=_break_away_caption(found, groups)),
+        report.Caption(text=_break_away_caption(found, groups)),
     )
 
 
-def _groups(found: PaperAudit) -> list[list[CartRun]]:
+def _groups(found: PaperAudit) -> list[list[rigs.CartRun]]:
     """Return the runs with a constant level, by their kinetic coefficient."""
-    groups: dict[float, list[CartRun]] = {}
+    groups: dict[float, list[rigs.CartRun]] = {}
     for run in found.cart.break_away:
         kinetic = getattr(run.law, "kinetic_coefficient", None)
         if run.law.name == "coulomb" and kinetic is not None:
@@ -1786,18 +1734,18 @@ def _groups(found: PaperAudit) -> list[list[CartRun]]:
     return list(groups.values())
 
 
-def _later(run: CartRun) -> tuple[float, float]:
+def _later(run: rigs.CartRun) -> tuple[float, float]:
     return min(run.travels[1:]), max(run.travels[1:])
 
 
-def _spread(runs: list[CartRun]) -> float:
+def _spread(runs: list[rigs.CartRun]) -> float:
     """Return by how much travels of later cycles differ between runs, over the travel."""
     low = min(_later(run)[0] for run in runs)
     high = max(_later(run)[1] for run in runs)
     return (high - low) / abs(high)
 
 
-def _break_away_row(run: CartRun) -> Sequence[Cell]:
+def _break_away_row(run: rigs.CartRun) -> Sequence[report.Cell]:
     low, high = (milli(value, 4) for value in _later(run))
     reached = [significant(value, 3) for value in run.largest_friction]
     steady = len(set(reached[1:])) == 1
@@ -1810,7 +1758,7 @@ def _break_away_row(run: CartRun) -> Sequence[Cell]:
     )
 
 
-def _break_away_caption(found: PaperAudit, groups: list[list[CartRun]]) -> str:
+def _break_away_caption(found: PaperAudit, groups: list[list[rigs.CartRun]]) -> str:
     parts = []
     for runs in groups:
         kinetic = number(getattr(runs[0].law, "kinetic_coefficient", 0.0))
@@ -1850,9 +1798,9 @@ class Beside(NamedTuple):
 
     remark: str = ""
     """A sentence at the end of the lede."""
-    lead: tuple[SectionMaker, ...] = ()
+    lead: tuple[report.SectionMaker, ...] = ()
     """Sections after the verdict."""
-    extra: tuple[Section | SectionMaker, ...] = ()
+    extra: tuple[Section | report.SectionMaker, ...] = ()
     """Sections before what to measure next."""
 
 
@@ -1862,8 +1810,8 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
         return Beside()
     try:
         found = audit(verdict=verdict)
-    except blocks.CAUGHT as error:
-        return Beside(extra=(blocks.failed_section("paper", error),))
+    except report.blocks.CAUGHT as error:
+        return Beside(extra=(report.blocks.failed_section("paper", error),))
     return Beside(
         remark=_remark(found),
         lead=(partial(excitation_section, found), partial(table_section, found)),
@@ -1932,27 +1880,27 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
         assumption_section,
     )
     opening = _opening(audit)
-    origin = Origin(title="", data="", commands=(command,), digest=audit.rig.digest)
+    origin = report.Origin(title="", data="", commands=(command,), digest=audit.rig.digest)
     laws = [row.law for row in audit.table]
-    page = Page(
+    page = report.Page(
         title="The pendulum-driven cart paper, recomputed",
         subject="Tables and figures beside what was printed",
         kicker="audit of a paper",
-        sections=blocks.made_sections(
+        sections=report.blocks.made_sections(
             Section(id="verdict", nav="Verdict", heading="", blocks=(opening,)),
             *(partial(maker, audit) for maker in makers),
-            partial(reproduce, origin, laws=laws, cited={"paper": ["rig"]}),
+            partial(report.reproduce, origin, laws=laws, cited={"paper": ["rig"]}),
         ),
-        footer=blocks.colophon(origin.versions),
+        footer=report.blocks.colophon(origin.versions),
     )
-    return render(page)
+    return report.render(page)
 
 
-def _opening(found: PaperAudit) -> Opening:
+def _opening(found: PaperAudit) -> report.Opening:
     """Say what the audit found."""
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
-    return Opening(
+    return report.Opening(
         kicker=SOURCES["paper"],
         verdict="One travel cannot rank friction models.",
         lede=(
@@ -1974,22 +1922,22 @@ def _opening(found: PaperAudit) -> Opening:
     )
 
 
-def _facts(found: PaperAudit) -> tuple[Fact, ...]:
+def _facts(found: PaperAudit) -> tuple[report.Fact, ...]:
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
     in_steps = sum(step_travel.reached for step_travel in found.step_travels)
     return (
-        Fact(
+        report.Fact(
             value=percent(abs(spring.relative_error or 0.0)),
             aside=f"printed: {percent(first.published.relative_error or 0.0)}",
             what=f"error of {first.law.title} with Table I’s coefficient, spring released",
         ),
-        Fact(
+        report.Fact(
             value=f"{fixed(push.work_in, 3)} J",
             aside=f"and {fixed(spring.work_in, 3)} J",
             what="work of the push of 10 N for 0.1 s, and of the released spring",
         ),
-        Fact(
+        report.Fact(
             value=f"{found.reached('A')} of {len(found.rig.published)} rows",
             aside=f"{in_steps} in steps of 10 ms",
             what="of Table II can follow from unpublished values for the push, Table I kept: solved"

@@ -27,14 +27,14 @@ from stickslip import mechanisms
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven
 from stickslip.engine.trajectory import Trajectory
-from stickslip.errors import InputError, SimulationError, UnknownNameError
+from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, bound, law_type, with_typical_values
 from stickslip.identify.fits import starting_law
 from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms import Axis, Mechanism
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.mechanisms.drives import Drive, Pulse, Ramp, Sampled, Sine
-from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.quantities import Parametrised, Quantity, fields_of, named
 from stickslip.show.display import InPanels, OnAxes, Summary, Tabular
 from stickslip.show.documents import json_value
 from stickslip.show.formatting import capital, joined, number, quantity, unit_text
@@ -444,6 +444,8 @@ RATES = (2.0 / 3.0, 4.0 / 3.0, 20.0 / 3.0, 20.0)
 """Rates of force over break-away [1/s]."""
 DWELLS = (0.1, 1.0, 10.0, 100.0)
 """Times at rest [s]."""
+LATE_FALL = 0.005
+"""Share of the largest force by which it has to fall after a peak."""
 GONE = 20.0
 """Presliding lengths that a body slides before it rests, and after."""
 
@@ -577,7 +579,7 @@ def _first_peak(run: Trajectory, times: Array) -> float:
     inner = (force[1:-1] > force[:-2] + least) & (force[1:-1] >= force[2:])
     # A peak counts only where friction falls below it later, by more than ripples do.
     lowest_later = np.minimum.accumulate(force[::-1])[::-1][2:]
-    falls = lowest_later < force[1:-1] - PERCENT * np.abs(force).max()
+    falls = lowest_later < force[1:-1] - LATE_FALL * np.abs(force).max()
     found = np.flatnonzero(inner & falls)
     if not len(found):
         return float("nan")
@@ -1024,7 +1026,7 @@ def cycle_energy(
         force = np.array([law.steady(item, load) for item in v]) + np.zeros_like(v)
         return np.asarray((force * v * t).sum(axis=0))
     length = presliding_length(law, load)
-    z = tuple(np.zeros(v.shape[1]) for _ in law.states)
+    z = np.zeros((len(law.states), v.shape[1]))
     flags = Latches(off=True)
     for _ in range(cycles):
         energy = np.zeros(v.shape[1])
@@ -1043,38 +1045,29 @@ def _moved(
     v: Array,
     h: Array,
     count: int,
-    z: tuple[Array, ...],
+    z: Array,
     flags: Latches,
-) -> tuple[tuple[Array, ...], Array]:
-    """Return the states after some steps at constant velocities, and the work of friction."""
+) -> tuple[Array, Array]:
+    """Return states (n, m) after some steps at constant velocities, and the work of friction."""
 
-    def rates(at: tuple[Array, ...]) -> tuple[Array, ...]:
+    def rates(at: Array) -> Array:
         with flags:
-            return tuple(np.asarray(rate) + np.zeros_like(v) for rate in law.rates(v, load, at))
+            return np.array([np.zeros_like(v) + rate for rate in law.rates(v, load, tuple(at))])
 
-    def power(at: tuple[Array, ...]) -> Array:
+    def power(at: Array) -> Array:
         with flags:
-            return np.asarray(law.force(v, load, at)) * v
-
-    def after(step: Array, by: tuple[Array, ...]) -> tuple[Array, ...]:
-        return tuple(array + step * rate for array, rate in zip(z, by, strict=True))
+            return np.asarray(law.force(v, load, tuple(at))) * v
 
     work = np.zeros_like(v)
     before, k1 = power(z), rates(z)
     for _ in range(count):
-        k2 = rates(after(0.5 * h, k1))
-        k3 = rates(after(0.5 * h, k2))
-        k4 = rates(after(h, k3))
+        k2 = rates(z + 0.5 * h * k1)
+        k3 = rates(z + 0.5 * h * k2)
+        k4 = rates(z + h * k3)
         start, first = z, k1
-        z = tuple(
-            array + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-            for array, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
-        )
+        z = z + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         k1 = rates(z)
-        half = tuple(  # of the cubic through both ends
-            0.5 * (a + b) + h / 8.0 * (c - d)
-            for a, b, c, d in zip(start, z, first, k1, strict=True)
-        )
+        half = 0.5 * (start + z) + h / 8.0 * (first - k1)  # of the cubic through both ends
         now = power(z)
         # Simpson's rule, with the state half-way.
         work = work + h / 6.0 * (before + 4.0 * power(half) + now)
@@ -1087,7 +1080,7 @@ def _moved(
     return z, work
 
 
-def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
+def passivity(bench: Bench) -> Passivity:
     """Search for a cycle of motion in which friction returns more work than it takes.
 
     Examples
@@ -1124,18 +1117,18 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
             )
         return np.where(np.isfinite(found), found, np.inf)
 
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     way, speed = (
-        size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, tried)))
+        size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, TRIED)))
         for size, (low, high) in ((bench.reach, WAYS), (bench.speed, CYCLE_SPEEDS))
     )
     # The first half goes one way; in the rest each piece goes either way.
-    speed[:, tried // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, tried - tried // 2))
+    speed[:, TRIED // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, TRIED // 2))
     # slow, then too fast for the states to follow
     speed[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0])
     way[:, 0] = bench.reach * np.array([1.7, 1.2, 0.1])
     energy = searched(speed, way)
-    count = tried
+    count = TRIED
     for n in range(ROUNDS):
         best = np.argsort(energy)[:KEPT]
         speed, way, energy = speed[:, best], way[:, best], energy[best]
@@ -1327,8 +1320,7 @@ def characterize(
     load = LOAD.check("characterize", "load", load)
     chosen = list(TESTS) if tests is None else list(dict.fromkeys(tests))
     for name in chosen:
-        if name not in TESTS:
-            raise UnknownNameError("test", name, tuple(TESTS))
+        named(TESTS, name, "test")
     if not chosen:
         raise InputError(f"tests must name one of {', '.join(TESTS)}, got none.")
     given = [law_with_values(friction, load) for friction in (law, *others)]
