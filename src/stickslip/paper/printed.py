@@ -625,7 +625,8 @@ def positive_root(
     value = _value(function, start)
     if value == 0.0:
         return start
-    sides, found = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}, []
+    sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
+    found: list[float] = []
     while sides and not found:
         for step, (before, f_before) in list(sides.items()):
             point = min(max(before * step, low), high)

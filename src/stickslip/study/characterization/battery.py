@@ -662,8 +662,8 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
     axis = bench.on(Axis(inertia=bench.mass, drive=force, load=bench.load))
     run = simulate(axis, bench.law, t_end=end, y0=bench.deflected())
 
-    def position(*span: float) -> Array:
-        return run.at(np.minimum(np.linspace(*span, FINE), run.span[1]))["x"]
+    def position(since: float, until: float) -> Array:
+        return run.at(np.minimum(np.linspace(since, until, FINE), run.span[1]))["x"]
 
     cycles = 5.0 / FREQUENCY  # over which a position is a mean
     before, after = (position(until - cycles, until).mean() for until in (first, end))

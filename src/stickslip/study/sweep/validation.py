@@ -812,15 +812,15 @@ def validate(
     >>> round(one.predicted, 4), round(one.low, 2), round(one.high, 2), seen.agrees
     (0.2039, 0.2, 0.21, True)
     """
-    law = event_driven_law(mechanism, law)
-    if not isinstance(law, FrictionLaw):
+    used = event_driven_law(mechanism, law)
+    if not isinstance(used, FrictionLaw):
         raise InputError(
             f"predictions are compared for mechanisms with one contact, but {mechanism.name} has"
             f" {len(mechanism.contacts())}."
         )
     if count < 2:
         raise InputError(f"validate: count must be at least 2, got {count}.")
-    uncertain = _Uncertain(law, estimates, count, seed, executor)
+    uncertain = _Uncertain(used, estimates, count, seed, executor)
     if any(isinstance(drive, SampledSwing) for drive in mechanism.drives().values()):
         uncertain.kept += (RECORDED,)
     records = measurement.records()
@@ -836,7 +836,7 @@ def validate(
             "predictions are compared with positions or velocities in time, or with travels, and"
             f" the measurement has only {joined(measurement.quantities())}."
         )
-    return _travels(mechanism, law, measurement, t_end, uncertain)
+    return _travels(mechanism, used, measurement, t_end, uncertain)
 
 
 class _Uncertain:
