@@ -137,7 +137,7 @@ def _c_comment_of(function: Function) -> Iterator[str]:
 
 
 def _invalid(function: Function, no: str) -> list[str]:
-    """Return what is no argument, as C and MATLAB say it but for their word for no."""
+    """Return the conditions under which arguments cannot be used; `no` negates one."""
     return [f"isnan({variable.name})" for variable in function.inputs if not variable.positive] + [
         f"{no}({variable.name} > 0)" for variable in function.inputs if variable.positive
     ]
@@ -195,6 +195,7 @@ def _matlab_function(source: Source, function: Function) -> Iterator[str]:
 
 
 def _results(function: Function) -> str:
+    """Return the results as the left side of a call in MATLAB."""
     names = ", ".join(output.name for output in function.outputs)
     return f"[{names}]" if len(function.outputs) > 1 else names
 

@@ -7,7 +7,7 @@ printed one; a root in that bracket, and those for travels that round to the pri
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -33,6 +33,7 @@ from stickslip.identify import Criteria, criteria_of
 from stickslip.mechanisms import SpringBlock
 from stickslip.mechanisms.drives import Pulse
 from stickslip.paper.rigs import PUSH_DURATION, PaperValues, rigs
+from stickslip.show.documents import json_value
 
 # What each printed equation does in four tests, beside the corrected law.
 
@@ -297,8 +298,7 @@ class Requirement:
     def to_dict(self) -> dict[str, Any]:
         """Return all but law and run, ready for JSON."""
         names = [field.name for field in fields(self) if field.name not in {"solution", "run"}]
-        content = {name: getattr(self, name) for name in names}
-        return content | {"criteria": self.criteria and asdict(self.criteria)}
+        return dict(json_value({name: getattr(self, name) for name in names}))
 
 
 def requirements(

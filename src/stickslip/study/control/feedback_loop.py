@@ -21,7 +21,7 @@ from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.study.tolerances import FEWEST_CYCLES, ROUNDING
+from stickslip.study.tolerances import FEWEST_CYCLES, FINE, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,7 +54,7 @@ class Place(NamedTuple):
         """Return a mechanism with a drive there, and the names by which it lists that."""
         new: Mechanism = _put(mechanism, self.path, drive)
         held = self.drive(new)
-        return new, [name for name, listed in new.drives().items() if listed is held]
+        return new, [name for name, other in new.drives().items() if other is held]
 
     def commanded(
         self, mechanism: Mechanism, command: Sampled | PiecewiseAffine
@@ -483,9 +483,9 @@ class Commands:
 
     def __init__(self, timing: Timing, samples: Sequence[float], hold: str, t_end: float) -> None:
         """Take the times of the samples."""
-        self.whole, self.rest = timing.lag()
+        self.periods, self.rest = timing.lag()
         self.period, self.hold = timing.period, hold
-        self.told: list[float] = []
+        self.issued: list[float] = []
         # Pieces of the drive begin at samples, and where commands act that are late by part of a
         # period.
         ends = [*samples[1:], t_end]
@@ -493,7 +493,7 @@ class Commands:
         inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
         self._breaks, self._end = sorted([*samples, *inner]), t_end
 
-    def untold(self) -> Sampled | PiecewiseAffine:
+    def zeros(self) -> Sampled | PiecewiseAffine:
         """Return the drive before anything is commanded: zeros, piece by piece."""
         return drive_of(self.hold, [(t, 0.0, 0.0) for t in self._breaks], self._end)
 
@@ -501,18 +501,18 @@ class Commands:
         """Return value and slope of a command at its own start; nothing acts before the first."""
         if index < 0:
             return 0.0, 0.0
-        now = self.told[index]
+        now = self.issued[index]
         if self.hold == "zero" or index == 0:
             return now, 0.0
-        return now, (now - self.told[index - 1]) / self.period
+        return now, (now - self.issued[index - 1]) / self.period
 
     def stretches(self, index: int, start: float, end: float) -> list[Stretch]:
         """Return what acts from a sample to the next, in one stretch or two."""
-        value, slope = self._line(index - self.whole)
+        value, slope = self._line(index - self.periods)
         if self.rest <= 0.0:
             return [(start, value, slope)]
         # The command before goes on until the new one acts.
-        old, steep = self._line(index - self.whole - 1)
+        old, steep = self._line(index - self.periods - 1)
         first = (start, old + steep * (self.period - self.rest), steep)
         middle = start + self.rest
         return [first, (middle, value, slope)] if middle < end else [first]
@@ -773,12 +773,12 @@ def closed_loop(
     samples = timing.times(last)
     places = places_of(mechanism, drive)
     commands = {name: Commands(timing, samples, hold, last) for name in places}
-    driven, own = mechanism, []
+    driven, listed = mechanism, []
     for place, command in zip(places.values(), commands.values(), strict=True):
-        driven, name = place.commanded(driven, command.untold())
-        own.append(name)
+        driven, name = place.commanded(driven, command.zeros())
+        listed.append(name)
     start = initial_state("closed_loop", mechanism, law, y0)
-    onward = IncrementalRun(driven, law, drives=own, y0=start, t_end=last, solver=solver)
+    onward = IncrementalRun(driven, law, drives=listed, y0=start, t_end=last, solver=solver)
     several = drive is not None and not isinstance(drive, str)
     walk = _Walk(onward, controller, sensors, commands, timing, several)
     walk.go([*samples, last], progress)
@@ -862,12 +862,12 @@ class _Walk:
         every = max(count // REPORTS, 1)
         for k, (t, end) in enumerate(itertools.pairwise(times)):
             seen = self.sensors.read(self.onward.state())
-            request = self._asked(self.controller(t, seen), t)
+            request = self._request(self.controller(t, seen), t)
             self.t.append(t)
             self.measured.append(seen)
             self.requested.append(request)
             for command, value in zip(self.commands.values(), request, strict=True):
-                command.told.append(self.timing.within(value))
+                command.issued.append(self.timing.within(value))
             if not self._onward(k, t, end):
                 return
             if progress is not None and ((k + 1) % every == 0 or k + 1 == count):
@@ -887,7 +887,7 @@ class _Walk:
                 return False
         return True
 
-    def _asked(self, command: Any, t: float) -> list[float]:
+    def _request(self, command: Any, t: float) -> list[float]:
         """Return the numbers that the controller gave, in the order of drives."""
         if not self.several:
             return [_number(command, t)]
@@ -916,8 +916,6 @@ def _number(command: Any, t: float) -> float:
 
 Kind: TypeAlias = Literal["limit cycle", "growing", "decaying", "irregular", "none"]
 
-RUN_TIMES = 20_000
-"""Evenly spaced times at which a run is looked at, beside the ends of its steps."""
 TOLERANCE = Quantity("eps", above=0, high=1)
 
 
@@ -1017,7 +1015,7 @@ def limit_cycle(
         )
     # Ends of steps too: fast extremes lie between even times.
     times = np.union1d(
-        np.linspace(begin, last, RUN_TIMES), run.t[(run.t >= begin) & (run.t <= last)]
+        np.linspace(begin, last, 5 * FINE), run.t[(run.t >= begin) & (run.t <= last)]
     )
     values = run.at(times)[state]
     starts = _crossings(times, values)

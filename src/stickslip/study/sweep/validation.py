@@ -249,8 +249,8 @@ class Band(OnAxes, Tabular):
             "travel": {name: spread._asdict() for name, spread in self.travels.items()},
             "mean_velocity": {name: mean._asdict() for name, mean in self.mean_velocities.items()},
             "travel_by_cycle": {
-                name: [spread._asdict() for spread in own]
-                for name, own in self.travels_by_cycle.items()
+                name: [spread._asdict() for spread in spreads]
+                for name, spreads in self.travels_by_cycle.items()
             },
         }
         alone = len(self.travels) == 1
@@ -539,31 +539,31 @@ class ValidatedRecord(metaclass=Described):
         """Return residual, noise and share in the band as sentences."""
         size, at = self.largest
         scale = scale_of([self.rms, size], self.unit)
-        said = [
+        texts = [
             f"Residual of the {self.quantity} (measured less predicted): root mean square"
             f" {scale.quantity(self.rms)}, largest {scale.quantity(size)} at {quantity(at, 's')}.",
             f"Noise of the sensor: {quantity(self.noise, self.unit)},"
             f" {'as stated' if self.noise_stated else 'estimated from differences of samples'}.",
         ]
         if abs(self.origin) > NORMAL_95 * self.noise:
-            said.append(
+            texts.append(
                 f"Origin of the {self.quantity}: {quantity(self.origin, self.unit)} were taken off,"
                 " the mean distance from the prediction at the beginning of the record."
             )
         if self.band is not None and self.inside is not None:
             half = 0.5 * float(np.max(self.band[1] - self.band[0]))
-            said.append(
+            texts.append(
                 f"95 % band of the prediction: up to {quantity(half, self.unit)} to either side;"
                 f" {percent(self.inside)} of the samples lie in it, and"
                 f" {percent(self.inside_with_noise or 0.0)} in the band with noise."
             )
         if self.late:
-            said.append(
+            texts.append(
                 f"With its times shifted by {quantity(self.shift, 's')}, the record would differ by"
                 f" {quantity(self.shifted_rms, self.unit)} only: check that its time 0 is when the"
                 " drive begins."
             )
-        return tuple(said)
+        return tuple(texts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -708,23 +708,23 @@ class Validation(InPanels):
 
     def sentences(self) -> tuple[str, ...]:
         """Return the verdict, and what it rests on, as sentences."""
-        said = [self.verdict]
+        texts = [self.verdict]
         for record in self.records:
             label = f"{record.name}: " if record.name and len(self.records) > 1 else ""
-            said += [f"{label}{text}" for text in record.sentences()]
+            texts += [f"{label}{text}" for text in record.sentences()]
         if self.travels and not self.stated:
-            said.append(
+            texts.append(
                 "No uncertainty of the readings was stated: half of their last digit was taken."
             )
         if self.drawn:
             names = joined([parameter_words(path) for path in self.drawn])
             left = f" Held at their values: {self._kept}." if self.kept else ""
             no = "measurement noise" if self.records else "error of reading"
-            said.append(
+            texts.append(
                 f"The band includes the uncertainty of {names} ({self.count} draws, seed"
                 f" {self.seed}) and no {no}.{left}"
             )
-        return (*said, *self.reasons)
+        return (*texts, *self.reasons)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
@@ -830,7 +830,7 @@ def validate(
             _record(mechanism, record, uncertain, doubts[index], index)
             for index, record in enumerate(records)
         )
-        return Validation(records=seen, **uncertain.said())
+        return Validation(records=seen, **uncertain.summary())
     if not measurement.travelled:
         raise InputError(
             "predictions are compared with positions or velocities in time, or with travels, and"
@@ -860,7 +860,7 @@ class _Uncertain:
     def draws(
         self,
         mechanism: Mechanism,
-        own: Mapping[str, float],
+        separate: Mapping[str, float],
         shared: Mapping[str, float],
         index: int,
     ) -> dict[str, Array]:
@@ -868,9 +868,9 @@ class _Uncertain:
         found: dict[str, Array] = {}
         if self.known is not None or shared:
             found |= draws_of(mechanism, self.law, self.known, shared, self.count, self.seed)
-        if own:
+        if separate:
             seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
-            found |= draws_of(mechanism, self.law, None, own, self.count, seed)
+            found |= draws_of(mechanism, self.law, None, separate, self.count, seed)
         self.paths |= dict.fromkeys(found)
         return found
 
@@ -888,7 +888,7 @@ class _Uncertain:
             raise SimulationError(" ".join(early_ends(runs.status, "", noun="draws")))
         return complete
 
-    def said(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, Any]:
         """Return what a `Validation` says of the draws."""
         drawn = tuple(self.paths)
         return {
@@ -944,8 +944,7 @@ def _record(
     )
     shift, shifted = _shifted(run, column, t, values, origin, cycle_or_none(mechanism))
     band = wide = as_large = None
-    own, shared = doubts
-    draws = uncertain.draws(mechanism, own, shared, index)
+    draws = uncertain.draws(mechanism, *doubts, index)
     if draws:
         seen = ensemble(
             mechanism,
@@ -1109,7 +1108,7 @@ def _travels(
         ),
         stated=stated,
         travels_as_large=as_large,
-        **uncertain.said(),
+        **uncertain.summary(),
     )
 
 
@@ -1192,14 +1191,14 @@ class ParameterAgreement(metaclass=Described):
 
     def __str__(self) -> str:
         """Return both values and whether they agree, in one line."""
-        here, value, own = self.refitted, number(self.carried, 4), ", no interval"
+        here, value, ends = self.refitted, number(self.carried, 4), ", no interval"
         unit = "" if self.unit == "1" else f" {self.unit}"
         if self.low is not None and self.high is not None:
             value = within(self.carried, self.low, self.high)
-            own = f" ({interval(self.low, self.high)})"
+            ends = f" ({interval(self.low, self.high)})"
         new = within(here.value, here.low, here.high) if here.bounded else number(here.value)
         both = (
-            f"{self.symbol}: carried {value}{unit}{own}, refitted {new}{unit}"
+            f"{self.symbol}: carried {value}{unit}{ends}, refitted {new}{unit}"
             f" ({here.range if here.bounded else 'not bounded'})"
         )
         if self.agrees is None:
@@ -1257,30 +1256,27 @@ class Refit(metaclass=Described):
         tuple of str
             Sentences.
         """
-        said = [f"{parameter}." for parameter in self.parameters]
+        texts = [f"{parameter}." for parameter in self.parameters]
         if self.explains(seen) is False:
             assert isinstance(self.fit, RecordFit)
             left = quantity(self.fit.rms, self.fit.measurement.unit(self.fit.problem.quantity))
-            said.append(
+            texts.append(
                 f"The refitted law leaves a residual of {left}, which is more than the noise: it"
                 " does not explain the record either, so that its values and intervals may be"
                 " biased."
             )
         if seen is not None and any(record.late for record in seen.records):
-            said.append(
+            texts.append(
                 "The times of the record may be shifted (see above), which biases the refitted"
                 " values."
             )
         if isinstance(self.fit, RecordFit):
-            said += map(str, self.fit.model_errors)
-        return tuple(said)
+            texts += map(str, self.fit.model_errors)
+        return tuple(texts)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        return {
-            "parameters": [parameter.to_dict() for parameter in self.parameters],
-            "fit": dict(self.fit.to_dict()),
-        }
+        return dict(json_value({"parameters": self.parameters, "fit": self.fit}))
 
 
 def compare_estimates(
