@@ -90,14 +90,14 @@ def _put(root: Any, path: tuple[str, ...], drive: Drive) -> Any:
 
 
 def drive_places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
-    """Yield the fields of a mechanism and its parts that hold the drive of a force, or may.
+    """Yield the fields of a mechanism and its parts that hold a drive, or may; no profiles.
 
     Examples
     --------
     >>> from stickslip import PendulumCart
     >>> cart = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
     >>> [place.name for place in drive_places(cart)]
-    ['pendulum.drive']
+    ['pendulum.drive', 'ground']
     """
     hints = typing.get_type_hints(type(root))
     for known in dataclasses.fields(root):
