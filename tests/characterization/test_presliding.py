@@ -33,9 +33,7 @@ def test_the_first_loading_of_dahl_is_an_exponential():
 
 def test_a_far_swing_of_dahl_is_as_accurate_as_a_short_one():
     loop = presliding_loop(DAHL, 0.01, LOAD, swings=1)  # 40 presliding lengths
-    x, friction = (
-        one[POINTS + 1 : 2 * POINTS + 1] for one in (loop.displacement, loop.friction)
-    )
+    x, friction = (one[POINTS + 1 : 2 * POINTS + 1] for one in (loop.displacement, loop.friction))
     back = MU * LOAD * (2 * np.exp(-SIGMA_0 * (0.01 - x) / MU) - 1)
     # as above; steps of order 4 and a twentieth of the presliding length left 2e-8
     np.testing.assert_allclose(friction, back, atol=5e-9 * MU * LOAD)
