@@ -558,17 +558,15 @@ def trial_section(found: PaperAudit) -> Section:
 def _step_table(found: PaperAudit) -> Table:
     """Show what steps of 10 ms make of the push, by the friction in the first step."""
     titles = {row.law.name: row.law.title for row in found.table}
-    rows = [
-        (
-            titles[step_travel.row],
-            fixed(step_travel.published, 2),
-            *_step_cells(step_travel),
-            values_of(step_travel.law, found.values.load)
-            if step_travel.scatter is None
-            else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
-        )
-        for step_travel in found.step_travels
-    ]
+    rows = []
+    for step in found.step_travels:
+        # Where sgn 0 = 0, and where friction begins at the break-away level.
+        cells = fixed(step.travel, 3), fixed(step.static, 3)
+        values = values_of(step.law, found.values.load)
+        if step.scatter is not None:
+            cells = "—", f"{fixed(step.scatter[0], 2)} to {fixed(step.scatter[1], 2)}"
+            values = f"(5), sgn $v$ added, no rule for rest; {values_of(step.law)}"
+        rows.append((titles[step.row], fixed(step.published, 2), *cells, values))
     caption = (
         "The push by forward Euler in the sample time that the paper states for its cart. The 0.16"
         " m of both Coulomb rows need sgn 0 = 0 in the first step; bristles have no such step."
@@ -576,14 +574,6 @@ def _step_table(found: PaperAudit) -> Table:
     )
     heads = ["row", "published\nm", "sgn 0 = 0\nm", "from break-away\nm", "with"]
     return table_of(heads, rows, caption)
-
-
-def _step_cells(travel: printed.StepTravel) -> tuple[str, str]:
-    """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
-    if travel.scatter is None:
-        return fixed(travel.travel, 3), fixed(travel.static, 3)
-    low, high = travel.scatter
-    return "—", f"{fixed(low, 2)} to {fixed(high, 2)}"
 
 
 def _creep_text(found: PaperAudit) -> str:
@@ -1543,7 +1533,7 @@ def choice_section(found: PaperAudit) -> Section:
         ", so that the figure can be compared in kind only.",
         _choice_table(study),
         _choice_figure(study),
-        report.Caption(text=f"{_return_text(study)} {_normal_text(study)}"),
+        report.Caption(text=_return_text(study)),
         collapsed=False,
     )
 
@@ -1598,16 +1588,21 @@ def _choice_figure(study: rigs.CartStudy) -> report.Figure:
 
 
 def _return_text(study: rigs.CartStudy) -> str:
-    """Say whether the cart slips back, and what keeps it from it."""
+    """Say whether the cart slips back, what keeps it from it, and what the normal force does."""
     back = [choice for choice in study.choices if choice.mean_return > 0.0]
-    if back:
-        ways = ", ".join(f"{_run_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
-        return f"The cart slips back in a cycle: {ways}."
-    pull = max(largest_pull(run) for run in study.choices)
+    ways = ", ".join(f"{_run_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
+    text = f"The cart slips back in a cycle: {ways}."
+    if not back:
+        pull = max(largest_pull(run) for run in study.choices)
+        text = (
+            "The cart never slips back: at rest the swing pulls it back with up to"
+            f" {percent(pull)} of the normal force, less than friction can hold. At a lower level"
+            f" of {rigs.KINETIC:g} it does slip back, as the tables above show."
+        )
+    least = min(choice.least_normal_force for choice in study.choices)
     return (
-        f"The cart never slips back: at rest the swing pulls it back with up to {percent(pull)} of"
-        " the normal force, less than friction can hold. At a lower level of"
-        f" {rigs.KINETIC:g} it does slip back, as the tables above show."
+        f"{text} The normal force is the same with every law, since the swing is prescribed; it"
+        f" falls to {percent(least / study.weight)} of the weight."
     )
 
 
@@ -1621,14 +1616,6 @@ def largest_pull(run: rigs.CartRun) -> float:
     resting = seen["mode"] == 0
     pulls = -seen["friction"][resting] / seen["normal_force"][resting]
     return float(max(pulls, default=math.nan))
-
-
-def _normal_text(study: rigs.CartStudy) -> str:
-    least = min(choice.least_normal_force for choice in study.choices)
-    return (
-        "The normal force is the same with every law, since the swing is prescribed; it falls to"
-        f" {percent(least / study.weight)} of the weight."
-    )
 
 
 # Rules for rest beside the exact switch, and break-away levels that vary.
@@ -1900,33 +1887,8 @@ def _opening(found: PaperAudit) -> report.Opening:
     """Say what the audit found."""
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
-    return report.Opening(
-        kicker=SOURCES["paper"],
-        verdict="One travel cannot rank friction models.",
-        lede=(
-            "The paper writes that a spring is released, and also that 10 N act for 0.1 s. With the"
-            f" spring released, {first.law.title} friction with Table I’s coefficient travels"
-            f" {spring.travel:.3f} m, {percent(spring.relative_error or 0.0)} from the measured"
-            f" {found.measured:.2f} m. A push gives {push.travel:.3f} m, the reading nearest to the"
-            f" printed {first.published.travel or 0.0:.2f} m; that a push stood for the spring in"
-            " the simulation is our inference. The other rows depend on values that the paper does"
-            " not print."
-        ),
-        facts=_facts(found),
-        settles=found.verdict.words.settles[:2],
-        cannot_tell=(
-            "Which values the paper used, beyond Table I.",
-            *found.verdict.words.cannot_tell[:1],
-        ),
-        measure_next=found.verdict.words.measure_next[:1],
-    )
-
-
-def _facts(found: PaperAudit) -> tuple[report.Fact, ...]:
-    first = found.table[0]
-    push, spring = (r.criteria for r in first.readings[:2])
     in_steps = sum(step_travel.reached for step_travel in found.step_travels)
-    return (
+    facts = (
         report.Fact(
             value=percent(abs(spring.relative_error or 0.0)),
             aside=f"printed: {percent(first.published.relative_error or 0.0)}",
@@ -1943,4 +1905,24 @@ def _facts(found: PaperAudit) -> tuple[report.Fact, ...]:
             what="of Table II can follow from unpublished values for the push, Table I kept: solved"
             " exactly, and by forward Euler with some rule for rest",
         ),
+    )
+    return report.Opening(
+        kicker=SOURCES["paper"],
+        verdict="One travel cannot rank friction models.",
+        lede=(
+            "The paper writes that a spring is released, and also that 10 N act for 0.1 s. With the"
+            f" spring released, {first.law.title} friction with Table I’s coefficient travels"
+            f" {spring.travel:.3f} m, {percent(spring.relative_error or 0.0)} from the measured"
+            f" {found.measured:.2f} m. A push gives {push.travel:.3f} m, the reading nearest to the"
+            f" printed {first.published.travel or 0.0:.2f} m; that a push stood for the spring in"
+            " the simulation is our inference. The other rows depend on values that the paper does"
+            " not print."
+        ),
+        facts=facts,
+        settles=found.verdict.words.settles[:2],
+        cannot_tell=(
+            "Which values the paper used, beyond Table I.",
+            *found.verdict.words.cannot_tell[:1],
+        ),
+        measure_next=found.verdict.words.measure_next[:1],
     )
