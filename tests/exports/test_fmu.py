@@ -73,6 +73,22 @@ NUMBERS = itertools.count()
 
 
 @pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    need_tools()
+    return tmp_path_factory.mktemp("fmu")
+
+
+@pytest.fixture(scope="module")
+def block(folder: Path) -> Path:
+    return made(folder, "block", BLOCK, COULOMB)
+
+
+@pytest.fixture(scope="module")
+def capsule(folder: Path) -> Path:
+    return made(folder, "capsule", CAPSULE, LUGRE, fmi=2)
+
+
+@pytest.fixture(scope="module")
 def chain(folder: Path) -> Path:
     return made(folder, "chain", CHAIN, STRIBECK, y0={"v1": 0.4}, title="A <chain> & its law")
 

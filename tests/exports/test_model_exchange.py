@@ -57,6 +57,22 @@ GRIP = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
 
 
 @pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    need_tools()
+    return tmp_path_factory.mktemp("exchange")
+
+
+@pytest.fixture(scope="module")
+def block(folder: Path) -> Path:
+    return made(folder, "block", BLOCK, COULOMB)
+
+
+@pytest.fixture(scope="module")
+def capsule(folder: Path) -> Path:
+    return made(folder, "capsule", CAPSULE, LUGRE, fmi=2)
+
+
+@pytest.fixture(scope="module")
 def cart(folder: Path) -> Path:
     return made(folder, "cart", CART, GRIP)
 
