@@ -6,7 +6,7 @@ import pytest
 from stickslip import Dahl, LuGre
 from stickslip.errors import InputError
 from stickslip.study.characterization import presliding_length, presliding_loop
-from stickslip.study.characterization.battery import LOOP_POINTS
+from stickslip.study.characterization.battery import POINTS
 
 MU, SIGMA_0, LOAD = 0.25, 1000.0, 9.81
 DAHL = Dahl(kinetic_coefficient=MU, bristle_stiffness=SIGMA_0)
@@ -21,7 +21,7 @@ LUGRE = LuGre(
 
 def first_loading(law, amplitude):
     loop = presliding_loop(law, amplitude, LOAD, swings=1)
-    return loop.displacement[: LOOP_POINTS + 1], loop.friction[: LOOP_POINTS + 1]
+    return loop.displacement[: POINTS + 1], loop.friction[: POINTS + 1]
 
 
 def test_the_first_loading_of_dahl_is_an_exponential():
@@ -33,9 +33,7 @@ def test_the_first_loading_of_dahl_is_an_exponential():
 
 def test_a_far_swing_of_dahl_is_as_accurate_as_a_short_one():
     loop = presliding_loop(DAHL, 0.01, LOAD, swings=1)  # 40 presliding lengths
-    x, friction = (
-        one[LOOP_POINTS + 1 : 2 * LOOP_POINTS + 1] for one in (loop.displacement, loop.friction)
-    )
+    x, friction = (one[POINTS + 1 : 2 * POINTS + 1] for one in (loop.displacement, loop.friction))
     back = MU * LOAD * (2 * np.exp(-SIGMA_0 * (0.01 - x) / MU) - 1)
     # as above; steps of order 4 and a twentieth of the presliding length left 2e-8
     np.testing.assert_allclose(friction, back, atol=5e-9 * MU * LOAD)
@@ -62,7 +60,7 @@ def test_a_widened_loop_takes_work_and_stays_below_break_away():
 
 def test_the_path_swings_ever_wider_to_both_sides():
     loop = presliding_loop(DAHL, 0.003, LOAD, swings=3)
-    corners = loop.displacement[LOOP_POINTS::LOOP_POINTS]
+    corners = loop.displacement[POINTS::POINTS]
     np.testing.assert_allclose(
         corners, [0.001, -0.001, 0.002, -0.002, 0.003, -0.003, 0.003], atol=1e-15
     )

@@ -39,7 +39,7 @@ from stickslip.mechanisms import DCMotor, has_macros
 from stickslip.quantities import Given, named, turned
 from stickslip.show.described import Described
 from stickslip.show.display import require_library
-from stickslip.show.documents import NOT_XML, check_xml, read_bytes, write_file
+from stickslip.show.documents import NOT_XML, check_xml, json_value, read_bytes, write_file
 from stickslip.show.formatting import joined, percent, quantity
 
 if TYPE_CHECKING:
@@ -75,6 +75,17 @@ def edited(data: bytes, edits: Sequence[Edit]) -> bytes:
     for change in sorted(edits, key=lambda edit: (edit.start, edit.end), reverse=True):
         data = data[: change.start] + change.text + data[change.end :]
     return data
+
+
+def byte_of(text: str, place: int) -> int:
+    """Return the byte of UTF-8 at which a character of a text stands.
+
+    Examples
+    --------
+    >>> byte_of("µm", 1)
+    2
+    """
+    return len(text[:place].encode("utf-8"))
 
 
 # XML files of which single attributes are changed, and every other byte stays.
@@ -717,21 +728,29 @@ MJCF_WRITTEN: Final = (
 )  # fmt: skip
 
 
-class Mjcf(JointModel):
-    """A model for MuJoCo."""
+class XmlModel(JointModel):
+    """A file of XML."""
 
-    name: ClassVar[str] = "mjcf"
-    title: ClassVar[str] = "MJCF"
-    program: ClassVar[str] = "MuJoCo"
+    roots: ClassVar[tuple[str, ...]]
+    """Names of its first element."""
 
     @classmethod
     def recognises(cls, path: Path, data: bytes) -> bool:
-        return root_of(data) in ("mujoco", "mujocoinclude")
+        return root_of(data) in cls.roots
 
     @cached_property
     def markup(self) -> Markup:
         """The elements of the file."""
         return markup_of(self.path, self.data)
+
+
+class Mjcf(XmlModel):
+    """A model for MuJoCo."""
+
+    name: ClassVar[str] = "mjcf"
+    roots: ClassVar[tuple[str, ...]] = ("mujoco", "mujocoinclude")
+    title: ClassVar[str] = "MJCF"
+    program: ClassVar[str] = "MuJoCo"
 
     def joints(self) -> Iterator[ModelJoint]:
         classes = self._classes()
@@ -887,17 +906,14 @@ URDF_KINDS: Final = MappingProxyType(
 URDF_WRITTEN: Final = ("friction", "damping")
 
 
-class Urdf(JointModel):
+class Urdf(XmlModel):
     """A robot description."""
 
     name: ClassVar[str] = "urdf"
     title: ClassVar[str] = "URDF"
     program: ClassVar[str] = "programs that read URDF"
+    roots: ClassVar[tuple[str, ...]] = ("robot",)
     refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
-
-    @classmethod
-    def recognises(cls, path: Path, data: bytes) -> bool:
-        return root_of(data) == "robot"
 
     @cached_property
     def markup(self) -> Markup:
@@ -1229,13 +1245,15 @@ class Ros2(Model):
 
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         place, _ = joint.place
+        text = self.data.decode("utf-8")
         return [
-            Edit(self._byte(one.start_mark), self._byte(one.end_mark), values[key].encode("ascii"))
-            for key, one in place.items()
+            Edit(
+                byte_of(text, setting.start_mark.index),
+                byte_of(text, setting.end_mark.index),
+                values[key].encode("ascii"),
+            )
+            for key, setting in place.items()
         ]
-
-    def _byte(self, mark: Any) -> int:
-        return len(self.data.decode("utf-8")[: mark.index].encode("utf-8"))
 
 
 def _real(value: float) -> str:
@@ -1377,20 +1395,19 @@ class Bam(Model):
             text = json.dumps(value) if key == "model" else value
             if key in self.members:
                 _, start, end = self.members[key]
-                found.append(Edit(self._byte(start), self._byte(end), text.encode("ascii")))
+                found.append(
+                    Edit(byte_of(self.text, start), byte_of(self.text, end), text.encode("ascii"))
+                )
             else:
                 added.append(f'"{key}": {text}')
         if added:
             first, (_, _, last) = self.text.index("{") + 1, [*self.members.values()][-1]
             between = re.match(r"\s*", self.text[first:])
             assert between is not None  # it may be empty
-            place, space = self._byte(last), between[0] or " "
+            place, space = byte_of(self.text, last), between[0] or " "
             text = "".join(f",{space}{name}" for name in added)
             found.append(Edit(place, place, text.encode("ascii")))
         return found
-
-    def _byte(self, place: int) -> int:
-        return len(self.text[:place].encode("utf-8"))
 
 
 def _json_members(text: str) -> Iterator[tuple[str, tuple[Any, int, int]]]:
@@ -1544,18 +1561,9 @@ class AppliedJoint(metaclass=Described):
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
-        return {
-            "joint": self.joint,
-            "contact": self.contact,
-            "law": self.law,
-            "before": dict(self.before),
-            "after": dict(self.after),
-            "largest_speed": self.largest_speed,
-            "rms": self.rms,
-            "largest": self.largest,
-            "unit": turned("N", self.rotary),
-            "lost": list(self.lost),
-        }
+        names = ("joint", "contact", "law", "before", "after", "largest_speed", "rms", "largest")
+        found = {name: getattr(self, name) for name in names}
+        return dict(json_value({**found, "unit": turned("N", self.rotary), "lost": self.lost}))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -22,7 +22,7 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.mechanisms import Capsule, Coil, Mechanism, Motor, PendulumCart, Torque, slip_of
 from stickslip.mechanisms.drives import Sampled
-from stickslip.quantities import Parametrised, Quantity, full_path, parameters, structure
+from stickslip.quantities import Parametrised, Quantity, full_path, named, parameters, structure
 from stickslip.quantities import vary as changed
 from stickslip.show.display import require_library
 from stickslip.show.formatting import number
@@ -233,9 +233,8 @@ def task_of(task: str | MotorTask) -> MotorTask:
         return task
     if not isinstance(task, str):
         raise InputError(f"task must be a MotorTask or a name, got {task!r}.")
-    if task not in TASKS:
-        raise UnknownNameError("task", task, TASKS)
-    return TASKS[task]
+    found: MotorTask = named(TASKS, task, "task")
+    return found
 
 
 @dataclass(frozen=True)

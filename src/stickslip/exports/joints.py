@@ -210,19 +210,13 @@ def simplified(
     # What least squares leave of the largest term is rounding.
     level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
     damping, slope, curvature = (float(x / most ** (k + 1)) for k, x in enumerate(dampings))
+    joint: JointFriction | PolynomialFriction
     if polynomial:
-        return compared(
-            subject,
-            steady,
-            PolynomialFriction(
-                level=float(level),
-                damping=damping,
-                damping_slope=slope,
-                damping_curvature=curvature,
-            ),
-        )
-    surplus = max(0.0, held - float(level)) if static else 0.0
-    joint = JointFriction(level=float(level), damping=damping, static_surplus=surplus)
+        rest = {"damping_slope": slope, "damping_curvature": curvature}
+        joint = PolynomialFriction(level=float(level), damping=damping, **rest)
+    else:
+        surplus = max(0.0, held - float(level)) if static else 0.0
+        joint = JointFriction(level=float(level), damping=damping, static_surplus=surplus)
     return compared(subject, steady, joint)
 
 
@@ -364,9 +358,8 @@ def _effect(rig: Rig, true: Trajectory, changed: Trajectory) -> tuple[str, ...]:
     fastest, faster = (float(np.abs(run[rate]).max()) for run in (true, changed))
     where = Path(rig.path).name or rig.heading
     return (
-        f"On {where}, simulated exactly to {quantity(rig.t_end, 's')}: {slip}"
-        f" ends at {length(end)} with the law and at {length(other)} with the joint's friction,"
-        f" {length(further)} apart.",
+        f"On {where}, simulated exactly to {quantity(rig.t_end, 's')}: {slip} ends at {length(end)}"
+        f" with the law and at {length(other)} with the joint's friction, {length(further)} apart.",
         f"Their largest distance is {length(float(apart.max()))}, at"
         f" {quantity(float(true.t[apart.argmax()]), 's')}; the largest speeds are"
         f" {quantity(fastest, unit)} and {quantity(faster, unit)}.",
@@ -405,10 +398,10 @@ def _sentences(subject: Subject, found: Simplified) -> Iterator[str]:
 
 
 def _comment(subject: Subject, notes: Sequence[str], said: Sequence[str]) -> Iterator[str]:
-    yield "<!--"
+    yield "  <!--"
     lines = [*subject.header(), *notes, *(f"- {line}" for line in said)]
-    yield from (_safe(line) for line in commented(lines, "  "))
-    yield "-->"
+    yield from (f"  {_safe(line)}" for line in commented(lines, "  "))
+    yield "  -->"
 
 
 def inertia_of(subject: Subject) -> float | None:
@@ -490,13 +483,9 @@ def as_lugre(law: FrictionLaw) -> LuGre | None:
             bristle_damping=0.0,
             static_switch=law.static_switch,
         )
-        return (
-            None
-            if values is None
-            else as_lugre(
-                vary(start, "friction", {f"friction.{name}": x for name, x in values.items()})
-            )
-        )
+        if values is None:
+            return None
+        return as_lugre(vary(start, "friction", {f"friction.{k}": x for k, x in values.items()}))
     if not isinstance(law, LuGre) or law.static_switch:
         return None
     return law if law.fading_exponent == 2.0 and law.viscous_exponent == 1.0 else None
@@ -567,7 +556,7 @@ class Mjcf(Target):
         principal = " ".join([repr(inertia)] * 3)
         lines = [
             f'<mujoco model="{name}">',
-            *(f"  {line}" for line in _comment(subject, notes, joint.said)),
+            *_comment(subject, notes, joint.said),
             f'  <option timestep="{joint.timestep!r}" gravity="0 0 0"'
             f' integrator="{joint.integrator}"/>',
             "  <worldbody>",
@@ -583,11 +572,8 @@ class Mjcf(Target):
             "</mujoco>",
         ]
         said = joint.said if known is not None else (*joint.said, about)
-        return _export(self, said, f"{name}.xml", lines)
-
-
-def _export(target: Target, said: Sequence[str], name: str, lines: Sequence[str]) -> Export:
-    return Export(target=target.name, files={name: "\n".join(lines) + "\n"}, remarks=tuple(said))
+        files = {f"{name}.xml": "\n".join(lines) + "\n"}
+        return Export(target=self.name, files=files, remarks=said)
 
 
 class Urdf(Target):
@@ -609,7 +595,7 @@ class Urdf(Target):
         principal = " ".join(f'i{a}{b}="{inertia if a == b else 0.0!r}"' for a, b in _PAIRS)
         lines = [
             f'<robot name="{name}">',
-            *(f"  {line}" for line in _comment(subject, notes, said)),
+            *_comment(subject, notes, said),
             '  <link name="base"/>',
             '  <link name="body">',
             "    <inertial>",
@@ -630,7 +616,8 @@ class Urdf(Target):
             "  </joint>",
             "</robot>",
         ]
-        return _export(self, said, f"{name}.urdf", lines)
+        files = {f"{name}.urdf": "\n".join(lines) + "\n"}
+        return Export(target=self.name, files=files, remarks=said)
 
 
 _PAIRS = (("x", "x"), ("x", "y"), ("x", "z"), ("y", "y"), ("y", "z"), ("z", "z"))

@@ -14,7 +14,7 @@ from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.exports.joints import Mjcf, Urdf, steady_force
 from stickslip.exports.languages import MATLAB, C, Source, commented, contains
-from stickslip.exports.program import Export, Function, Subject, Target, identifier
+from stickslip.exports.program import Export, Function, Parameter, Subject, Target, identifier
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify import Verdict
 from stickslip.identify.fits import Fit
@@ -92,11 +92,9 @@ def _body(source: Source, function: Function) -> Iterator[str]:
     yield from inside.constants
     yield from inside.declarations
     several = len(function.outputs) > 1
-    invalid = [f"isnan({variable.name})" for variable in function.inputs if not variable.positive]
-    invalid += [f"!({variable.name} > 0.0)" for variable in function.inputs if variable.positive]
     result = f"{source.name_of(function)}_result"
     if not function.inner:
-        yield f"    if ({' || '.join(invalid)}) {{"
+        yield f"    if ({' || '.join(_invalid(function, '!')).replace('> 0', '> 0.0')}) {{"
         nothing = ", ".join("NAN" for _ in function.outputs)
         if several:
             yield f"        const {result} none = {{{nothing}}};"
@@ -138,6 +136,13 @@ def _c_comment_of(function: Function) -> Iterator[str]:
     yield from _comment(lines)
 
 
+def _invalid(function: Function, no: str) -> list[str]:
+    """Return the conditions under which arguments cannot be used; `no` negates one."""
+    return [f"isnan({variable.name})" for variable in function.inputs if not variable.positive] + [
+        f"{no}({variable.name} > 0)" for variable in function.inputs if variable.positive
+    ]
+
+
 def _words(meaning: str, unit: str) -> str:
     return f"{meaning} [{unit}]" if unit else meaning
 
@@ -176,9 +181,8 @@ class Matlab(Target):
 
 def _matlab_function(source: Source, function: Function) -> Iterator[str]:
     name = source.name_of(function)
-    results = ", ".join(output.name for output in function.outputs)
-    head = f"[{results}]" if len(function.outputs) > 1 else results
-    yield f"function {head} = {name}({', '.join(variable.name for variable in function.inputs)})"
+    arguments = ", ".join(variable.name for variable in function.inputs)
+    yield f"function {_results(function)} = {name}({arguments})"
     yield from _matlab_help(name, function)
     inside = source.inside(function, results=False)
     if not function.inner:
@@ -190,13 +194,17 @@ def _matlab_function(source: Source, function: Function) -> Iterator[str]:
     yield "end"
 
 
+def _results(function: Function) -> str:
+    """Return the results as the left side of a call in MATLAB."""
+    names = ", ".join(output.name for output in function.outputs)
+    return f"[{names}]" if len(function.outputs) > 1 else names
+
+
 def _matlab_help(name: str, function: Function) -> Iterator[str]:
     lines = [f"{name.upper()}  {function.summary}"]
-    lines += [f"  {value.name}: {value.meaning} [{value.unit or '1'}]" for value in function.inputs]
-    lines += [
-        f"  returns {output.name}: {output.meaning} [{output.unit or '1'}]"
-        for output in function.outputs
-    ]
+    pairs = [("", value) for value in function.inputs]
+    pairs += [("returns ", value) for value in function.outputs]
+    lines += [f"  {what}{v.name}: {v.meaning} [{v.unit or '1'}]" for what, v in pairs]
     yield from commented(lines, "%")
     yield "%#codegen"
 
@@ -204,19 +212,15 @@ def _matlab_help(name: str, function: Function) -> Iterator[str]:
 def _by_element(name: str, function: Function) -> Iterator[str]:
     """Yield the call for each element where an argument is an array."""
     names = [variable.name for variable in function.inputs]
-    results = ", ".join(output.name for output in function.outputs)
-    head = f"[{results}]" if len(function.outputs) > 1 else results
     yield f"    if ~({' && '.join(f'isscalar({key})' for key in names)})"
     yield f"        each = zeros(size({' + '.join(names)}));"
     arguments = ", ".join(f"{key} + each" for key in names)
-    yield f"        {head} = arrayfun(@{name}, {arguments});"
+    yield f"        {_results(function)} = arrayfun(@{name}, {arguments});"
     yield from ("        return", "    end")
 
 
 def _guard(function: Function) -> Iterator[str]:
-    invalid = [f"isnan({variable.name})" for variable in function.inputs if not variable.positive]
-    invalid += [f"~({variable.name} > 0)" for variable in function.inputs if variable.positive]
-    yield f"    if {' || '.join(invalid)}"
+    yield f"    if {' || '.join(_invalid(function, '~'))}"
     yield from (f"        {output.name} = NaN;" for output in function.outputs)
     yield from ("        return", "    end")
 
@@ -319,9 +323,7 @@ def _content(subject: Subject) -> dict[str, Any]:
         "largest_speed": None if known is None else known.largest_speed,
         "static_switch": getattr(law, "static_switch", None),
         "bristles": list(law.states),
-        "parameters": [
-            _parameter(subject, parameter.name) for parameter in subject.equations.parameters
-        ],
+        "parameters": [_parameter(subject, field) for field in subject.equations.parameters],
         "shape": dict(_shape(subject)),
         "covariance_of": [] if known is None else list(known.covariance_of),
         "covariance": [] if known is None else [list(row) for row in known.covariance],
@@ -329,9 +331,8 @@ def _content(subject: Subject) -> dict[str, Any]:
     }
 
 
-def _parameter(subject: Subject, name: str) -> dict[str, Any]:
-    (field,) = (parameter for parameter in subject.equations.parameters if parameter.name == name)
-    known = subject.estimates
+def _parameter(subject: Subject, field: Parameter) -> dict[str, Any]:
+    known, name = subject.estimates, field.name
     low, high = (None, None) if known is None else known.intervals.get(name, (None, None))
     return {
         "parameter": name,

@@ -20,37 +20,8 @@ from stickslip.friction import (
     Stribeck,
 )
 from stickslip.identify.kinds import TravelVerdict
+from stickslip.paper import printed, rigs
 from stickslip.paper.paper_audit import PaperAudit, TableRow, audit
-from stickslip.paper.printed import (
-    BACKWARD,
-    BRISTLE_STEP,
-    CART_STEP,
-    CREEPING,
-    FINE_STEP,
-    HELD,
-    ROUNDING,
-    SECONDS,
-    STIFFNESS,
-    TESTS,
-    Consequence,
-    Outcome,
-    Requirement,
-    StepTravel,
-    lugre_row,
-)
-from stickslip.paper.printed import FINE_STEP as FINE
-from stickslip.paper.rigs import (
-    CYCLES,
-    KINETIC,
-    PUSH_DURATION,
-    SPEED,
-    STEP,
-    CartRun,
-    CartStudy,
-    Excitation,
-    RestRule,
-    Share,
-)
 from stickslip.quantities import fields_of
 from stickslip.show import plots, report
 from stickslip.show.formatting import (
@@ -67,26 +38,7 @@ from stickslip.show.formatting import (
     with_unit,
 )
 from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, sketch
-from stickslip.show.report import (
-    Axis,
-    Cell,
-    Column,
-    Fact,
-    Name,
-    Opening,
-    Origin,
-    Page,
-    Paragraph,
-    Row,
-    Section,
-    SectionMaker,
-    Subheading,
-    Table,
-    blocks,
-    render,
-    reproduce,
-    table_of,
-)
+from stickslip.show.report import Name, Section, Table, figure, table_of
 
 # What the sections share.
 
@@ -100,9 +52,9 @@ STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 """Ends of axes, times a power of ten."""
 
 
-def numbers(head: str, label: str = "") -> Column:
+def numbers(head: str, label: str = "") -> report.Column:
     """Return a column of numbers, which on a phone have a label: the head, or a shorter one."""
-    return Column(head=head, numeric=True, phone="label", label=label)
+    return report.Column(head=head, numeric=True, phone="label", label=label)
 
 
 FIRST_CYCLE = "first cycle\nmm"
@@ -113,14 +65,17 @@ BACK_SLIP = "back-slip\nmm/cycle"
 
 def table(
     items: Iterable[T],
-    *columns: tuple[str | Column, Callable[[T], Cell]],
+    *columns: tuple[str | report.Column, Callable[[T], report.Cell]],
     caption: str = "",
     chosen: Callable[[T], bool] = lambda _: False,
 ) -> Table:
     """Return a table with a row for each item; each column stands beside what makes its cells."""
-    heads = [Column(head=column) if isinstance(column, str) else column for column, _ in columns]
+    heads = [
+        report.Column(head=column) if isinstance(column, str) else column for column, _ in columns
+    ]
     rows = [
-        Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item)) for item in items
+        report.Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item))
+        for item in items
     ]
     return Table(columns=tuple(heads), rows=tuple(rows), caption=caption)
 
@@ -138,12 +93,12 @@ def values_of(law: FrictionLaw | PrintedForm, load: float | None = None) -> str:
     return ", ".join(parts)
 
 
-def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Axis:
+def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> report.Axis:
     """Return the travel axis of the tables, with the measured travel as its line."""
     most = max((*travels, audit.measured))
     power = 10.0 ** math.floor(math.log10(most))
     high = next(step * power for step in STEPS if step * power >= most)
-    return Axis(
+    return report.Axis(
         low=0.0,
         high=high,
         ticks=(0.0, 0.4 * high, 0.8 * high),
@@ -152,9 +107,22 @@ def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Ax
     )
 
 
+def section(
+    place: str, nav: str, heading: str, *content: report.Block | str, collapsed: bool = True
+) -> Section:
+    """Return a section with an address on the page; a text is a paragraph of it."""
+    shown = (report.Paragraph(text=part) if isinstance(part, str) else part for part in content)
+    return Section(id=place, nav=nav, heading=heading, blocks=tuple(shown), collapsed=collapsed)
+
+
+def milli(value: float, digits: int = 3) -> str:
+    """Return a length or a velocity in thousandths of its unit, without this."""
+    return significant(1e3 * value, digits)
+
+
 def back_slip_text(way: float) -> str:
     """Return a cell of `BACK_SLIP`."""
-    return "none" if way == 0.0 else significant(1e3 * way, 2)
+    return "none" if way == 0.0 else milli(way, 2)
 
 
 # Sections on Table II and on the figures, which are drawn again.
@@ -162,14 +130,17 @@ def back_slip_text(way: float) -> str:
 # The paper's Table II beside ours, and its criteria applied again.
 
 
-def table_section(found: PaperAudit) -> report.Section:
+def table_section(found: PaperAudit) -> Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
+    values = found.values
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
-        " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are"
-        " those of Table I; what the paper does not print is assumed:"
-        f" {_assumptions(found)}. “Coulomb plus viscous plus static”, which the paper names, has no"
-        " row in it."
+        " for its cart. B: the spring, solved exactly; C: it stays fastened. Levels are those of"
+        " Table I; what the paper does not print is assumed: $sigma_2$"
+        f" {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none in Stribeck and"
+        f" LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s, bristles of"
+        f" {significant(values.stiffness, 2)} N/m and {significant(values.damping, 2)} N s/m."
+        " “Coulomb plus viscous plus static”, which the paper names, has no row in it."
     )
     if found.viscous_travels:
         titles = {row.law.name: row.law.title for row in found.table}
@@ -178,84 +149,60 @@ def table_section(found: PaperAudit) -> report.Section:
             " With the same viscous part, which (5) and (9) have too, the spring gives"
             f" {joined(travels)}: between the rows of B lies what is assumed, not the model."
         )
-    return report.Section(
-        id="table2",
-        nav="Table II",
-        heading=("The paper’s Table II beside ours"),
-        blocks=(
-            report.Paragraph(text=text),
-            _table(found),
-            report.Caption(text=_step_text(found)),
-        ),
-    )
-
-
-def _assumptions(found: PaperAudit) -> str:
-    """List the values that are not printed, in the paper's own terms."""
-    values = found.values
-    return (
-        f"$sigma_2$ {quantity(values.viscous, 'N s/m', 2)} in Coulomb + viscous and none"
-        f" in Stribeck and LuGre, $v_s$ {number(1e3 * values.stribeck_velocity)} mm/s,"
-        f" bristles of {significant(values.stiffness, 2)} N/m and"
-        f" {significant(values.damping, 2)} N s/m"
-    )
+    heading = "The paper’s Table II beside ours"
+    shown = _table(found), report.Caption(text=_step_text(found))
+    return section("table2", "Table II", heading, text, *shown, collapsed=False)
 
 
 RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from break-away"}
 """What the friction in the first step out of rest is called."""
 
 
-def _table(found: PaperAudit) -> report.Table:
+def _table(found: PaperAudit) -> Table:
     travels = [row.published.travel or 0.0 for row in found.table]
     travels += [reading.criteria.travel for row in found.table for reading in row.readings]
     marks = "travel, m; triangle: A, dot: B, line: measured, ring: published"
-    columns = (
-        report.Column(head="friction model"),
-        numbers("published\nm"),
-        numbers("A, exact\nm", "A exact, m"),
-        *(numbers(f"A, 10 ms\n{what}", f"10 ms, {what}") for what in RULES.values()),
-        numbers("B, spring\nm"),
-        numbers("C, fixed\nm"),
-        report.Column(head="", axis=travel_axis(found, travels, marks)),
-    )
-    caption = (
-        f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
-        " block at its first stop, by the paper’s switch to static friction."
-    )
-    return report.Table(
-        columns=columns, rows=tuple(_row(found, row) for row in found.table), caption=caption
+
+    def travel(key: str) -> Callable[[TableRow], report.Cell]:
+        return lambda row: _with_error(found, row.travel(key))
+
+    def in_steps(rule: BreakAway) -> Callable[[TableRow], report.Cell]:
+        return lambda row: _with_error(found, row.coarse.get(rule))
+
+    return table(
+        found.table,
+        ("friction model", lambda row: Name(text=row.law.title, aside=row.published.note)),
+        (numbers("published\nm"), lambda row: _with_error(found, row.published.travel, 2)),
+        (numbers("A, exact\nm", "A exact, m"), travel("A")),
+        *(
+            (numbers(f"A, 10 ms\n{what}", f"10 ms, {what}"), in_steps(rule))
+            for rule, what in RULES.items()
+        ),
+        (numbers("B, spring\nm"), travel("B")),
+        (numbers("C, fixed\nm"), travel("C")),
+        (report.Column(head="", axis=travel_axis(found, travels, marks)), _travel_plot),
+        caption=(
+            f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
+            " block at its first stop, by the paper’s switch to static friction."
+        ),
     )
 
 
-def _row(found: PaperAudit, row: TableRow) -> report.Row:
-    published = row.published.travel
-    push, spring = (row.reading(key).criteria for key in ("A", "B"))
+def _travel_plot(row: TableRow) -> report.RowPlot:
     marks = [
-        report.Mark(kind="triangle", at=push.travel, colour="c2"),
-        report.Mark(kind="dot", at=spring.travel, colour="c1"),
+        report.Mark(kind="triangle", at=row.travel("A"), colour="c2"),
+        report.Mark(kind="dot", at=row.travel("B"), colour="c1"),
     ]
-    if published is not None:
-        marks.append(report.Mark(kind="ring", at=published, colour="muted"))
-    return report.Row(
-        cells=(
-            report.Name(text=row.law.title, aside=row.published.note),
-            _with_error(found, published, 2),
-            _with_error(found, push.travel),
-            *(_with_error(found, row.coarse.get(rule)) for rule in RULES),
-            _with_error(found, spring.travel),
-            _with_error(found, row.reading("C").criteria.travel),
-            report.RowPlot(marks=tuple(marks), lanes=2),
-        )
-    )
+    if row.published.travel is not None:
+        marks.append(report.Mark(kind="ring", at=row.published.travel, colour="muted"))
+    return report.RowPlot(marks=tuple(marks), lanes=2)
 
 
-def _with_error(found: PaperAudit, travel: float | None, digits: int = 4) -> report.Name | str:
+def _with_error(found: PaperAudit, travel: float | None, digits: int = 4) -> Name | str:
     """Return a travel with its relative error below it."""
     if travel is None:
         return "—"
-    return report.Name(
-        text=fixed(travel, digits), aside=signed_percent(travel / found.measured - 1.0)
-    )
+    return Name(text=fixed(travel, digits), aside=signed_percent(travel / found.measured - 1.0))
 
 
 def _step_text(found: PaperAudit) -> str:
@@ -275,42 +222,26 @@ def _step_text(found: PaperAudit) -> str:
     return text
 
 
-def ranking_section(found: PaperAudit) -> report.Section:
+def ranking_section(found: PaperAudit) -> Section:
     """Apply the paper's own criteria to its table and to ours, with our verdict beside."""
-    keys = ("published", "A", "B")
     names = {"published": "published", "A": "A, push", "B": "B, spring"}
-    judged = [f"{names[key]}: both\ncriteria, rank" for key in keys]
-    heads = ["friction model", *judged, "by select"]
+    judged = [f"{name}: both\ncriteria, rank" for name in names.values()]
     rows = [
-        (row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row))
+        (row.law.title, *(_judged(found, row, key) for key in names), _ours(found, row))
         for row in found.table
     ]
-    return report.Section(
-        id="ranking",
-        nav="Criteria",
-        heading=_ranking_heading(found),
-        blocks=(
-            report.Paragraph(text=_criteria_text(found)),
-            report.table_of(heads, rows),
-            report.Caption(text=_caption(found)),
-            report.Paragraph(text=_energy_text(found)),
-        ),
+    heading = "The two criteria of the paper, applied to our runs"
+    if all(row.holds(key) for row in found.table for key in "AB"):
+        heading = "Every exact run that holds the block meets both criteria of the paper"
+    errors = sorted(abs(row.reading("B").criteria.relative_error or 0.0) for row in found.table)
+    half = found.values.uncertainty / found.measured
+    caption = (
+        f"In B the first four errors are {percent(errors[0])} to {percent(errors[3])}, and the"
+        f" measured travel is rounded to ± {percent(half)}: their order means nothing."
     )
-
-
-def _met(found: PaperAudit, key: str) -> int:
-    return sum(
-        seen.velocity_never_negative and seen.displacement_never_decreases
-        for seen in (row.reading(key).criteria for row in found.table)
-    )
-
-
-def _ranking_heading(found: PaperAudit) -> str:
-    total, keys = len(found.table), ("A", "B")
-    met = [_met(found, key) for key in keys]
-    if all(count == total for count in met):
-        return "Every exact run that holds the block meets both criteria of the paper"
-    return "The two criteria of the paper, applied to our runs"
+    shown = table_of(["friction model", *judged, "by select"], rows), report.Caption(text=caption)
+    texts = _criteria_text(found), *shown, _energy_text(found)
+    return section("ranking", "Criteria", heading, *texts, collapsed=False)
 
 
 def _judged(found: PaperAudit, row: TableRow, key: str) -> str:
@@ -327,18 +258,18 @@ def _judged(found: PaperAudit, row: TableRow, key: str) -> str:
 def _criteria_text(found: PaperAudit) -> str:
     """Say what the criteria reject among our runs, and that this is physical for bristles."""
     backs = [
-        f"{back.law.title} {significant(1e3 * back.criteria.least_velocity, 2)} mm/s and"
+        f"{back.law.title} {milli(back.criteria.least_velocity, 2)} mm/s and"
         f" {quantity(back.criteria.largest_return, 'm', 2)}"
         for back in found.springbacks
     ]
-    free = next(row for row in found.fixed_steps if row.dt is not None and not row.stick_rule)
+    free = found.without_rule
     return (
         "The velocity never becomes negative, and the displacement never decreases; of the models"
         " that meet both, the least relative error decides. What fails is, first, bristles of"
         f" 10⁵ N/m that nothing holds ({joined(backs)} backwards): they are springs, and to spring"
         f" back is physical.{_soft_text(found)} Second, fixed steps without a rule for rest: in"
         f" {1e3 * (free.dt or 0.0):g} ms the velocity changes its sign {free.reversals} times in"
-        f" 1 s and reaches {significant(1e3 * free.criteria.least_velocity, 2)} mm/s. The criteria"
+        f" 1 s and reaches {milli(free.criteria.least_velocity, 2)} mm/s. The criteria"
         " alone tell neither from a body that is really driven back."
     )
 
@@ -354,15 +285,6 @@ def _ours(found: PaperAudit, row: TableRow) -> str:
     estimate = fit.estimates[0]
     symbol, value = estimate.quantity.symbol, significant(estimate.value, 3)
     return f"${symbol}$ = {value} reproduces the travel"
-
-
-def _caption(found: PaperAudit) -> str:
-    errors = sorted(abs(row.reading("B").criteria.relative_error or 0.0) for row in found.table)
-    half = found.values.uncertainty / found.measured
-    return (
-        f"In B the first four errors are {percent(errors[0])} to {percent(errors[3])}, and the"
-        f" measured travel is rounded to ± {percent(half)}: their order means nothing."
-    )
 
 
 def _soft_text(found: PaperAudit) -> str:
@@ -406,47 +328,35 @@ RUN_FIGURES = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-visc
 BLOCK_SIZES = plots.Sizes(wide=(880, 270), narrow=(358, 520))
 
 
-def schematic_section(found: PaperAudit) -> report.Section:
+def schematic_section(found: PaperAudit) -> Section:
     """Return Figs 1 and 5: cart and rig with the paper's symbols."""
     values = found.values
-    return report.Section(
-        collapsed=True,
-        id="systems",
-        nav="Figs 1 and 5",
-        heading="The two systems of the paper",
-        blocks=(
-            report.Columns(
-                left=(
-                    report.Figure(
-                        svg=plots.schematic(
-                            "cart",
-                            alt="Cart of mass M with an inverted pendulum of length l and ball m",
-                            prefix="fig1",
-                        ),
-                        caption="**Fig. 1. Pendulum-driven cart.** Mass $M$, ball $m$ on a rod of"
-                        " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
-                        " $tau$, friction coefficient $mu$. The paper prints no values.",
-                    ),
-                ),
-                right=(
-                    report.Figure(
-                        svg=plots.schematic(
-                            "rig",
-                            alt="Steel block of mass m before a compressed spring of stiffness k",
-                            prefix="fig5",
-                        ),
-                        caption="**Fig. 5. Spring and steel block.** By Table I"
-                        f" $M$ = {values.rig.mass:g} kg, $K$ = {values.rig.stiffness:g} N/m,"
-                        f" $mu_d$ = {values.mu_k:g}, $mu_s$ = {values.mu_s:g}; $x$ is the"
-                        f" compression, $s$ the travel, measured as {found.measured:.2f} m.",
-                    ),
-                ),
-            ),
+    cart = report.Figure(
+        svg=plots.schematic(
+            "cart",
+            alt="Cart of mass M with an inverted pendulum of length l and ball m",
+            prefix="fig1",
         ),
+        caption="**Fig. 1. Pendulum-driven cart.** Mass $M$, ball $m$ on a rod of"
+        " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
+        " $tau$, friction coefficient $mu$. The paper prints no values.",
     )
+    rig = report.Figure(
+        svg=plots.schematic(
+            "rig",
+            alt="Steel block of mass m before a compressed spring of stiffness k",
+            prefix="fig5",
+        ),
+        caption="**Fig. 5. Spring and steel block.** By Table I"
+        f" $M$ = {values.rig.mass:g} kg, $K$ = {values.rig.stiffness:g} N/m,"
+        f" $mu_d$ = {values.mu_k:g}, $mu_s$ = {values.mu_s:g}; $x$ is the"
+        f" compression, $s$ the travel, measured as {_metres(found)}.",
+    )
+    sides = report.Columns(left=(cart,), right=(rig,))
+    return section("systems", "Figs 1 and 5", "The two systems of the paper", sides)
 
 
-def phenomena_section(found: PaperAudit) -> report.Section:
+def phenomena_section(found: PaperAudit) -> Section:
     """Return stick-slip and Figs 3 and 4: the phenomena of friction that the paper reviews."""
     pulled = found.stick_slip
     assert pulled is not None  # of the rig of the paper
@@ -454,17 +364,16 @@ def phenomena_section(found: PaperAudit) -> report.Section:
         abs(pulled.stick_time / pulled.stick_formula - 1.0),
         abs(pulled.slip_time / pulled.slip_formula - 1.0),
     )
-    printed = [row.law for row in found.table if row.published.travel is not None]
-    laws = {law.title: law for law in printed}
+    laws = {row.law.title: row.law for row in found.table if row.published.travel is not None}
     bristle = {title: law for title, law in laws.items() if law.states}
     load = found.values.load
     figures = [
-        report.figure(
+        figure(
             plots.draw_run(pulled.run, until=pulled.run.span[1]),
             "Displacement, velocity and friction of a block in stick-slip",
             "stick-slip",
             "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
-            f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
+            f" {1e3 * rigs.SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
             f" for {pulled.slip_time:.3f} s, as the closed forms have it within a relative"
             f" {residue(error)}.",
             plots.RUN_SIZES,
@@ -473,7 +382,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
     curve = next((law for law in laws.values() if isinstance(law, Stribeck)), None)
     if curve is not None:
         figures.append(
-            report.figure(
+            figure(
                 plots.draw_stribeck(curve, load),
                 "Stribeck curve with static level, Coulomb level and Stribeck velocity",
                 "fig3",
@@ -483,7 +392,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
             )
         )
     figures += [
-        report.figure(
+        figure(
             plots.draw_presliding(bristle, load=load),
             "Friction force against displacement before slip",
             "fig4",
@@ -492,7 +401,7 @@ def phenomena_section(found: PaperAudit) -> report.Section:
             " these are the corrected Dahl and LuGre laws.",
             plots.presliding_sizes(len(bristle)),
         ),
-        report.figure(
+        figure(
             plots.draw_characteristics(laws, load=load, v_max=0.5),
             "Friction force against slip velocity of the five models",
             "laws-of-table2",
@@ -501,16 +410,11 @@ def phenomena_section(found: PaperAudit) -> report.Section:
             plots.characteristic_sizes(len(laws)),
         ),
     ]
-    return report.Section(
-        collapsed=True,
-        id="phenomena",
-        nav="Phenomena, Figs 3, 4",
-        heading="Stick-slip, Stribeck effect and presliding, recomputed",
-        blocks=tuple(figures),
-    )
+    heading = "Stick-slip, Stribeck effect and presliding, recomputed"
+    return section("phenomena", "Phenomena, Figs 3, 4", heading, *figures)
 
 
-def figure_section(found: PaperAudit) -> report.Section:
+def figure_section(found: PaperAudit) -> Section:
     """Return Figs 6 to 10, the block with each law, in the order of the paper."""
     rows = {row.law.name: row for row in found.table}
     figures = [
@@ -522,13 +426,7 @@ def figure_section(found: PaperAudit) -> report.Section:
         "The block in readings A and B with the values assumed for Table II, and a third run with"
         " the value that gives the published travel. Dashed: the published and the measured travel."
     )
-    return report.Section(
-        collapsed=True,
-        id="figures",
-        nav="Figs 6 to 10",
-        heading="The block with each law, recomputed",
-        blocks=(report.Paragraph(text=text), *figures),
-    )
+    return section("figures", "Figs 6 to 10", "The block with each law, recomputed", text, *figures)
 
 
 def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
@@ -539,39 +437,39 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
         runs[_need_label(need, row, plots.symbol_label(need.symbol))] = need.run
     if row.law.name == "stribeck" and found.creeps:
         creep = found.creeps[len(found.creeps) // 2]
-        velocity = f"{significant(1e3 * creep.stribeck_velocity, 4)} mm/s"
+        velocity = f"{milli(creep.stribeck_velocity, 4)} mm/s"
         runs[f"(5) in 10 ms, {plots.symbol_label('v_s')} = {velocity}"] = creep.run
     published = row.published.travel
     travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
     note = f" ({row.published.note})" if row.published.note else ""
     levels = {} if published is None else {f"published, {published:.2f} m": published}
-    printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
+    quoted = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
     title = f"Fig. {number}. {row.law.title}"
     levels |= {f"measured, {found.measured:.2f} m": found.measured}
-    return report.figure(
+    return figure(
         plots.draw_motion(runs, levels=levels),
         f"Displacement and velocity of the block with {row.law.title} friction",
         f"fig{number}",
-        f"**{title}.** {printed}{', '.join(travels)}.{_need_text(found, need, row)}",
+        f"**{title}.** {quoted}{', '.join(travels)}.{_need_text(found, need, row)}",
         BLOCK_SIZES,
     )
 
 
-def _need_label(need: Requirement, row: TableRow, symbol: str) -> str:
+def _need_label(need: printed.Requirement, row: TableRow, symbol: str = "") -> str:
     """Name the run that gives the published travel, with its symbol as it is to be set."""
-    solution, unit = need.solution, "" if need.unit == "1" else f" {need.unit}"
+    solution = need.solution
     other = solution is not None and solution.name != row.law.name
     model = f"{solution.title.lower()}, " if other and solution is not None else ""
-    return f"{need.reading}, {model}{symbol} = {significant(need.value or 0.0, 3)}{unit}"
+    return f"{need.reading}, {model}{_setting(need, symbol)}"
 
 
-def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> str:
+def _need_text(found: PaperAudit, need: printed.Requirement | None, row: TableRow) -> str:
     """Say what gives the published travel, how the block then stops, and what it would take."""
     if need is None or need.criteria is None or need.run is None:
         return ""
     done, last = need.criteria, need.run.span[1]
     if not done.displacement_never_decreases:
-        lowest = with_unit(significant(1e3 * done.least_velocity, 2), "mm/s")
+        lowest = with_unit(milli(done.least_velocity, 2), "mm/s")
         how = (
             f"the velocity falls to {lowest} and the block goes back by"
             f" {quantity(done.largest_return, 'm', 2)}, in kind as the paper describes. Nothing"
@@ -584,8 +482,7 @@ def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> st
     else:
         left = residue(float(need.run.at([last])["v"][0]))
         how = f"the block creeps there, and moves at {left} m/s after {last:g} s"
-    label = _need_label(need, row, f"${need.symbol}$")
-    said = f" {label}: {fixed(done.travel, 2)} m; {how}."
+    said = f" {_need_label(need, row)}: {fixed(done.travel, 2)} m; {how}."
     return said if need.kept else f"{said}{_least_friction(found, row)}"
 
 
@@ -593,7 +490,7 @@ def _least_friction(found: PaperAudit, row: TableRow) -> str:
     """Say why (5) does not reach its travel when solved exactly, and how it can in steps."""
     values, published = found.values, row.published.travel or 0.0
     rig, level = values.rig, values.mu_k * values.load
-    impulse = values.force * PUSH_DURATION
+    impulse = values.force * rigs.PUSH_DURATION
     most = max(0.5 * rig.stiffness * rig.compression**2, 0.5 * impulse**2 / rig.mass)
     mean = most / published
     if not isinstance(row.law, Stribeck) or mean >= level:
@@ -614,8 +511,7 @@ def _least_friction(found: PaperAudit, row: TableRow) -> str:
 
 def unpublished_section(found: PaperAudit) -> Section:
     """Show the value behind each published row with its range, for a push and for a spring."""
-    total = sum(row.published.travel is not None for row in found.table)
-    reached = {key: _reached(found, key) for key in "AB"}
+    total = in_words(sum(row.published.travel is not None for row in found.table))
     needs = {(need.law, need.reading): need for need in found.requirements}
     heads = ["row", "published\nm", "A, push: would need", "B, spring: would need"]
     rows = [
@@ -628,70 +524,49 @@ def unpublished_section(found: PaperAudit) -> Section:
         for row in found.table
         if (row.law.name, "A") in needs
     ]
-    return Section(
-        id="unpublished",
-        nav="Unpublished values",
-        heading=(
-            f"With Table I kept, unpublished values can give {in_words(reached['A'])} of the"
-            f" {in_words(total)} travels for the push and {in_words(reached['B'])} for the spring"
+    steps = found.step_travels
+    reached = in_words(sum(travel.reached for travel in steps))
+    return section(
+        "unpublished",
+        "Unpublished values",
+        f"With Table I kept, unpublished values can give {in_words(found.reached('A'))} of the"
+        f" {total} travels for the push and {in_words(found.reached('B'))} for the spring",
+        "Found by root finding, solved exactly; under each value the range for travels that round"
+        " to the printed figure. That a value gives the row does not show that it was used.",
+        table_of([*heads, "what that means"], rows),
+        report.Subheading(
+            text=f"In steps of 10 ms, {reached} of {in_words(len(steps))}, Table I kept"
         ),
-        blocks=(
-            Paragraph(
-                text=(
-                    "Found by root finding, solved exactly; under each value the range for travels"
-                    " that round to the printed figure. That a value gives the row does not show"
-                    " that it was used."
-                )
-            ),
-            table_of([*heads, "what that means"], rows),
-            Subheading(text=_step_heading(found)),
-            _step_table(found),
-        ),
+        _step_table(found),
+        collapsed=False,
     )
 
 
 def trial_section(found: PaperAudit) -> Section:
     """Show the runs behind the values for (5) in steps and for bristles."""
-    return Section(
-        collapsed=True,
-        id="trials",
-        nav="(5) in steps, bristles",
-        heading="The 0.45 m of Stribeck in steps, and travels by stiffness of the bristles",
-        blocks=(
-            Paragraph(text=_creep_text(found)),
-            _creep_table(found),
-            Subheading(text="By stiffness of the bristles"),
-            _bristle_table(found),
-        ),
+    return section(
+        "trials",
+        "(5) in steps, bristles",
+        "The 0.45 m of Stribeck in steps, and travels by stiffness of the bristles",
+        _creep_text(found),
+        _creep_table(found),
+        report.Subheading(text="By stiffness of the bristles"),
+        _bristle_table(found),
     )
-
-
-def _reached(found: PaperAudit, key: str) -> int:
-    return sum(
-        need.value is not None and need.kept and need.reading == key for need in found.requirements
-    )
-
-
-def _step_heading(found: PaperAudit) -> str:
-    reached = sum(step_travel.reached for step_travel in found.step_travels)
-    total = len(found.step_travels)
-    return f"In steps of 10 ms, {in_words(reached)} of {in_words(total)}, Table I kept"
 
 
 def _step_table(found: PaperAudit) -> Table:
     """Show what steps of 10 ms make of the push, by the friction in the first step."""
     titles = {row.law.name: row.law.title for row in found.table}
-    rows = [
-        (
-            titles[step_travel.row],
-            fixed(step_travel.published, 2),
-            *_step_cells(step_travel),
-            values_of(step_travel.law, found.values.load)
-            if step_travel.scatter is None
-            else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
-        )
-        for step_travel in found.step_travels
-    ]
+    rows = []
+    for step in found.step_travels:
+        # Where sgn 0 = 0, and where friction begins at the break-away level.
+        cells = fixed(step.travel, 3), fixed(step.static, 3)
+        values = values_of(step.law, found.values.load)
+        if step.scatter is not None:
+            cells = "—", f"{fixed(step.scatter[0], 2)} to {fixed(step.scatter[1], 2)}"
+            values = f"(5), sgn $v$ added, no rule for rest; {values_of(step.law)}"
+        rows.append((titles[step.row], fixed(step.published, 2), *cells, values))
     caption = (
         "The push by forward Euler in the sample time that the paper states for its cart. The 0.16"
         " m of both Coulomb rows need sgn 0 = 0 in the first step; bristles have no such step."
@@ -699,14 +574,6 @@ def _step_table(found: PaperAudit) -> Table:
     )
     heads = ["row", "published\nm", "sgn 0 = 0\nm", "from break-away\nm", "with"]
     return table_of(heads, rows, caption)
-
-
-def _step_cells(travel: StepTravel) -> tuple[str, str]:
-    """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
-    if travel.scatter is None:
-        return fixed(travel.travel, 3), fixed(travel.static, 3)
-    low, high = travel.scatter
-    return "—", f"{fixed(low, 2)} to {fixed(high, 2)}"
 
 
 def _creep_text(found: PaperAudit) -> str:
@@ -717,9 +584,8 @@ def _creep_text(found: PaperAudit) -> str:
         " friction backwards exceeds $F_s$, so that in steps of 10 ms each step back is followed by"
         " a larger one forwards, and the block creeps on. That agrees with the remark on Fig. 8"
         " that the velocity does not become exactly zero; the Yes of Table II does not, since it"
-        f" falls to {significant(1e3 * least, 2)} mm/s again and again. The creep is chaotic: $v_s$"
-        " that differ by 10⁻⁹ of themselves give the scatter, whose digits differ between"
-        " computers."
+        f" falls to {milli(least, 2)} mm/s again and again. The creep is chaotic: $v_s$ that differ"
+        " by 10⁻⁹ of themselves give the scatter, whose digits differ between computers."
     )
 
 
@@ -738,7 +604,7 @@ def _creep_table(found: PaperAudit) -> Table:
     ]
     rows = [
         (
-            f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
+            f"$v_s$ = {milli(creep.stribeck_velocity, 4)} mm/s",
             fixed(creep.mean, 2),
             f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
             fixed(creep.held, 4),
@@ -749,14 +615,19 @@ def _creep_table(found: PaperAudit) -> Table:
     return table_of(heads, rows, caption)
 
 
-def _value(need: Requirement) -> Name:
-    unit = "" if need.unit == "1" else f" {need.unit}"
+def _value(need: printed.Requirement) -> Name:
     if need.value is None:
         return Name(text=f"no ${need.symbol}$", aside=f"nearest {fixed(need.start, 3)} m")
     limits = "one-sided"
     if need.low is not None and need.high is not None:
         limits = f"{significant(need.low, 3)} to {significant(need.high, 3)}"
-    return Name(text=f"${need.symbol}$ = {significant(need.value, 3)}{unit}", aside=limits)
+    return Name(text=_setting(need), aside=limits)
+
+
+def _setting(need: printed.Requirement, symbol: str = "") -> str:
+    """Return what gives a travel: the parameter, by its symbol or one that is given, and value."""
+    unit = "" if need.unit == "1" else f" {need.unit}"
+    return f"{symbol or f'${need.symbol}$'} = {significant(need.value or 0.0, 3)}{unit}"
 
 
 def _bristle_table(found: PaperAudit) -> Table:
@@ -772,7 +643,7 @@ def _bristle_table(found: PaperAudit) -> Table:
             f"{significant(held.stiffness, 1)} N/m",
             fixed(held.criteria.travel, 4),
             fixed(free.criteria.travel, 4),
-            significant(1e3 * free.criteria.least_velocity, 2),
+            milli(free.criteria.least_velocity, 2),
         )
         for held, free in zip(dahl, lugre, strict=True)
     ]
@@ -795,15 +666,10 @@ SAMPLES = 4000
 def claim_section(audit: PaperAudit) -> Section:
     """List every claim, equation and figure with the result and its number."""
     claims = (*_table_2(audit), *_rig(audit), *_equations(audit), *_phenomena(audit), *_cart(audit))
-    heads = ["claim, equation or figure", "where", "result"]
     rows = [(what, where, Name(text=result, aside=why)) for what, where, result, why in claims]
-    listed = table_of(heads, rows)
-    return Section(
-        id="claims",
-        nav="Claims",
-        heading="What the paper claims, and what became of it",
-        blocks=(listed,),
-    )
+    listed = table_of(["claim, equation or figure", "where", "result"], rows)
+    heading = "What the paper claims, and what became of it"
+    return section("claims", "Claims", heading, listed, collapsed=False)
 
 
 def _table_2(audit: PaperAudit) -> Iterator[Claim]:
@@ -812,11 +678,8 @@ def _table_2(audit: PaperAudit) -> Iterator[Claim]:
         if row.published.travel is None:
             continue
         need, step = audit.requirement(row.law.name), steps.get(row.law.name)
-        parts = [f"exactly {fixed(row.reading('A').criteria.travel, 3)} m"]
-        given = ""
-        if need is not None and need.reading == "A":
-            unit = "" if need.unit == "1" else f" {need.unit}"
-            given = f"${need.symbol}$ = {significant(need.value or 0.0, 3)}{unit}"
+        parts = [f"exactly {fixed(row.travel('A'), 3)} m"]
+        given = _setting(need) if need is not None and need.reading == "A" else ""
         if need is not None and given and need.kept:
             parts = [f"{given} gives it"]
         elif row.law.name == "stribeck":
@@ -827,7 +690,7 @@ def _table_2(audit: PaperAudit) -> Iterator[Claim]:
         elif row.law.name != "coulomb":
             parts = ["exactly, no $sigma_2$ gives it for the push"]
         if step is not None and step.scatter is not None:
-            speed = significant(1e3 * audit.creeps[len(audit.creeps) // 2].stribeck_velocity, 4)
+            speed = milli(audit.creeps[len(audit.creeps) // 2].stribeck_velocity, 4)
             low, high = (fixed(end, 2) for end in step.scatter)
             parts.append(
                 f"in steps, sgn $v$ added and $v_s$ = {speed} mm/s, it creeps to {low} to {high} m"
@@ -880,13 +743,7 @@ def _rig(audit: PaperAudit) -> Iterator[Claim]:
         REPRODUCED,
         f"{fixed(spring.closed_form or 0.0, 4)} m by formula and by simulation",
     )
-    met = [
-        sum(
-            seen.velocity_never_negative and seen.displacement_never_decreases
-            for seen in (row.reading(key).criteria for row in audit.table)
-        )
-        for key in "AB"
-    ]
+    met = [sum(row.holds(key) for row in audit.table) for key in "AB"]
     backs = [
         f"{back.law.title} {quantity(back.criteria.largest_return, 'm', 2)}"
         for back in audit.springbacks
@@ -898,7 +755,7 @@ def _rig(audit: PaperAudit) -> Iterator[Claim]:
         f"met by {met[0]} and {met[1]} of {len(audit.table)} exact runs that hold the block (push,"
         f" spring); free bristles spring back ({', '.join(backs)}), which is physical",
     )
-    free = next(row for row in audit.fixed_steps if row.dt is not None and not row.stick_rule)
+    free = audit.without_rule
     yield (
         "A rule for rest is needed in steps",
         "III.A",
@@ -910,11 +767,11 @@ def _rig(audit: PaperAudit) -> Iterator[Claim]:
 
 def _pushed(audit: PaperAudit) -> str:
     """Return the coefficients whose travel after the push rounds to the measured one."""
-    values, duration = audit.values, PUSH_DURATION
+    values, duration = audit.values, rigs.PUSH_DURATION
     levels = [
         (values.force * duration) ** 2
         / (2.0 * values.rig.mass * travel + values.force * duration**2)
-        for travel in (audit.measured + ROUNDING, audit.measured - ROUNDING)
+        for travel in (audit.measured + printed.ROUNDING, audit.measured - printed.ROUNDING)
     ]
     low, high = (level / values.load for level in levels)
     return f"{low:.3f} to {high:.3f}"
@@ -958,7 +815,7 @@ def _equations(audit: PaperAudit) -> Iterator[Claim]:
         )
 
 
-def _ends(consequence: Consequence, test: str) -> str:
+def _ends(consequence: printed.Consequence, test: str) -> str:
     seen = consequence.outcome(test)
     assert seen is not None
     right, viscous = significant(seen.corrected.travel, 3), _assumed(consequence)
@@ -967,7 +824,7 @@ def _ends(consequence: Consequence, test: str) -> str:
     return f"ends at {significant(seen.printed.criteria.travel, 3)} m, not {right} m{viscous}"
 
 
-def _assumed(consequence: Consequence) -> str:
+def _assumed(consequence: printed.Consequence) -> str:
     """Name the viscous part with which an equation is run where Table II gives its law none."""
     viscous = getattr(consequence.corrected, "viscous_coefficient", 0.0)
     if consequence.form.equation not in ("(5)", "(9)") or not viscous:
@@ -975,7 +832,7 @@ def _assumed(consequence: Consequence) -> str:
     return f" (with $sigma_2$ = {viscous:g} N s/m, assumed)"
 
 
-def _corrected(consequence: Consequence, test: str) -> float:
+def _corrected(consequence: printed.Consequence, test: str) -> float:
     seen = consequence.outcome(test)
     assert seen is not None
     return seen.corrected.travel
@@ -1015,14 +872,14 @@ def _phenomena(audit: PaperAudit) -> Iterator[Claim]:
 
 def _cart(audit: PaperAudit) -> Iterator[Claim]:
     study = audit.cart
-    printed, exact = study.run("printed-1"), study.run("exact")
+    steps, exact = study.run("printed-1"), study.run("exact")
     old, new = study.run("table-1"), study.run("table-1-exact")
     yield (
         "Fig. 2 the cart of [6], [7] goes back",
         "II",
         IN_KIND,
-        f"(1), (2) in steps of 10 ms reach {_speed(printed.least_velocity)}; exactly"
-        f" {_speed(exact.least_velocity)} at $mu$ = {KINETIC:g}",
+        f"(1), (2) in steps of 10 ms reach {_speed(steps.least_velocity)}; exactly"
+        f" {_speed(exact.least_velocity)} at $mu$ = {rigs.KINETIC:g}",
     )
     loads, speeds = _ranges(study.run("paper").run)
     _, block = _ranges(audit.table[0].reading("B").run)
@@ -1046,7 +903,7 @@ def _cart(audit: PaperAudit) -> Iterator[Claim]:
         "V",
         IN_KIND,
         f"(1), (2) in steps of 10 ms and exactly: {fixed(old.travel, 3)} and"
-        f" {fixed(new.travel, 3)} m in {CYCLES} cycles at Table I’s levels",
+        f" {fixed(new.travel, 3)} m in {rigs.CYCLES} cycles at Table I’s levels",
     )
 
 
@@ -1058,7 +915,7 @@ def _ranges(run: Trajectory) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _speed(velocity: float) -> str:
-    return with_unit(significant(1e3 * velocity, 2), "mm/s")
+    return with_unit(milli(velocity, 2), "mm/s")
 
 
 def _way(way: float) -> str:
@@ -1070,30 +927,23 @@ def _way(way: float) -> str:
 # The printed equations, their defects, and where these act.
 
 
-def equation_section(found: PaperAudit) -> report.Section:
+def equation_section(found: PaperAudit) -> Section:
     """Show each equation as printed, what is wrong in it, what is right, and what is used here."""
-    blocks: list[report.Block] = [
-        report.Paragraph(
-            text=(
-                "In the paper’s symbols; those of this page are in the table after the equations."
-                " The paper quotes (1) to (4) from its references [6] and [7], in order to improve"
-                " on them. (1) and (3) are forces on the cart, (5) to (10) resistances. “Coulomb"
-                " plus viscous plus static” has no equation of its own; it is taken here as (10)"
-                " with the rule for rest of (5), the law `coulomb-viscous-static`."
-            )
-        )
-    ]
-    for form in PRINTED_EQUATIONS:
-        blocks += _shown(form)
-    blocks.append(report.Paragraph(text=_energy_answer(found)))
-    blocks += [report.Subheading(text="Symbols"), _symbol_table()]
-    blocks += [report.Subheading(text="Values in the tests of the equations"), _values_table(found)]
-    return report.Section(
-        collapsed=True,
-        id="equations",
-        nav="Equations",
-        heading="The equations as printed, symbols and values",
-        blocks=tuple(blocks),
+    return section(
+        "equations",
+        "Equations",
+        "The equations as printed, symbols and values",
+        "In the paper’s symbols; those of this page are in the table after the equations."
+        " The paper quotes (1) to (4) from its references [6] and [7], in order to improve"
+        " on them. (1) and (3) are forces on the cart, (5) to (10) resistances. “Coulomb"
+        " plus viscous plus static” has no equation of its own; it is taken here as (10)"
+        " with the rule for rest of (5), the law `coulomb-viscous-static`.",
+        *(block for form in PRINTED_EQUATIONS for block in _shown(form)),
+        _energy_answer(found),
+        report.Subheading(text="Symbols"),
+        table_of(["here", "meaning", "unit", "in the paper"], SYMBOLS),
+        report.Subheading(text="Values in the tests of the equations"),
+        _values_table(found),
     )
 
 
@@ -1130,10 +980,6 @@ SYMBOLS = (
 """Symbols of the page: symbol, meaning, unit, in the paper."""
 
 
-def _symbol_table() -> report.Table:
-    return report.table_of(["here", "meaning", "unit", "in the paper"], SYMBOLS)
-
-
 def _shown(form: type[PrintedForm] | RightEquation) -> tuple[report.Block, ...]:
     right = "Right" if form.defect else "Right as printed"
     parts = {"Defect": form.defect, right: form.right, "Used here": form.cure}
@@ -1152,59 +998,53 @@ def _energy_answer(found: PaperAudit) -> str:
     way = float(abs(places[1:] - places[:-1]).sum())
     x = quantity(found.values.rig.compression, "m")
     return (
-        f"With the coefficient of Table I and $x$ = {x} it gives"
-        f" {fixed(release.travel, 3)} m. For a block that"
-        f" stays fastened to its spring $s$ would be the length of its path, {fixed(way, 3)} m;"
-        f" since that block returns, it ends at {fixed(attached.travel, 3)} m."
+        f"With the coefficient of Table I and $x$ = {x} it gives {fixed(release.travel, 3)} m. For"
+        " a block that stays fastened to its spring $s$ would be the length of its path,"
+        f" {fixed(way, 3)} m; since that block returns, it ends at {fixed(attached.travel, 3)} m."
     )
 
 
-def misprint_section(found: PaperAudit) -> report.Section:
+def misprint_section(found: PaperAudit) -> Section:
     """Show where each defect acts, as printed and with a stick rule added."""
-    errs = {key: sum(defect.differs(key) for defect in found.consequences) for key in TESTS}
-    heading = (
-        f"As printed, {in_words(errs['coast'])} equations err when the block coasts forwards,"
-        f" {in_words(errs['push'])} when it is pushed from rest"
-    )
-    heads = ["equation", *(f"{what}\nm" for what in TESTS.values())]
+    errs = {key: sum(defect.differs(key) for defect in found.consequences) for key in printed.TESTS}
+    heads = ["equation", *(f"{what}\nm" for what in printed.TESTS.values())]
     rows = [
-        (f"{item.form.equation} {item.form.title}", *(_cell(item.outcome(key)) for key in TESTS))
+        (
+            f"{item.form.equation} {item.form.title}",
+            *(_cell(item.outcome(key)) for key in printed.TESTS),
+        )
         for item in found.consequences
     ]
-    return report.Section(
-        collapsed=True,
-        id="misprints",
-        nav="Where they act",
-        heading=heading,
-        blocks=(
-            report.Paragraph(text=_tests_text(found)),
-            report.table_of(heads, rows),
-            report.Caption(
-                text=(
-                    f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
-                    f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
-                    " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of"
-                    " the corrected law, solved exactly. For a block, (4) equals (3). Viscous"
-                    " friction has no entry in the last column. As text: `stickslip models"
-                    " --published`."
-                )
-            ),
-            report.Paragraph(text=_rule_text(found)),
-        ),
+    caption = (
+        f"Travel in {printed.SECONDS:g} s, by Heun’s method in steps of {1e3 * printed.FINE_STEP:g}"
+        f" ms ({1e3 * printed.BRISTLE_STEP:g} ms with bristles), without a stick rule. Below it,"
+        " where the two differ by more than 1 mm and 1 %, that of the corrected law, solved"
+        " exactly. For a block, (4) equals (3). Viscous friction has no entry in the last column."
+        " As text: `stickslip models --published`."
+    )
+    return section(
+        "misprints",
+        "Where they act",
+        f"As printed, {in_words(errs['coast'])} equations err when the block coasts forwards,"
+        f" {in_words(errs['push'])} when it is pushed from rest",
+        _tests_text(found),
+        table_of(heads, rows),
+        report.Caption(text=caption),
+        _rule_text(found),
     )
 
 
 def _tests_text(found: PaperAudit) -> str:
     values = found.values
-    below = HELD * values.mu_k * values.load
+    below = printed.HELD * values.mu_k * values.load
     return (
-        f"Each equation as it stands, in four tests on the block of Table I: coasting"
-        f" forwards, as after the push; pushed from rest with {number(values.force)} N for"
-        f" {PUSH_DURATION:g} s; coasting backwards from {-BACKWARD:g} m/s; held at rest against"
-        f" {below:.3g} N, half of kinetic friction. A block that coasts forwards in steps ends with"
-        " a velocity a little below zero, and there the errors of sign act. (6) to (10) hold a"
-        " body at rest without limit, so that the push does not start it; as Table II has travels,"
-        " we infer that the simulations had another rule for rest."
+        "Each equation as it stands, in four tests on the block of Table I: coasting forwards, as"
+        f" after the push; pushed from rest with {number(values.force)} N for"
+        f" {rigs.PUSH_DURATION:g} s; coasting backwards from {-printed.BACKWARD:g} m/s; held at"
+        f" rest against {below:.3g} N, half of kinetic friction. A block that coasts forwards in"
+        " steps ends with a velocity a little below zero, and there the errors of sign act. (6) to"
+        " (10) hold a body at rest without limit, so that the push does not start it; as Table II"
+        " has travels, we infer that the simulations had another rule for rest."
     )
 
 
@@ -1220,7 +1060,7 @@ def _rule_text(found: PaperAudit) -> str:
             and not seen.with_rule.errs(seen.corrected)
         ]
         if right:
-            parts.append(f"{TESTS[key]}, {joined(right)}")
+            parts.append(f"{printed.TESTS[key]}, {joined(right)}")
     what = (
         "With a stick rule, which holds the block where its velocity changes sign and which none of"
         " the equations prints,"
@@ -1228,7 +1068,7 @@ def _rule_text(found: PaperAudit) -> str:
     return f"{what} {'; '.join(parts)}." if parts else f"{what} nothing changes."
 
 
-def _values_table(found: PaperAudit) -> report.Table:
+def _values_table(found: PaperAudit) -> Table:
     """Show the values behind every number of the tests."""
     load = found.values.load
     bare = [
@@ -1252,28 +1092,26 @@ def _values_table(found: PaperAudit) -> report.Table:
         (
             f"{item.form.equation} {item.form.title}",
             values_of(item.printed),
-            report.Name(text=values_of(item.corrected, load), aside=item.corrected.title),
+            Name(text=values_of(item.corrected, load), aside=item.corrected.title),
         )
         for item in found.consequences
     ]
     heads = ["equation", "values as printed", "values of the corrected law"]
-    return report.table_of(heads, rows, text)
+    return table_of(heads, rows, text)
 
 
-def _cell(outcome: Outcome | None) -> report.Name | str:
+def _cell(outcome: printed.Outcome | None) -> Name | str:
     if outcome is None:
         return "—"
     run, right = outcome.printed, significant(outcome.corrected.travel, 3)
     if run.diverged:
         when = with_unit(f"{1e3 * run.lasted:.3g}", "ms") if run.lasted else "one step"
-        return report.Name(text=f"diverges in {when}", aside=f"not {right}")
+        return Name(text=f"diverges in {when}", aside=f"not {right}")
     travel = significant(run.criteria.travel, 3)
     if not outcome.differs:
         return travel
     held = run.criteria.travel == 0.0
-    return report.Name(
-        text=travel, aside=f"held without limit; not {right}" if held else f"not {right}"
-    )
+    return Name(text=travel, aside=f"held without limit; not {right}" if held else f"not {right}")
 
 
 # Three readings of how the block is set in motion.
@@ -1281,12 +1119,12 @@ def _cell(outcome: Outcome | None) -> report.Name | str:
 SKETCHES = {"A": "push", "B": "released-spring", "C": "fixed-spring"}
 
 
-def excitation_section(found: PaperAudit) -> report.Section:
+def excitation_section(found: PaperAudit) -> Section:
     """Show three readings of one sentence of the paper, with the first law of its table."""
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
     values = found.values
-    force = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
+    force = f"{quantity(values.force, 'N')} for {rigs.PUSH_DURATION:g} s"
     text = (
         "Section IV has a compressed spring that is released, with $F$ = $K$$x$, and for"
         f" experiment and simulation alike a force of {force}. A released spring does not push"
@@ -1295,21 +1133,20 @@ def excitation_section(found: PaperAudit) -> report.Section:
         f" {mu_k:g} and {row.law.title} friction:"
     )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
-    return report.Section(
-        id="excitation",
-        nav="Three excitations",
-        heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
-        blocks=(
-            report.Paragraph(text=text),
-            _sketches(row.readings),
-            _figure(found, row.readings),
-            _excitation_table(found, row.readings),
-            _closed_forms(row.readings),
-        ),
+    return section(
+        "excitation",
+        "Three excitations",
+        f"Two readings of the rig and a control, {in_words(len(travels))} travels",
+        text,
+        _sketches(row.readings),
+        _figure(found, row.readings),
+        _excitation_table(found, row.readings),
+        _closed_forms(row.readings),
+        collapsed=False,
     )
 
 
-def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
+def _sketches(readings: Sequence[rigs.Excitation]) -> report.Gallery:
     return report.Gallery(
         panels=tuple(
             report.Panel(
@@ -1327,62 +1164,54 @@ def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
     )
 
 
-def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> report.Figure:
+def _figure(found: PaperAudit, readings: Sequence[rigs.Excitation]) -> report.Figure:
     values = found.values
     low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
     draw = draw_excitations(
         {_label(r): r.run for r in readings},
         chosen=next(_label(r) for r in readings if r.key == "B"),
         band=(low, high),
-        measured=f"measured, {found.measured:.2f} m",
+        measured=f"measured, {_metres(found)}",
     )
+    band = "Line: the measured travel, whose uncertainty is not stated."
+    if high > low:
+        what = "the measured travel ± its standard uncertainty"
+        if values.rounded:
+            what = f"the travels that round to {_metres(found)}"
+        band = f"Blue-grey band: {interval(low, high)} m, {what}."
     alt = "Travel against time in the three readings of the rig"
-    caption = f"**Travel in the two readings and the control.** {_band_text(found, low, high)}"
-    return report.figure(draw, alt, "excitations", caption, EXCITATION_SIZES)
+    caption = f"**Travel in the two readings and the control.** {band}"
+    return figure(draw, alt, "excitations", caption, EXCITATION_SIZES)
 
 
-def _band_text(found: PaperAudit, low: float, high: float) -> str:
-    """Say what the band around the measured travel is, where there is one."""
-    if not high > low:
-        return "Line: the measured travel, whose uncertainty is not stated."
-    what = (
-        f"the travels that round to {found.measured:.2f} m"
-        if found.values.rounded
-        else "the measured travel ± its standard uncertainty"
-    )
-    return f"Blue-grey band: {interval(low, high)} m, {what}."
-
-
-def _excitation_table(found: PaperAudit, readings: Sequence[Excitation]) -> report.Table:
+def _excitation_table(found: PaperAudit, readings: Sequence[rigs.Excitation]) -> Table:
     travels = [reading.criteria.travel for reading in readings]
     axis = travel_axis(found, travels, "travel, m; line: measured")
+
+    def dot(reading: rigs.Excitation) -> report.RowPlot:
+        at, colour = reading.criteria.travel, COLOURS[reading.key]
+        return report.RowPlot(marks=(report.Mark(kind="dot", at=at, colour=colour),))
+
     return table(
         readings,
         ("excitation", _label),
         (
             report.Column(head="travel\nm", numeric=True),
-            lambda reading: report.Number(value=fixed(reading.criteria.travel, 3)),
+            lambda r: report.Number(value=fixed(r.criteria.travel, 3)),
         ),
-        (report.Column(head="", axis=axis), lambda reading: report.RowPlot(marks=(_dot(reading),))),
-        (
-            numbers("error"),
-            lambda reading: signed_percent(reading.criteria.relative_error or 0.0),
-        ),
-        (numbers("work put in\nJ"), lambda reading: fixed(reading.criteria.work_in, 3)),
+        (report.Column(head="", axis=axis), dot),
+        (numbers("error"), lambda r: signed_percent(r.criteria.relative_error or 0.0)),
+        (numbers("work put in\nJ"), lambda r: fixed(r.criteria.work_in, 3)),
         ("how it ends", _ending),
-        chosen=lambda reading: reading.key == "B",
+        chosen=lambda r: r.key == "B",
     )
 
 
-def _label(reading: Excitation) -> str:
+def _label(reading: rigs.Excitation) -> str:
     return f"{reading.key}. {reading.title}"
 
 
-def _dot(reading: Excitation) -> report.Mark:
-    return report.Mark(kind="dot", at=reading.criteria.travel, colour=COLOURS[reading.key])
-
-
-def _ending(reading: Excitation) -> str:
+def _ending(reading: rigs.Excitation) -> str:
     """Say in words how a run ends."""
     seen = reading.criteria
     if seen.stop_time is None:
@@ -1393,79 +1222,62 @@ def _ending(reading: Excitation) -> str:
     return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
 
 
-def _closed_forms(readings: Sequence[Excitation]) -> report.Caption:
+def _closed_forms(readings: Sequence[rigs.Excitation]) -> report.Caption:
     """Set the runs against the formulas."""
     known = {r: r.closed_form for r in readings if r.closed_form is not None}
-    if not known:
-        return report.Caption(
-            text="No reading has a closed form here: the block stays with its spring."
-        )
-    off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
-    travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
-    return report.Caption(
-        text=f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
-    )
+    text = "No reading has a closed form here: the block stays with its spring."
+    if known:
+        off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
+        travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
+        text = f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
+    return report.Caption(text=text)
 
 
 # All that is assumed on the page, in one table.
 
 
-def assumption_section(found: PaperAudit) -> report.Section:
+def assumption_section(found: PaperAudit) -> Section:
     """List every value that the page uses and the source does not print, with its origin."""
-    rows = (*_rig_rows(found), *_law_rows(found), *_run_rows(found))
-    return report.Section(
-        collapsed=True,
-        id="assumptions",
-        nav="Assumptions",
-        heading="What is assumed, and where it is used",
-        blocks=(
-            report.Paragraph(
-                text="Every value on this page is one that Tables I and II and the text of the"
-                " paper print, or stands in this table."
-            ),
-            report.table_of(["where", "value", "origin"], rows),
-        ),
-    )
-
-
-def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     values = found.values
-    rig, pushed = values.rig, f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
-    return [
-        ("block, gravity", quantity(rig.gravity, "m/s^2"), "not printed"),
+    pushed = f"{quantity(values.force, 'N')} for {rigs.PUSH_DURATION:g} s, then coasting"
+    rig_rows = [
+        ("block, gravity", quantity(values.rig.gravity, "m/s^2"), "not printed"),
         (
             "readings B and C, compression",
-            quantity(rig.compression, "m"),
+            quantity(values.rig.compression, "m"),
             "inferred from $F$ = $K$$x$ and 10 N",
         ),
-        ("reading A", f"{pushed}, then coasting", "printed; that it coasts is inferred"),
+        ("reading A", pushed, "printed; that it coasts is inferred"),
         ("reading C", "the block stays fastened", "ours, a control"),
     ]
+    rows = (*rig_rows, *_law_rows(found), *_run_rows(found))
+    return section(
+        "assumptions",
+        "Assumptions",
+        "What is assumed, and where it is used",
+        "Every value on this page is one that Tables I and II and the text of the"
+        " paper print, or stands in this table.",
+        table_of(["where", "value", "origin"], rows),
+    )
 
 
 def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     load = found.values.load
     rows = []
     for row in found.table:
-        held = " held at its first stop" if getattr(row.law, "static_switch", False) else ""
-        assumed = found.rig.assumed.get(row.law.name, ())
-        origin = "Table I"
-        if assumed:
-            origin = (
-                f"levels of Table I; {joined([name.replace('_', ' ') for name in assumed])} assumed"
-            )
+        held = ", held at its first stop" if getattr(row.law, "static_switch", False) else ""
+        assumed = [name.replace("_", " ") for name in found.rig.assumed.get(row.law.name, ())]
+        origin = f"levels of Table I; {joined(assumed)} assumed" if assumed else "Table I"
         if isinstance(row.law, LuGre):
             origin += "; $n$ not printed"
-        rows.append(
-            (f"models, {row.law.title}", f"{values_of(row.law, load)}{held and ','}{held}", origin)
-        )
+        rows.append((f"models, {row.law.title}", f"{values_of(row.law, load)}{held}", origin))
     return rows
 
 
 def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     values, cart, swing = found.values, found.cart.cart, found.cart.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
-    soft = lugre_row(values, STIFFNESS)
+    soft = printed.lugre_row(values, printed.STIFFNESS)
     return [
         (
             "printed equations",
@@ -1475,8 +1287,9 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "printed equations, tests",
-            f"{-BACKWARD:g} m/s backwards; held against {HELD:g} $F_c$; steps of {1e3 * FINE:g} ms,"
-            f" {1e3 * BRISTLE_STEP:g} ms with bristles; Heun’s method",
+            f"{-printed.BACKWARD:g} m/s backwards; held against {printed.HELD:g} $F_c$; steps of"
+            f" {1e3 * printed.FINE_STEP:g} ms, {1e3 * printed.BRISTLE_STEP:g} ms with bristles;"
+            " Heun’s method",
             "ours",
         ),
         (
@@ -1486,7 +1299,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "steps of 10 ms",
-            f"{quantity(CART_STEP, 's')}, forward Euler",
+            f"{quantity(printed.CART_STEP, 's')}, forward Euler",
             "the paper states the time for its cart, not the method",
         ),
         (
@@ -1498,7 +1311,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         (
             "cart, swing",
             f"−{angle} to {angle} and back, {number(swing.fast)}, −{number(swing.slow)},"
-            f" {number(swing.fast)} rad/s², {CYCLES} cycles",
+            f" {number(swing.fast)} rad/s², {rigs.CYCLES} cycles",
             "ours",
         ),
         (
@@ -1509,12 +1322,11 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         ),
         (
             "(5) in steps of 10 ms",
-            f"$v_s$ {joined([significant(1e3 * value, 4) for value in CREEPING])} mm/s; sgn $v$"
-            " added",
+            f"$v_s$ {joined([milli(value, 4) for value in printed.CREEPING])} mm/s; sgn $v$ added",
             "tried",
         ),
-        ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
-        ("stick-slip, pulling speed", f"{1e3 * SPEED:g} mm/s", "ours"),
+        ("cart, $mu_k$ = $mu_s$", f"{rigs.KINETIC:g}; Table I’s where said", "ours"),
+        ("stick-slip, pulling speed", f"{1e3 * rigs.SPEED:g} mm/s", "ours"),
     ]
 
 
@@ -1522,7 +1334,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
 
 # The paper's cart: the printed equations and exactly (Fig. 2), then a chosen law (Fig. 11).
 
-STEP_TEXT = f"steps of {1e3 * STEP:g} ms"
+STEP_TEXT = f"steps of {1e3 * rigs.STEP:g} ms"
 CAUSES = {
     "no-stick-rule": ("no rule for rest", "without and with the stick rule, in {step}"),
     "step": ("the time step", "{step} against located events, both with the stick rule"),
@@ -1540,34 +1352,30 @@ STEADY = 1e-6
 """Share of the travel within which cycles are the same."""
 
 
-def cart_section(found: PaperAudit) -> report.Section:
+def cart_section(found: PaperAudit) -> Section:
     """Fig. 2: the cart with the printed equations, in fixed steps and exactly."""
     study = found.cart
-    return report.Section(
-        id="cart",
-        nav="Fig. 2, the cart",
-        heading=_cart_heading(study),
-        blocks=(
-            report.Paragraph(text=_setting(study)),
-            _run_table((*study.runs, *study.table_1)),
-            report.Paragraph(text=_scheme_text(study)),
-            _cycle_figure(study),
-            _animation(study),
-            report.Subheading(text="Where the backward motion comes from"),
-            _share_table(study),
-            report.Caption(text=_shares_text(study)),
-        ),
+    free, exact = (study.run(key).least_velocity for key in ("fixed", "exact"))
+    heading = "Fig. 2: the cart with the printed equations"
+    if exact > 0.5 * free:  # both are at most 0
+        heading = "Fig. 2: most of the backward motion of the old scheme comes from its steps"
+    return section(
+        "cart",
+        "Fig. 2, the cart",
+        heading,
+        _setting_text(study),
+        _run_table((*study.runs, *study.table_1)),
+        _scheme_text(study),
+        _cycle_figure(study),
+        _animation(study),
+        report.Subheading(text="Where the backward motion comes from"),
+        _share_table(study),
+        report.Caption(text=_shares_text(study)),
+        collapsed=False,
     )
 
 
-def _cart_heading(study: CartStudy) -> str:
-    free, exact = (study.run(key).least_velocity for key in ("fixed", "exact"))
-    if exact > 0.5 * free:  # both are at most 0
-        return "Fig. 2: most of the backward motion of the old scheme comes from its steps"
-    return "Fig. 2: the cart with the printed equations"
-
-
-def _setting(study: CartStudy) -> str:
+def _setting_text(study: rigs.CartStudy) -> str:
     cart, swing = study.cart, study.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
     origin = (
@@ -1580,14 +1388,14 @@ def _setting(study: CartStudy) -> str:
     return (
         f"{origin}: cart {cart.cart_mass:g} kg, ball {cart.ball_mass:g} kg, rod {cart.length:g} m;"
         f" the rod swings from −{angle} to {angle} and back with {swing.fast:g}, −{swing.slow:g}"
-        f" and {swing.fast:g} rad/s², in {study.period:.5f} s. {in_words(CYCLES).capitalize()}"
-        f" cycles from rest with $mu_k$ = $mu_s$ = {KINETIC:g}, then at the levels of Table I; in"
-        " steps of the paper’s 10 ms by forward Euler (our choice), and exactly. With the stick"
+        f" and {swing.fast:g} rad/s², in {study.period:.5f} s. {in_words(rigs.CYCLES).capitalize()}"
+        f" cycles from rest with $mu_k$ = $mu_s$ = {rigs.KINETIC:g}, then at the levels of Table I;"
+        " in steps of the paper’s 10 ms by forward Euler (our choice), and exactly. With the stick"
         " rule friction begins at $F_s$, without it sgn 0 = 0."
     )
 
 
-def _scheme_text(study: CartStudy) -> str:
+def _scheme_text(study: rigs.CartStudy) -> str:
     """Say what (4) cannot have been, and how far the old scheme and the exact run agree."""
     exact, old, new = (study.run(key) for key in ("exact", "table-1", "table-1-exact"))
     literal = study.run("printed-4")
@@ -1601,7 +1409,7 @@ def _scheme_text(study: CartStudy) -> str:
     )
     return (
         "The paper concludes that a rule for rest removes the backward motion and leaves the"
-        f" displacement as it was. At $mu$ = {KINETIC:g}, (1) and (2) in steps give"
+        f" displacement as it was. At $mu$ = {rigs.KINETIC:g}, (1) and (2) in steps give"
         f" {fixed(study.run('printed-1').travel, 3)} m and the exact run"
         f" {fixed(exact.travel, 3)} m; at the levels of Table I {fixed(old.travel, 3)} and"
         f" {fixed(new.travel, 3)} m, with a back-slip of {quantity(old.mean_return, 'm', 2)} and"
@@ -1610,7 +1418,7 @@ def _scheme_text(study: CartStudy) -> str:
     )
 
 
-def _animation(study: CartStudy) -> report.Animation:
+def _animation(study: rigs.CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
@@ -1624,143 +1432,135 @@ def _animation(study: CartStudy) -> report.Animation:
     )
 
 
-def _run_table(runs: Sequence[CartRun]) -> report.Table:
-    heads = ["run", f"travel in\n{CYCLES} cycles, m", "by cycle\nmm", LOWEST_VELOCITY, BACK_SLIP]
+def _run_table(runs: Sequence[rigs.CartRun]) -> Table:
+    heads = [
+        "run",
+        f"travel in\n{rigs.CYCLES} cycles, m",
+        "by cycle\nmm",
+        LOWEST_VELOCITY,
+        BACK_SLIP,
+    ]
     exact = [run.key.endswith("exact") for run in runs]
-    return report.table_of(heads, map(_run_row, runs, exact), chosen=exact)
+    return table_of(heads, map(_run_row, runs, exact), chosen=exact)
 
 
-def _run_row(run: CartRun, exact: bool) -> Sequence[report.Cell]:
+def _run_row(run: rigs.CartRun, exact: bool) -> Sequence[report.Cell]:
     later = sorted((1e3 * travel for travel in run.travels[1:]), key=abs)
     steady = abs(later[-1] - later[0]) < STEADY * abs(later[0])
     ends = [significant(travel, 3) for travel in (later[0], later[-1])]
     following = ends[0] if steady else " to ".join(ends)
     return (
-        report.Name(text=run.title, aside="events located" if exact else STEP_TEXT),
+        Name(text=run.title, aside="events located" if exact else STEP_TEXT),
         significant(run.travel, 3),
-        f"{significant(1e3 * run.travels[0], 3)}, then {following}",
-        significant(1e3 * run.least_velocity, 3),
-        significant(1e3 * run.mean_return, 3),
+        f"{milli(run.travels[0])}, then {following}",
+        milli(run.least_velocity),
+        milli(run.mean_return),
     )
 
 
-def _cycle_figure(study: CartStudy) -> report.Figure:
+def _cycle_figure(study: rigs.CartStudy) -> report.Figure:
     keys = ("exact", "printed-1", "fixed-held")
     runs = {study.run(key).title: study.run(key).run for key in keys}
-    last = study.run("exact").run.span[1]
-    return report.figure(
-        plots.draw_cycles(runs, chosen=study.run("exact").title, cycle=(last - study.period, last)),
+    exact = study.run("exact")
+    last = exact.run.span[1]
+    same = ""
+    if study.run("printed-1").travels == study.run("fixed").travels:
+        same = "Without the stick rule the corrected law is (1), (2): the same run."
+    return figure(
+        plots.draw_cycles(runs, chosen=exact.title, cycle=(last - study.period, last)),
         "Displacement of the cart in all cycles, and its velocity near zero in the last",
         "fig2b",
         "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
         f" {STEP_TEXT}, and exactly: all cycles, and the velocity near zero in the last one."
-        f" Yellow: the exact run sticks. {_same_text(study)}",
+        f" Yellow: the exact run sticks. {same}",
         plots.CYCLE_SIZES,
     )
 
 
-def _same_text(study: CartStudy) -> str:
-    """Say that (1) is the corrected law without its rule, where the runs bear it out."""
-    same = study.run("printed-1").travels == study.run("fixed").travels
-    return "Without the stick rule the corrected law is (1), (2): the same run." if same else ""
-
-
-def _shares_text(study: CartStudy) -> str:
+def _shares_text(study: rigs.CartStudy) -> str:
     shares = {share.key: share for share in study.shares}
     steps = [shares["no-stick-rule"], shares["step"]]
     free, exact = study.run("fixed"), study.run("exact")
     late = sum(share.least_velocity for share in steps)
     return (
-        "What each cause adds at $mu$ = 0.2; the rows add up to the run with (1) and (2)."
-        f" In {STEP_TEXT} it reaches {_speed(free.least_velocity)}, of which the step and the"
-        f" missing rule make up {percent(late / free.least_velocity)} and vanish with the step. The"
-        f" exact run reaches {_speed(exact.least_velocity)}: the swing pulls this cart back harder"
-        " than friction can hold. A criterion on the sign of the velocity cannot tell the two"
-        " apart."
+        "What each cause adds at $mu$ = 0.2; the rows add up to the run with (1) and (2). In"
+        f" {STEP_TEXT} it reaches {_speed(free.least_velocity)}, of which the step and the missing"
+        f" rule make up {percent(late / free.least_velocity)} and vanish with the step. The exact"
+        f" run reaches {_speed(exact.least_velocity)}: the swing pulls this cart back harder than"
+        " friction can hold. A criterion on the sign of the velocity cannot tell the two apart."
     )
 
 
-def _share_table(study: CartStudy) -> report.Table:
-    printed = study.run("printed-1")
+def _share_table(study: rigs.CartStudy) -> Table:
+    together = study.run("printed-1")
     shares = [share for share in study.shares if share.key in CAUSES]
     named = [
         (CAUSES[share.key][0], CAUSES[share.key][1].format(step=STEP_TEXT)) for share in shares
     ]
-    named.append(("all together", f"{printed.title}, {STEP_TEXT}"))
-    parts: list[Share | CartRun] = [*shares, printed]
+    named.append(("all together", f"{together.title}, {STEP_TEXT}"))
+    parts: list[rigs.Share | rigs.CartRun] = [*shares, together]
     rows = [
         (
-            report.Name(text=cause, aside=runs),
-            significant(1e3 * of.least_velocity, 3),
-            significant(1e3 * of.mean_return, 3),
+            Name(text=cause, aside=runs),
+            milli(of.least_velocity),
+            milli(of.mean_return),
         )
         for (cause, runs), of in zip(named, parts, strict=True)
     ]
     chosen = [share.key == "friction" for share in shares]
-    return report.table_of(["cause", LOWEST_VELOCITY, BACK_SLIP], rows, chosen=(*chosen, False))
+    return table_of(["cause", LOWEST_VELOCITY, BACK_SLIP], rows, chosen=(*chosen, False))
 
 
-def choice_section(found: PaperAudit) -> report.Section:
+def choice_section(found: PaperAudit) -> Section:
     """Fig. 11: the cart with the law that the selection names, and with the paper's choice."""
     study = found.cart
-    return report.Section(
-        id="cart-choice",
-        nav="Fig. 11, the choice",
-        heading=_choice_heading(study),
-        blocks=(
-            report.Paragraph(text=_choice_text(found)),
-            _choice_table(study),
-            _choice_figure(study),
-            report.Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
-        ),
-    )
-
-
-def _choice_heading(study: CartStudy) -> str:
-    travels = {choice.key: quantity(choice.travels[-1], "m") for choice in study.choices}
-    if "selected" not in travels:
-        return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
-    return (
-        f"The cart moves {travels['selected']} a cycle with the law that select names, and"
-        f" {travels['paper']} with the paper’s example"
-    )
-
-
-def _choice_text(found: PaperAudit) -> str:
-    named = [choice for choice in found.cart.choices if choice.key == "selected"]
-    chosen = f"names {named[0].law.title}" if named else "names no law"
-    cart = "given by `--set`" if found.cart.given else "ours"
-    return (
+    ways = {choice.key: quantity(choice.travels[-1], "m") for choice in study.choices}
+    heading = f"{study.run('paper').law.title} friction moves the cart {ways['paper']} a cycle"
+    chosen = "names no law"
+    if "selected" in ways:
+        heading = (
+            f"The cart moves {ways['selected']} a cycle with the law that select names, and"
+            f" {ways['paper']} with the paper’s example"
+        )
+        chosen = f"names {study.run('selected').law.title}"
+    return section(
+        "cart-choice",
+        "Fig. 11, the choice",
+        heading,
         "The paper takes Coulomb + viscous friction “for instance”; its $sigma_2$ is not printed"
         f" ({quantity(found.values.viscous, 'N s/m', 2)}, assumed). `select` {chosen} for the rig."
-        f" Masses and swing of the cart are {cart}"
-        ", so that the figure can be compared in kind only."
+        f" Masses and swing of the cart are {'given by `--set`' if study.given else 'ours'}"
+        ", so that the figure can be compared in kind only.",
+        _choice_table(study),
+        _choice_figure(study),
+        report.Caption(text=_return_text(study)),
+        collapsed=False,
     )
 
 
-def _run_label(run: CartRun) -> str:
+def _run_label(run: rigs.CartRun) -> str:
     return "by select" if run.key == "selected" else "the paper’s example"
 
 
-def _choice_table(study: CartStudy) -> report.Table:
+def _choice_table(study: rigs.CartStudy) -> Table:
     heads = ["law", "travel\nm", FIRST_CYCLE, "last cycle\nmm", BACK_SLIP, LOWEST_VELOCITY]
     rows = [
         (
-            report.Name(text=f"{run.law.title}, {_run_label(run)}", aside=values_of(run.law)),
+            Name(text=f"{run.law.title}, {_run_label(run)}", aside=values_of(run.law)),
             significant(run.travel, 3),
             fixed(1e3 * run.travels[0], 2),
             fixed(1e3 * run.travels[-1], 2),
             back_slip_text(run.mean_return),
-            significant(1e3 * run.least_velocity, 2),
+            milli(run.least_velocity, 2),
             fixed(run.least_normal_force, 3),
         )
         for run in study.choices
     ]
     chosen = [run.key == "selected" for run in study.choices]
-    return report.table_of([*heads, "lowest normal\nforce, N"], rows, chosen=chosen)
+    return table_of([*heads, "lowest normal\nforce, N"], rows, chosen=chosen)
 
 
-def _choice_figure(study: CartStudy) -> report.Figure:
+def _choice_figure(study: rigs.CartStudy) -> report.Figure:
     runs = {_run_label(choice): choice.run for choice in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
@@ -1776,7 +1576,7 @@ def _choice_figure(study: CartStudy) -> report.Figure:
             )
         )
         apart = ", and by how much that of the paper’s example differs"
-    return report.figure(
+    return figure(
         plots.draw_motion(runs, views=views),
         "Displacement and velocity of the cart with the chosen laws",
         "fig11",
@@ -1787,22 +1587,26 @@ def _choice_figure(study: CartStudy) -> report.Figure:
     )
 
 
-def _return_text(found: PaperAudit) -> str:
-    """Say whether the cart slips back, and what keeps it from it."""
-    study = found.cart
+def _return_text(study: rigs.CartStudy) -> str:
+    """Say whether the cart slips back, what keeps it from it, and what the normal force does."""
     back = [choice for choice in study.choices if choice.mean_return > 0.0]
-    if back:
-        ways = ", ".join(f"{_run_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
-        return f"The cart slips back in a cycle: {ways}."
-    pull = max(largest_pull(run) for run in study.choices)
+    ways = ", ".join(f"{_run_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
+    text = f"The cart slips back in a cycle: {ways}."
+    if not back:
+        pull = max(largest_pull(run) for run in study.choices)
+        text = (
+            "The cart never slips back: at rest the swing pulls it back with up to"
+            f" {percent(pull)} of the normal force, less than friction can hold. At a lower level"
+            f" of {rigs.KINETIC:g} it does slip back, as the tables above show."
+        )
+    least = min(choice.least_normal_force for choice in study.choices)
     return (
-        f"The cart never slips back: at rest the swing pulls it back with up to {percent(pull)} of"
-        " the normal force, less than friction can hold. At a lower level of"
-        f" {KINETIC:g} it does slip back, as the tables above show."
+        f"{text} The normal force is the same with every law, since the swing is prescribed; it"
+        f" falls to {percent(least / study.weight)} of the weight."
     )
 
 
-def largest_pull(run: CartRun) -> float:
+def largest_pull(run: rigs.CartRun) -> float:
     """Return the largest backward pull on the resting cart, over the normal force.
 
     NaN if it never rests.
@@ -1814,25 +1618,17 @@ def largest_pull(run: CartRun) -> float:
     return float(max(pulls, default=math.nan))
 
 
-def _normal_text(study: CartStudy) -> str:
-    least = min(choice.least_normal_force for choice in study.choices)
-    return (
-        "The normal force is the same with every law, since the swing is prescribed; it falls to"
-        f" {percent(least / study.weight)} of the weight."
-    )
-
-
 # Rules for rest beside the exact switch, and break-away levels that vary.
 
 
-def rest_section(found: PaperAudit) -> report.Section:
+def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
     heads = [
         "rule for rest",
         "block, travel\nm",
         "sign changes\nin 1 s",
         "block\nat the end",
-        f"cart, travel in\n{CYCLES} cycles, m",
+        f"cart, travel in\n{rigs.CYCLES} cycles, m",
         "cart, back-slip\nmm/cycle",
     ]
     rows = [
@@ -1842,22 +1638,14 @@ def rest_section(found: PaperAudit) -> report.Section:
             str(rule.reversals),
             "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves",
             fixed(rule.cart_travel, 3),
-            significant(1e3 * rule.cart_back_slip, 2),
+            milli(rule.cart_back_slip, 2),
         )
         for rule in found.rest_rules
     ]
-    rules = report.table_of(heads, rows, chosen=[rule.dt is None for rule in found.rest_rules])
-    return report.Section(
-        collapsed=True,
-        id="rest",
-        nav="Rules for rest",
-        heading="The zero-velocity band of [18] beside the exact switch",
-        blocks=(
-            report.Paragraph(text=_rest_text(found)),
-            rules,
-            report.Caption(text=_rest_caption(found)),
-        ),
-    )
+    rules = table_of(heads, rows, chosen=[rule.dt is None for rule in found.rest_rules])
+    heading = "The zero-velocity band of [18] beside the exact switch"
+    caption = report.Caption(text=_rest_caption(found))
+    return section("rest", "Rules for rest", heading, _rest_text(found), rules, caption)
 
 
 def _rest_text(found: PaperAudit) -> str:
@@ -1866,39 +1654,33 @@ def _rest_text(found: PaperAudit) -> str:
     jumps = joined([f"{significant(1e3 * level * dt, 2)} mm/s in {1e3 * dt:g} ms" for dt in steps])
     return (
         "Karnopp (1985), the paper’s [18], has a body slower than $D_v$ at rest while the force"
-        " needed is within break-away. A step changes the velocity of the block by"
-        f" $F_c$ $dt$/$m$, which is {jumps}, and can jump over a narrower band. Coulomb friction"
-        f" with the levels of Table I, forward Euler, friction from $F_s$ in the first"
-        " step out of rest."
+        " needed is within break-away. A step changes the velocity of the block by $F_c$ $dt$/$m$,"
+        f" which is {jumps}, and can jump over a narrower band. Coulomb friction with the levels of"
+        " Table I, forward Euler, friction from $F_s$ in the first step out of rest."
     )
 
 
-def _rule_name(rule: RestRule) -> report.Name:
+def _rule_name(rule: rigs.RestRule) -> Name:
     if rule.dt is None:
-        return report.Name(text="exact switch", aside="events located")
+        return Name(text="exact switch", aside="events located")
     text = "at a change of sign" if rule.stick_rule else "none"
     if rule.band > 0.0:
         text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
-    return report.Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
+    return Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
 
 
 def _rest_caption(found: PaperAudit) -> str:
-    exact = found.rest_rules[0]
-    wide = [rest_rule for rest_rule in found.rest_rules if rest_rule.band > 0.0 and rest_rule.rests]
-    narrow = [one for one in found.rest_rules if one.band > 0.0 and not one.rests]
-    parts = []
-    for rule in wide:
+    exact, *others = found.rest_rules
+    held, missed = [], []
+    for rule in (rule for rule in others if rule.band > 0.0):
+        band = f"{number(1e3 * rule.band)} mm/s in steps of {1e3 * (rule.dt or 0.0):g} ms"
         off = rule.block.travel / exact.block.travel - 1.0
-        parts.append(
-            f"{number(1e3 * rule.band)} mm/s in steps of {1e3 * (rule.dt or 0.0):g} ms"
-            f" ({percent(off)} too far)"
-        )
-    text = f"Bands that hold the block: {joined(parts)}." if parts else "No band holds the block."
-    if narrow:
-        missed = [
-            f"{number(1e3 * one.band)} mm/s in steps of {1e3 * (one.dt or 0.0):g} ms"
-            for one in narrow
-        ]
+        if rule.rests:
+            held.append(f"{band} ({percent(off)} too far)")
+        else:
+            missed.append(band)
+    text = f"Bands that hold the block: {joined(held)}." if held else "No band holds the block."
+    if missed:
         text += f" Bands that it jumps over: {joined(missed)}."
     return (
         f"{text} With a rule, friction begins at $F_s$; without one, sgn 0 = 0. A wide band does"
@@ -1907,26 +1689,31 @@ def _rest_caption(found: PaperAudit) -> str:
     )
 
 
-def break_away_section(found: PaperAudit) -> report.Section:
+def break_away_section(found: PaperAudit) -> Section:
     """Show what a break-away level that varies does to the cart."""
+    values, groups = found.values, _groups(found)
     reached = "friction reached\nby cycle, over $N$"
     heads = ["break-away level", reached, FIRST_CYCLE, "later cycles\nmm", BACK_SLIP]
-    return report.Section(
-        collapsed=True,
-        id="break-away",
-        nav="Break-away that varies",
-        heading=_break_away_heading(found),
-        blocks=(
-            report.Paragraph(text=_break_away_text(found)),
-            report.table_of(heads, map(_break_away_row, found.cart.break_away)),
-            report.Caption(text=_break_away_caption(found)),
-        ),
+    heading = "A break-away level that varies"
+    if _spread(groups[0]) < STEADY:
+        heading += " changes the first cycle of the cart, and whether it slips back"
+    return section(
+        "break-away",
+        "Break-away that varies",
+        heading,
+        "Section III lists a break-away force that varies; of the equations only (9) has one, since"
+        " bristles give way earlier the faster the force grows. The cart, solved exactly: Coulomb"
+        f" friction with other static levels, at $mu_k$ = {number(values.mu_k)} and at"
+        f" {rigs.KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵"
+        " N/m and the other values of its 1995 paper.",
+        table_of(heads, map(_break_away_row, found.cart.break_away)),
+        report.Caption(text=_break_away_caption(found, groups)),
     )
 
 
-def _groups(found: PaperAudit) -> list[list[CartRun]]:
+def _groups(found: PaperAudit) -> list[list[rigs.CartRun]]:
     """Return the runs with a constant level, by their kinetic coefficient."""
-    groups: dict[float, list[CartRun]] = {}
+    groups: dict[float, list[rigs.CartRun]] = {}
     for run in found.cart.break_away:
         kinetic = getattr(run.law, "kinetic_coefficient", None)
         if run.law.name == "coulomb" and kinetic is not None:
@@ -1934,65 +1721,40 @@ def _groups(found: PaperAudit) -> list[list[CartRun]]:
     return list(groups.values())
 
 
-def _later(run: CartRun) -> tuple[float, float]:
+def _later(run: rigs.CartRun) -> tuple[float, float]:
     return min(run.travels[1:]), max(run.travels[1:])
 
 
-def _spread(runs: list[CartRun]) -> float:
+def _spread(runs: list[rigs.CartRun]) -> float:
     """Return by how much travels of later cycles differ between runs, over the travel."""
     low = min(_later(run)[0] for run in runs)
     high = max(_later(run)[1] for run in runs)
     return (high - low) / abs(high)
 
 
-def _break_away_heading(found: PaperAudit) -> str:
-    first = _groups(found)[0]
-    if _spread(first) < SAME:
-        return (
-            "A break-away level that varies changes the first cycle of the cart, and whether it"
-            " slips back"
-        )
-    return "A break-away level that varies"
-
-
-SAME = 1e-6
-"""Share of the travel within which cycles are the same."""
-
-
-def _break_away_text(found: PaperAudit) -> str:
-    values = found.values
-    return (
-        "Section III lists a break-away force that varies; of the equations only (9) has one, since"
-        " bristles give way earlier the faster the force grows. The cart, solved exactly: Coulomb"
-        f" friction with other static levels, at $mu_k$ = {number(values.mu_k)} and at"
-        f" {KINETIC:g}; and LuGre with $mu_s$ = {number(values.mu_s)}, free bristles of 10⁵ N/m and"
-        " the other values of its 1995 paper."
-    )
-
-
-def _break_away_row(run: CartRun) -> Sequence[report.Cell]:
-    low, high = (significant(1e3 * value, 4) for value in _later(run))
+def _break_away_row(run: rigs.CartRun) -> Sequence[report.Cell]:
+    low, high = (milli(value, 4) for value in _later(run))
     reached = [significant(value, 3) for value in run.largest_friction]
     steady = len(set(reached[1:])) == 1
     return (
-        report.Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
+        Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
         f"{reached[0]}, then {reached[1]}" if steady else ", ".join(reached),
-        significant(1e3 * run.travels[0], 4),
+        milli(run.travels[0], 4),
         low if low == high else f"{low} to {high}",
         back_slip_text(run.mean_return),
     )
 
 
-def _break_away_caption(found: PaperAudit) -> str:
+def _break_away_caption(found: PaperAudit, groups: list[list[rigs.CartRun]]) -> str:
     parts = []
-    for runs in _groups(found):
+    for runs in groups:
         kinetic = number(getattr(runs[0].law, "kinetic_coefficient", 0.0))
         first = [1e3 * run.travels[0] for run in runs]
         ends = f"{interval(min(first), max(first))} mm"
         parts.append(f"at $mu_k$ = {kinetic} the first cycle has {ends}")
     slipping = [run for run in found.cart.break_away if run.mean_return > 0.0]
     text = f"By level, {joined(parts)}."
-    if _spread(_groups(found)[0]) < SAME:
+    if _spread(groups[0]) < STEADY:
         text += (
             " Later on the swing reverses its acceleration at once and asks for more than any of"
             " these levels at that instant, so that the cart starts at the same time with each."
@@ -2023,9 +1785,9 @@ class Beside(NamedTuple):
 
     remark: str = ""
     """A sentence at the end of the lede."""
-    lead: tuple[SectionMaker, ...] = ()
+    lead: tuple[report.SectionMaker, ...] = ()
     """Sections after the verdict."""
-    extra: tuple[Section | SectionMaker, ...] = ()
+    extra: tuple[Section | report.SectionMaker, ...] = ()
     """Sections before what to measure next."""
 
 
@@ -2035,8 +1797,8 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
         return Beside()
     try:
         found = audit(verdict=verdict)
-    except blocks.CAUGHT as error:
-        return Beside(extra=(blocks.failed_section("paper", error),))
+    except report.blocks.CAUGHT as error:
+        return Beside(extra=(report.blocks.failed_section("paper", error),))
     return Beside(
         remark=_remark(found),
         lead=(partial(excitation_section, found), partial(table_section, found)),
@@ -2086,7 +1848,7 @@ def result_sections(found: PaperAudit) -> tuple[Section, ...]:
 
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     """Return the audit of the paper as one HTML page."""
-    makers: tuple[Callable[[PaperAudit], Section], ...] = (
+    makers = (
         claim_section,
         table_section,
         ranking_section,
@@ -2105,27 +1867,46 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
         assumption_section,
     )
     opening = _opening(audit)
-    origin = Origin(title="", data="", commands=(command,), digest=audit.rig.digest)
+    origin = report.Origin(title="", data="", commands=(command,), digest=audit.rig.digest)
     laws = [row.law for row in audit.table]
-    page = Page(
+    page = report.Page(
         title="The pendulum-driven cart paper, recomputed",
         subject="Tables and figures beside what was printed",
         kicker="audit of a paper",
-        sections=blocks.made_sections(
+        sections=report.blocks.made_sections(
             Section(id="verdict", nav="Verdict", heading="", blocks=(opening,)),
             *(partial(maker, audit) for maker in makers),
-            partial(reproduce, origin, laws=laws, cited={"paper": ["rig"]}),
+            partial(report.reproduce, origin, laws=laws, cited={"paper": ["rig"]}),
         ),
-        footer=blocks.colophon(origin.versions),
+        footer=report.blocks.colophon(origin.versions),
     )
-    return render(page)
+    return report.render(page)
 
 
-def _opening(found: PaperAudit) -> Opening:
+def _opening(found: PaperAudit) -> report.Opening:
     """Say what the audit found."""
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
-    return Opening(
+    in_steps = sum(step_travel.reached for step_travel in found.step_travels)
+    facts = (
+        report.Fact(
+            value=percent(abs(spring.relative_error or 0.0)),
+            aside=f"printed: {percent(first.published.relative_error or 0.0)}",
+            what=f"error of {first.law.title} with Table I’s coefficient, spring released",
+        ),
+        report.Fact(
+            value=f"{fixed(push.work_in, 3)} J",
+            aside=f"and {fixed(spring.work_in, 3)} J",
+            what="work of the push of 10 N for 0.1 s, and of the released spring",
+        ),
+        report.Fact(
+            value=f"{found.reached('A')} of {len(found.rig.published)} rows",
+            aside=f"{in_steps} in steps of 10 ms",
+            what="of Table II can follow from unpublished values for the push, Table I kept: solved"
+            " exactly, and by forward Euler with some rule for rest",
+        ),
+    )
+    return report.Opening(
         kicker=SOURCES["paper"],
         verdict="One travel cannot rank friction models.",
         lede=(
@@ -2137,37 +1918,11 @@ def _opening(found: PaperAudit) -> Opening:
             " the simulation is our inference. The other rows depend on values that the paper does"
             " not print."
         ),
-        facts=_facts(found),
+        facts=facts,
         settles=found.verdict.words.settles[:2],
         cannot_tell=(
             "Which values the paper used, beyond Table I.",
             *found.verdict.words.cannot_tell[:1],
         ),
         measure_next=found.verdict.words.measure_next[:1],
-    )
-
-
-def _facts(found: PaperAudit) -> tuple[Fact, ...]:
-    first = found.table[0]
-    push, spring = (r.criteria for r in first.readings[:2])
-    exactly = sum(n.value is not None and n.kept and n.reading == "A" for n in found.requirements)
-    in_steps = sum(step_travel.reached for step_travel in found.step_travels)
-    total = len(found.rig.published)
-    return (
-        Fact(
-            value=percent(abs(spring.relative_error or 0.0)),
-            aside=f"printed: {percent(first.published.relative_error or 0.0)}",
-            what=f"error of {first.law.title} with Table I’s coefficient, spring released",
-        ),
-        Fact(
-            value=f"{fixed(push.work_in, 3)} J",
-            aside=f"and {fixed(spring.work_in, 3)} J",
-            what="work of the push of 10 N for 0.1 s, and of the released spring",
-        ),
-        Fact(
-            value=f"{exactly} of {total} rows",
-            aside=f"{in_steps} in steps of 10 ms",
-            what="of Table II can follow from unpublished values for the push, Table I kept: solved"
-            " exactly, and by forward Euler with some rule for rest",
-        ),
     )

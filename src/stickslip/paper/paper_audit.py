@@ -37,6 +37,15 @@ class TableRow:
         """Return the reading A, B or C."""
         return next(reading for reading in self.readings if reading.key == key)
 
+    def travel(self, key: str) -> float:
+        """Return the travel in the reading A, B or C [m]."""
+        return self.reading(key).criteria.travel
+
+    def holds(self, key: str) -> bool:
+        """Return whether the run of a reading meets both criteria of the paper."""
+        seen = self.reading(key).criteria
+        return seen.velocity_never_negative and seen.displacement_never_decreases
+
 
 @dataclass(frozen=True, kw_only=True)
 class TrialTravels:
@@ -97,6 +106,16 @@ class PaperAudit:
         found = (need for need in self.requirements if need.law == law and need.value is not None)
         return next(found, None)
 
+    def reached(self, reading: str) -> int:
+        """Return how many travels of Table II a value in a reading gives, Table I kept."""
+        needs = (need for need in self.requirements if need.reading == reading)
+        return sum(need.value is not None and need.kept for need in needs)
+
+    @property
+    def without_rule(self) -> FixedStepRow:
+        """The released spring in fixed steps without a rule for rest."""
+        return next(row for row in self.fixed_steps if row.dt is not None and not row.stick_rule)
+
     def ranking(self, key: str) -> Mapping[str, int]:
         """Return the ranks of the laws of Table II by the paper's own criteria.
 
@@ -108,9 +127,7 @@ class PaperAudit:
             if key == "published":
                 holds, error = row.published.velocity_positive, row.published.relative_error
             else:
-                seen = row.reading(key).criteria
-                holds = seen.velocity_never_negative and seen.displacement_never_decreases
-                error = seen.relative_error
+                holds, error = row.holds(key), row.reading(key).criteria.relative_error
             if holds and error is not None:
                 judged[row.law.name] = round(abs(error), 9)  # rows that are one law share a rank
         return {

@@ -7,7 +7,7 @@ printed one; a root in that bracket, and those for travels that round to the pri
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -33,6 +33,7 @@ from stickslip.identify import Criteria, criteria_of
 from stickslip.mechanisms import SpringBlock
 from stickslip.mechanisms.drives import Pulse
 from stickslip.paper.rigs import PUSH_DURATION, PaperValues, rigs
+from stickslip.show.documents import json_value
 
 # What each printed equation does in four tests, beside the corrected law.
 
@@ -198,12 +199,7 @@ def _twins(values: PaperValues) -> dict[str, FrictionLaw]:
             viscous_coefficient=viscous,
             fading_exponent=1,
         ),
-        "dahl": Dahl.from_forces(
-            load=load,
-            kinetic_force=mu_k * load,
-            bristle_stiffness=values.stiffness,
-            static_switch=True,
-        ),
+        "dahl": dahl_row(values, values.stiffness),
         "lugre": LuGre.from_forces(
             load=load,
             kinetic_force=mu_k * load,
@@ -257,8 +253,8 @@ ROUNDING = 0.005
 """Half of the last printed digit of Table II [m]."""
 STRIDE = 1.3
 """Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
-REACH = 4096.0
-"""How far the search for a first root goes, as a factor. Beyond it laws only get stiff."""
+REACH = 64.0
+"""How far the search for a root goes from its start, as a factor."""
 STIFFNESS = 1e5
 """Of the bristles [N/m], the classical value of LuGre 1995."""
 STIFFNESSES = (STIFFNESS, 1e4, 1e3, 1e2)
@@ -302,8 +298,7 @@ class Requirement:
     def to_dict(self) -> dict[str, Any]:
         """Return all but law and run, ready for JSON."""
         names = [field.name for field in fields(self) if field.name not in {"solution", "run"}]
-        content = {name: getattr(self, name) for name in names}
-        return content | {"criteria": self.criteria and asdict(self.criteria)}
+        return dict(json_value({name: getattr(self, name) for name in names}))
 
 
 def requirements(
@@ -422,25 +417,23 @@ def step_travels(
         return float(simulate(push, law, t_end=t_end, solver=solver)["x"][-1])
 
     found = []
-    for row in published:
+    for row, printed in published.items():
+        scatter = None
+        law: FrictionLaw | PrintedForm
         if row in laws:
             law = laws[row]
-            zero, static = (travel(law, rule) for rule in BREAK_AWAY_RULES)
-            found.append(
-                StepTravel(row=row, law=law, published=published[row], travel=zero, static=static)
-            )
+            zero, static = (travel(laws[row], rule) for rule in BREAK_AWAY_RULES)
         elif row == "stribeck" and creeps:
             creep = creeps[len(creeps) // 2]
-            found.append(
-                StepTravel(
-                    row=row,
-                    law=creep.form,
-                    published=published[row],
-                    travel=creep.mean,
-                    static=creep.mean,
-                    scatter=(min(creep.travels), max(creep.travels)),
-                )
+            law, zero, static = creep.form, creep.mean, creep.mean
+            scatter = min(creep.travels), max(creep.travels)
+        else:
+            continue
+        found.append(
+            StepTravel(
+                row=row, law=law, published=printed, travel=zero, static=static, scatter=scatter
             )
+        )
     return tuple(found)
 
 
@@ -560,8 +553,8 @@ def _require(
         return float(simulate(block, law(value), t_end=t_end).at(t_end)["x"][0])
 
     def root(target: float, start: float) -> float | None:
-        least, most = start / 64.0, start * 64.0
-        return positive_root(lambda value: travel(value) - target, start, low=least, high=most)
+        least, most = start / REACH, start * REACH
+        return positive_root(lambda value: travel(value) - target, start, least, most)
 
     best = root(published, first)
     sides = (-1.0, 1.0) if best is not None else ()
@@ -578,7 +571,7 @@ def _require(
         value=best,
         low=found[0] if best is not None and found else None,
         high=found[-1] if best is not None and found else None,
-        start=travel(first if best is not None else first / 64.0),
+        start=travel(first if best is not None else first / REACH),
         kept=case.kept,
         text=case.text,
         solution=solution,
@@ -604,9 +597,8 @@ class BristleRow:
 def bristle_rows(values: PaperValues, *, t_end: float) -> tuple[BristleRow, ...]:
     """Push the block with Dahl friction, held, and with LuGre friction, not held."""
     _, _, push = rigs(values.rig)["A"]
-    laws: list[tuple[Dahl | LuGre, float]] = []
-    laws += [(dahl_row(values, stiffness), stiffness) for stiffness in STIFFNESSES]
-    laws += [(lugre_row(values, stiffness), stiffness) for stiffness in STIFFNESSES]
+    rows: tuple[Callable[..., Dahl | LuGre], ...] = (dahl_row, lugre_row)
+    laws = [(row(values, stiffness), stiffness) for row in rows for stiffness in STIFFNESSES]
     return tuple(
         BristleRow(
             law=law.name,
@@ -619,47 +611,34 @@ def bristle_rows(values: PaperValues, *, t_end: float) -> tuple[BristleRow, ...]
 
 
 def positive_root(
-    function: Callable[[float], float],
-    start: float,
-    *,
-    low: float = 0.0,
-    high: float = math.inf,
+    function: Callable[[float], float], start: float, low: float, high: float
 ) -> float | None:
-    """Return the root between `low` and `high` that is nearest to `start`, or None.
+    """Return the first root that is met outwards from a start, between two values above 0, or None.
+
+    Of roots on both sides of the start, it is the nearer one by its ratio to that.
 
     Examples
     --------
-    >>> round(positive_root(lambda x: x * x - 2.0, 1.0), 9)
+    >>> round(positive_root(lambda x: x * x - 2.0, 1.0, 0.1, 10.0), 9)
     1.414213562
     """
-    found = _search(function, start, low, high)
-    return min(
-        found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9, default=None
-    )
-
-
-def _search(
-    function: Callable[[float], float], start: float, low: float, high: float
-) -> list[float]:
-    """Return the first roots that are met outwards from the start, up to a factor of `REACH`."""
-    start = min(max(start, low), high)
     value = _value(function, start)
-    found = [start] if value == 0.0 else []
-    value = value or None  # a root at the start brackets nothing
+    if value == 0.0:
+        return start
     sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
-    factor = 1.0
-    while factor < REACH and not found:
-        factor *= STRIDE
+    found: list[float] = []
+    while sides and not found:
         for step, (before, f_before) in list(sides.items()):
             point = min(max(before * step, low), high)
             if point == before:
+                del sides[step]
                 continue
             f_point = _value(function, point)
             if f_before is not None and f_point is not None and _crosses(f_before, f_point):
                 ends = sorted((before, point))
                 found.append(float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
             sides[step] = (point, f_point)
-    return found
+    return min(found, key=lambda root: abs(math.log(root / start)), default=None)
 
 
 def _crosses(before: float, after: float) -> bool:

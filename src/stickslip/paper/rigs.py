@@ -1,6 +1,5 @@
 """The rigs of the paper, its block and its cart: numbers, motions, stick-slip, rules for rest."""
 
-import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -111,27 +110,14 @@ class Excitation:
 def rigs(rig: SpringBlock) -> dict[str, tuple[str, str, SpringBlock]]:
     """Return title, description and mechanism of the three readings of a released spring."""
     force = rig.stiffness * rig.compression
-    push = SpringBlock(
-        mass=rig.mass,
-        gravity=rig.gravity,
-        drive=Pulse(level=force, duration=PUSH_DURATION),
-    )
+    drive = Pulse(level=force, duration=PUSH_DURATION)
+    push = SpringBlock(mass=rig.mass, gravity=rig.gravity, drive=drive)
+    released = f"Compressed {rig.compression:g} m; the block leaves it at its natural length."
+    fixed = "A control, not in the paper: as B, but the block stays fastened."
     return {
-        "A": (
-            "Push",
-            f"{force:g} N for {PUSH_DURATION:g} s, then coasting.",
-            push,
-        ),
-        "B": (
-            "Released spring",
-            f"Compressed {rig.compression:g} m; the block leaves it at its natural length.",
-            replace(rig, attached=False),
-        ),
-        "C": (
-            "Fixed spring",
-            "A control, not in the paper: as B, but the block stays fastened.",
-            replace(rig, attached=True),
-        ),
+        "A": ("Push", f"{force:g} N for {PUSH_DURATION:g} s, then coasting.", push),
+        "B": ("Released spring", released, replace(rig, attached=False)),
+        "C": ("Fixed spring", fixed, replace(rig, attached=True)),
     }
 
 
@@ -406,12 +392,8 @@ class CartStudy:
             )
             for key, with_it, without in causes
         ]
-        real = Share(
-            key="friction",
-            least_velocity=exact.least_velocity,
-            mean_return=exact.mean_return,
-        )
-        return (*differences, real)
+        real = exact.least_velocity, exact.mean_return
+        return (*differences, Share(key="friction", least_velocity=real[0], mean_return=real[1]))
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the study as plain numbers and strings, ready for JSON."""
@@ -508,15 +490,13 @@ def _break_away(
         for kinetic in (mu_k, KINETIC)
         for share in SURPLUS
     ]
+    titles = [
+        f"$mu_k$ = {law.kinetic_coefficient:.3g}, $mu_s$ = {law.break_away(1.0):.3g}"
+        for law in laws
+    ]
     runs = [
-        _run(
-            cart,
-            f"break-away-{index}",
-            f"$mu_k$ = {law.kinetic_coefficient:.3g}, $mu_s$ = {law.break_away(1.0):.3g}",
-            law,
-            exact,
-        )
-        for index, law in enumerate(laws)
+        _run(cart, f"break-away-{index}", title, law, exact)
+        for index, (law, title) in enumerate(zip(laws, titles, strict=True))
     ]
     if bristles is not None:
         runs.append(_run(cart, "break-away-bristles", bristles.title, bristles, exact))
@@ -611,14 +591,14 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
         block = simulate(values.rig, law, t_end=REST_SECONDS, solver=solver)
         driven = simulate(cart, law, t_end=CYCLES * period, solver=solver)
         cycles = cycles_in(driven, cart, period)
-        signs = [1 if value > 0 else -1 for value in block["v"] if value != 0]
+        signs = np.sign(block["v"])[block["v"] != 0.0]
         found.append(
             RestRule(
                 dt=dt,
                 stick_rule=stick_rule,
                 band=band,
                 block=criteria_of(block, values.rig),
-                reversals=sum(a != b for a, b in itertools.pairwise(signs)),
+                reversals=int(np.count_nonzero(np.diff(signs))),
                 rests=bool(block["v"][-1] == 0.0),
                 cart_travel=sum(cycle.travel for cycle in cycles),
                 cart_back_slip=sum(cycle.backward for cycle in cycles) / len(cycles),

@@ -1,6 +1,5 @@
 """Exports a mechanism with its law as an FMU."""
 
-import dataclasses
 import hashlib
 import io
 import json
@@ -10,7 +9,6 @@ import re
 import shutil
 import subprocess
 import tempfile
-import typing
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -48,9 +46,10 @@ from stickslip.exports.program import identifier
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm, assigned, law_of
 from stickslip.mechanisms import Mechanism, told_fields
 from stickslip.mechanisms.drives import Drive, Piece, Profile, Sampled, Straight, Sum, parts_of
-from stickslip.quantities import Parametrised, Quantity, parameters, shadow
+from stickslip.quantities import Quantity, parameters, shadow
 from stickslip.show.documents import write_file
 from stickslip.show.formatting import printable
+from stickslip.study.control.feedback_loop import drive_places
 
 # The model description of an FMU: its inputs, its variables, and the XML of FMI 2.0 and 3.0.
 
@@ -138,11 +137,11 @@ def with_inputs(
 def _with_input(mechanism: mechanisms.Mechanism, given: str) -> tuple[mechanisms.Mechanism, Input]:
     """Return a mechanism of which one more drive is told."""
     known = []
-    for path, before, held, driven in _places(mechanism):
-        names = [name for name, drive in driven.drives().items() if drive is held]
-        if names and given in (path, *names):
-            start = 0.0 if before is None else float(before.value(0.0))
-            return driven, Input(names[0], start)
+    for place in drive_places(mechanism):
+        driven, names = place.driven(mechanism, Held())
+        if names and given in (place.name, *names):
+            before = place.drive(mechanism)
+            return driven, Input(names[0], 0.0 if before is None else float(before.value(0.0)))
         known += names
     if given in mechanism.drives():
         raise InputError(
@@ -150,30 +149,6 @@ def _with_input(mechanism: mechanisms.Mechanism, given: str) -> tuple[mechanisms
             " held over a step as an input: give the mechanism a force or torque instead."
         )
     raise UnknownNameError("drive", given, known)
-
-
-def _places(root: Any) -> Iterator[tuple[str, Drive | None, Held, Any]]:
-    """Yield the path of each place of a force, the drive there, one that is told, a copy with it.
-
-    Places of prescribed motions are left out: what is held jumps.
-    """
-    if isinstance(root, tuple):
-        for index, item in enumerate(root):
-            for path, before, held, copy in _places(item):
-                yield f"{index}.{path}", before, held, (*root[:index], copy, *root[index + 1 :])
-    if not isinstance(root, Parametrised):
-        return
-    hints = typing.get_type_hints(type(root))
-    for member in dataclasses.fields(root):
-        own = getattr(root, member.name)
-        is_free = own is None and Drive in typing.get_args(hints[member.name])
-        if is_free or (isinstance(own, Drive) and not isinstance(own, Profile)):
-            held = Held()
-            yield member.name, own, held, dataclasses.replace(root, **{member.name: held})
-        elif isinstance(own, Parametrised | tuple):
-            for path, before, held, copy in _places(own):
-                changed = dataclasses.replace(root, **{member.name: copy})
-                yield f"{member.name}.{path}", before, held, changed
 
 
 # The variables of an FMU: time, inputs, parameters, states and what a run records.

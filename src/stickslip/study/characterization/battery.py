@@ -27,14 +27,14 @@ from stickslip import mechanisms
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven
 from stickslip.engine.trajectory import Trajectory
-from stickslip.errors import InputError, SimulationError, UnknownNameError
+from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, bound, law_type, with_typical_values
 from stickslip.identify.fits import starting_law
 from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms import Axis, Mechanism
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.mechanisms.drives import Drive, Pulse, Ramp, Sampled, Sine
-from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.quantities import Parametrised, Quantity, fields_of, named
 from stickslip.show.display import InPanels, OnAxes, Summary, Tabular
 from stickslip.show.documents import json_value
 from stickslip.show.formatting import capital, joined, number, quantity, unit_text
@@ -106,10 +106,14 @@ class Characteristic(OnAxes, Tabular, ABC):
 
 Array: TypeAlias = NDArray[np.float64]
 
-LOOP_SPEED = 1e-6
-"""Imposed speed [m/s]: far below any Stribeck velocity, so that only the path matters."""
-LOOP_POINTS = 200
-"""Points of each straight piece of the path."""
+USUAL_SPEED = 1e-3
+"""Speed that stands for the one at which friction changes where a law has none [m/s]."""
+SLOW = 1e-4
+"""Speed on a path over the one at which friction changes, so that the path alone matters."""
+LOOP_SPEED = ALIKE * USUAL_SPEED
+"""Imposed speed of a loop [m/s]: far below any Stribeck velocity."""
+POINTS = 200
+"""Points of each way of a path, and of each side of a curve."""
 ACCURATE = 1e-11
 """Error of a step of deflections, over their own size and over the presliding length."""
 
@@ -181,7 +185,7 @@ def presliding_loop(
     z, latches = np.zeros(len(law.states)), Latches(off=True)
     # The last piece goes back to where the widest swing began, which closes its loop.
     for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
-        x.append(np.linspace(start, end, LOOP_POINTS + 1)[1:])
+        x.append(np.linspace(start, end, POINTS + 1)[1:])
         v = LOOP_SPEED if end > start else -LOOP_SPEED
         states = _moved_at(law, v, z, load, np.abs(x[-1] - start) / LOOP_SPEED, latches)
         friction.append(
@@ -220,14 +224,11 @@ def _moved_at(
 
 M = TypeVar("M", bound=mechanisms.Mechanism)
 
-USUAL_SPEED = 1e-3
-"""Speed that stands for the one at which friction changes where a law has none [m/s]."""
 RIGID = 1e-5
 """Displacement that stands for the presliding length where a law has none [m]."""
-STIFF, QUICK = 1e5, 1e-6
-"""Stiffness of the load cell over that of the contact, and its time constant [s]."""
-SOFT, SLUGGISH = 1e2, 1e-4
-"""The same where the contact has no state that only the path may move."""
+STIFF_CELL, SOFT_CELL = (1e5, 1e-6), (1e2, 1e-4)
+"""Stiffness of the load cell over that of the contact, and its time constant [s]; the second where
+the contact has no state that only the path may move."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -328,7 +329,7 @@ class Bench(Parametrised):
 
     def guided(self, path: Drive) -> mechanisms.Mechanism:
         """Return the contact moved by a load cell whose deflection is far below the reach."""
-        ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
+        ratio, time = STIFF_CELL if self.law.states else SOFT_CELL
         stiffness = ratio * self.levels[1] / self.reach
         contact = GuidedContact(
             # m = k T^2 and c = 2 k T: critically damped, with that time constant.
@@ -591,10 +592,8 @@ def _first_peak(run: Trajectory, times: Array) -> float:
 
 BIAS, RIPPLE, FREQUENCY = 0.5, 0.4, 10.0
 """Constant and swinging part of the force over the lowest level; frequency [Hz]."""
-DRIFT_SETTLED, DRIFT_TIME, DRIFT_WINDOW = 2.0, 8.0, 0.5
-"""When drift begins to count, how long it counts, and over how long positions are means [s]."""
-DRIFT_SAMPLES = 2000
-FOREVER = 1e9
+DRIFT_SPAN = (2.0, 10.0)
+"""When drift begins to count, and the end [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -657,14 +656,22 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
             f"bias and ripple must stay below {bench.threshold} at {quantity(high, 'N')}, got"
             f" {quantity(bias, 'N')} and {quantity(ripple, 'N')}."
         )
-    end = DRIFT_SETTLED + DRIFT_TIME
-    run = _pushed(bench, bias, ripple, end)
-    t = np.linspace(0.0, end, DRIFT_SAMPLES + 1)
+    first, end = DRIFT_SPAN
+    # The constant part ends behind the run.
+    force = Pulse(level=bias, duration=2.0 * end) + Sine(amplitude=ripple, frequency=FREQUENCY)
+    axis = bench.on(Axis(inertia=bench.mass, drive=force, load=bench.load))
+    run = simulate(axis, bench.law, t_end=end, y0=bench.deflected())
+
+    def position(since: float, until: float) -> Array:
+        return run.at(np.minimum(np.linspace(since, until, FINE), run.span[1]))["x"]
+
+    cycles = 5.0 / FREQUENCY  # over which a position is a mean
+    before, after = (position(until - cycles, until).mean() for until in (first, end))
     return Drift(
-        t=t,
-        position=run.at(np.minimum(t, run.span[1]))["x"],
-        distance=_mean(run, end) - _mean(run, DRIFT_SETTLED),
-        lasts=DRIFT_TIME,
+        t=np.linspace(0.0, end, FINE),
+        position=position(0.0, end),
+        distance=float(after - before),
+        lasts=end - first,
         length=bench.reach,
         threshold=bench.threshold,
         conditions=(
@@ -675,24 +682,8 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
     )
 
 
-def _pushed(bench: Bench, bias: float, ripple: float, end: float) -> Trajectory:
-    """Return the run of a body under a force and a ripple."""
-    force = Pulse(level=bias, duration=FOREVER) + Sine(amplitude=ripple, frequency=FREQUENCY)
-    axis = Axis(inertia=bench.mass, drive=force, load=bench.load)
-    return simulate(bench.on(axis), bench.law, t_end=end, y0=bench.deflected())
-
-
-def _mean(run: Trajectory, until: float) -> float:
-    """Return the mean position in the half second before a time."""
-    times = np.linspace(until - DRIFT_WINDOW, until, DRIFT_SAMPLES)
-    return float(run.at(np.minimum(times, run.span[1]))["x"].mean())
-
-
 # Small displacements to and fro: what deflects before it slips, and what it remembers.
 
-SLOW, SLOW_ENOUGH = 1e-4, 1e-2
-"""Highest speed on the path over the one at which friction changes, so that only the path matters:
-wanted, and allowed."""
 LONGEST_WAY = 100.0
 """Time of a way as long as the amplitude for which the allowed speed is taken rather [s]."""
 BRIEFEST_WAY = 1.0
@@ -700,10 +691,8 @@ BRIEFEST_WAY = 1.0
 small smoothing velocities ask for so many steps that a longer way ends a run early [s]."""
 TURNS = (1.0, -1.0, 0.5, -0.25, 0.5, -1.0, 1.0)
 """Where the path turns, over its amplitude; the inner loop goes from the third and back to it."""
-INNER = (0.8, 0.4, 0.8)
-"""The same on first loading, where the memory is tested, over the presliding length."""
-WAY_POINTS = 120
-"""Points on each way."""
+INNER = (0.8, 0.4)
+"""Where an inner loop on first loading turns, over the presliding length: it tests the memory."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -769,7 +758,7 @@ def presliding(
     ('local', -0.292)
     """
     reach = 2.0 * bench.reach if amplitude is None else amplitude
-    wanted, allowed = SLOW * bench.speed, SLOW_ENOUGH * bench.speed
+    wanted, allowed = SLOW * bench.speed, PERCENT * bench.speed
     if amplitude is None and not (bench.law.states or bench.sticks):
         reach = min(reach, BRIEFEST_WAY * allowed)
     speed = min(max(wanted, reach / LONGEST_WAY), allowed) if bench.law.states else allowed
@@ -778,10 +767,11 @@ def presliding(
     change = 0.0
     memory: Literal["local", "non-local", "none"] = "none"
     if bench.length > 0.0:
-        begins, to = inner or (INNER[0] * bench.length, INNER[1] * bench.length)
-        change = _changed(bench, begins, to, speed)
-        local = abs(change) > ALIKE * bench.levels[1]
-        memory = "local" if local else "non-local"
+        begins, to = inner or (part * bench.length for part in INNER)
+        run, arrivals = _along(bench, (begins, to, begins), speed)
+        before, after = run.at(np.minimum(arrivals[[0, 2]], run.span[1]))["friction"]
+        change = float(after - before)
+        memory = "local" if abs(change) > ALIKE * bench.levels[1] else "non-local"
     return Presliding(
         displacement=x,
         force=force,
@@ -797,24 +787,22 @@ def presliding(
     )
 
 
+def _along(bench: Bench, turns: Sequence[float], speed: float) -> tuple[Trajectory, Array]:
+    """Return the motion of the contact along a path, and when it turns [s]."""
+    path, arrivals = there_and_back(turns, speed)
+    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
+    return run, arrivals
+
+
 def _followed(bench: Bench, turns: Array, speed: float) -> tuple[Array, Array]:
     """Return displacement and friction along a path."""
-    path, arrivals = there_and_back([*turns], speed)
-    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
-    share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, WAY_POINTS))  # even steps of displacement
+    run, arrivals = _along(bench, turns.tolist(), speed)
+    share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, POINTS))  # even steps of displacement
     starts = np.concatenate([[0.0], arrivals[:-1]])
     times = np.concatenate([a + (b - a) * share[1:] for a, b in zip(starts, arrivals, strict=True)])
     times = np.union1d(times, run.t)  # steps end where a contact gives way
     seen = run.at(np.minimum(times, run.span[1]))
     return seen["x"], seen["friction"]
-
-
-def _changed(bench: Bench, begins: float, to: float, speed: float) -> float:
-    """Return by how much a closed inner loop changes the force."""
-    path, arrivals = there_and_back([begins, to, begins], speed)
-    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
-    before, after = run.at(np.minimum(arrivals[[0, 2]], run.span[1]))["friction"]
-    return float(after - before)
 
 
 # The battery: all tests of a law, and of several side by side.
@@ -827,12 +815,10 @@ def _changed(bench: Bench, begins: float, to: float, speed: float) -> float:
 
 # Friction after long sliding at each velocity, and what the contact holds at rest.
 
-DECADES = 2
-"""Speeds are looked at so many decades below and above the one at which friction changes."""
+REACH = 100.0
+"""Speeds are looked at so many times below and above the one at which friction changes."""
 SEEN = 2.0
 """Friction over the highest level, up to which they are looked at one decade farther."""
-SPEEDS_A_SIDE = 201
-"""Speeds on each side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -903,10 +889,9 @@ def steady_curve(bench: Bench) -> SteadyCurve:
     Break-away takes 1.5 N, sliding 1 N. A drive that is soft can stick and slip.
     """
     law, load = bench.curve, bench.load
-    reach = 10.0**DECADES
-    farther = np.abs(law.steady(bench.speed * 10.0 * reach * np.array([-1.0, 1.0]), load))
+    farther = np.abs(law.steady(bench.speed * 10.0 * REACH * np.array([-1.0, 1.0]), load))
     slow = np.max(farther) <= SEEN * bench.levels[1]  # viscous friction is hardly seen before
-    speeds = bench.speed * np.geomspace(1.0 / reach, 10.0 * reach if slow else reach, SPEEDS_A_SIDE)
+    speeds = bench.speed * np.geomspace(1.0 / REACH, 10.0 * REACH if slow else REACH, POINTS + 1)
     velocity = np.concatenate([-speeds[::-1], speeds])
     force = np.asarray(law.steady(velocity, load), dtype=np.float64) + np.zeros_like(velocity)
     back, ahead = (float(law.towards(side).break_away(load)) for side in (-1, 1))
@@ -937,16 +922,9 @@ CYCLE_SPEEDS = (1e-2, 1e2)
 WAYS = (0.05, 4.0)
 """Ways at one velocity over the presliding length."""
 ENERGY_CYCLES = 6
-"""Cycles until a motion repeats itself."""
-SEARCHED = 3
-"""The same in the search."""
+"""Cycles until a motion repeats itself; the search takes half of them."""
 LENGTH_STEPS = 32
-"""Steps of Runge-Kutta for each presliding length."""
-FEWEST_STEPS = 64
-"""Steps of each piece at least."""
-CHECKED, FINER, AGREED = 10, 4, 1e-3
-"""Motions that are looked at with shorter steps, how much shorter these are, and how far their
-energies may differ, over break-away times presliding length."""
+"""Steps of Runge-Kutta for each presliding length; each piece has twice as many at least."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -1048,14 +1026,14 @@ def cycle_energy(
         force = np.array([law.steady(item, load) for item in v]) + np.zeros_like(v)
         return np.asarray((force * v * t).sum(axis=0))
     length = presliding_length(law, load)
-    z = tuple(np.zeros(v.shape[1]) for _ in law.states)
+    z = np.zeros((len(law.states), v.shape[1]))
     flags = Latches(off=True)
     for _ in range(cycles):
         energy = np.zeros(v.shape[1])
         for speed, lasts in zip(v, t, strict=True):
             way = float(np.abs(speed * lasts).max()) / length
             # So many steps for each presliding length, over which states relax.
-            count = finer * max(FEWEST_STEPS, int(np.ceil(LENGTH_STEPS * way)))
+            count = finer * max(2 * LENGTH_STEPS, int(np.ceil(LENGTH_STEPS * way)))
             z, work = _moved(law, load, speed, lasts / count, count, z, flags)
             energy = energy + work
     return energy
@@ -1067,38 +1045,29 @@ def _moved(
     v: Array,
     h: Array,
     count: int,
-    z: tuple[Array, ...],
+    z: Array,
     flags: Latches,
-) -> tuple[tuple[Array, ...], Array]:
-    """Return the states after some steps at constant velocities, and the work of friction."""
+) -> tuple[Array, Array]:
+    """Return states (n, m) after some steps at constant velocities, and the work of friction."""
 
-    def rates(at: tuple[Array, ...]) -> tuple[Array, ...]:
+    def rates(at: Array) -> Array:
         with flags:
-            return tuple(np.asarray(rate) + np.zeros_like(v) for rate in law.rates(v, load, at))
+            return np.array([np.zeros_like(v) + rate for rate in law.rates(v, load, tuple(at))])
 
-    def power(at: tuple[Array, ...]) -> Array:
+    def power(at: Array) -> Array:
         with flags:
-            return np.asarray(law.force(v, load, at)) * v
-
-    def after(step: Array, by: tuple[Array, ...]) -> tuple[Array, ...]:
-        return tuple(array + step * rate for array, rate in zip(z, by, strict=True))
+            return np.asarray(law.force(v, load, tuple(at))) * v
 
     work = np.zeros_like(v)
     before, k1 = power(z), rates(z)
     for _ in range(count):
-        k2 = rates(after(0.5 * h, k1))
-        k3 = rates(after(0.5 * h, k2))
-        k4 = rates(after(h, k3))
+        k2 = rates(z + 0.5 * h * k1)
+        k3 = rates(z + 0.5 * h * k2)
+        k4 = rates(z + h * k3)
         start, first = z, k1
-        z = tuple(
-            array + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-            for array, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
-        )
+        z = z + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         k1 = rates(z)
-        half = tuple(  # of the cubic through both ends
-            0.5 * (a + b) + h / 8.0 * (c - d)
-            for a, b, c, d in zip(start, z, first, k1, strict=True)
-        )
+        half = 0.5 * (start + z) + h / 8.0 * (first - k1)  # of the cubic through both ends
         now = power(z)
         # Simpson's rule, with the state half-way.
         work = work + h / 6.0 * (before + 4.0 * power(half) + now)
@@ -1111,7 +1080,7 @@ def _moved(
     return z, work
 
 
-def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
+def passivity(bench: Bench) -> Passivity:
     """Search for a cycle of motion in which friction returns more work than it takes.
 
     Examples
@@ -1143,21 +1112,23 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
 
     def searched(speed: Array, way: Array) -> Array:
         with np.errstate(all="ignore"):  # of motions that are too fast for the steps
-            found = cycle_energy(law, speed, way / np.abs(speed), load=load, cycles=SEARCHED)
+            found = cycle_energy(
+                law, speed, way / np.abs(speed), load=load, cycles=ENERGY_CYCLES // 2
+            )
         return np.where(np.isfinite(found), found, np.inf)
 
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     way, speed = (
-        size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, tried)))
+        size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, TRIED)))
         for size, (low, high) in ((bench.reach, WAYS), (bench.speed, CYCLE_SPEEDS))
     )
     # The first half goes one way; in the rest each piece goes either way.
-    speed[:, tried // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, tried - tried // 2))
+    speed[:, TRIED // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, TRIED // 2))
     # slow, then too fast for the states to follow
     speed[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0])
     way[:, 0] = bench.reach * np.array([1.7, 1.2, 0.1])
     energy = searched(speed, way)
-    count = tried
+    count = TRIED
     for n in range(ROUNDS):
         best = np.argsort(energy)[:KEPT]
         speed, way, energy = speed[:, best], way[:, best], energy[best]
@@ -1174,13 +1145,13 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
         speed, way = (np.append(a, b, axis=1) for a, b in zip((speed, way), near, strict=True))
     lasts = way / np.abs(speed)
     # An energy that differs with the steps is an artefact: the next motion is looked at.
-    for i in np.argsort(energy)[:CHECKED]:
+    for i in np.argsort(energy)[:10]:
         with np.errstate(all="ignore"):
             worst, finer = (
                 float(cycle_energy(law, speed[:, i], lasts[:, i], load=load, finer=n)[0])
-                for n in (1, FINER)
+                for n in (1, 4)
             )
-        if abs(worst - finer) <= AGREED * (scale + abs(finer)):
+        if abs(worst - finer) <= ALIKE * (scale + abs(finer)):
             break
     else:
         raise SimulationError(
@@ -1349,8 +1320,7 @@ def characterize(
     load = LOAD.check("characterize", "load", load)
     chosen = list(TESTS) if tests is None else list(dict.fromkeys(tests))
     for name in chosen:
-        if name not in TESTS:
-            raise UnknownNameError("test", name, tuple(TESTS))
+        named(TESTS, name, "test")
     if not chosen:
         raise InputError(f"tests must name one of {', '.join(TESTS)}, got none.")
     given = [law_with_values(friction, load) for friction in (law, *others)]

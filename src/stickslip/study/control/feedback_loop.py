@@ -21,7 +21,7 @@ from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.study.tolerances import FEWEST_CYCLES, ROUNDING
+from stickslip.study.tolerances import FEWEST_CYCLES, FINE, ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,6 +45,17 @@ class Place(NamedTuple):
         """The path as it is written."""
         return ".".join(self.path)
 
+    def drive(self, mechanism: Mechanism) -> Drive | None:
+        """Return the drive that a mechanism has there; None if there is none."""
+        found: Drive | None = _got(mechanism, self.path)
+        return found
+
+    def driven(self, mechanism: Mechanism, drive: Drive) -> tuple[Mechanism, list[str]]:
+        """Return a mechanism with a drive there, and the names by which it lists that."""
+        new: Mechanism = _put(mechanism, self.path, drive)
+        held = self.drive(new)
+        return new, [name for name, other in new.drives().items() if other is held]
+
     def commanded(
         self, mechanism: Mechanism, command: Sampled | PiecewiseAffine
     ) -> tuple[Mechanism, str]:
@@ -52,15 +63,14 @@ class Place(NamedTuple):
 
         A drive that is there already stays, and the command is added to it.
         """
-        driven = _put(mechanism, self.path, command)
-        held = _got(driven, self.path)
-        for name, drive in driven.drives().items():
-            if drive is held:
-                return driven, name
-        raise InputError(
-            f"{type(mechanism).__name__}.{self.name} is not a drive that can be commanded:"
-            f" drives() must list it (it lists {', '.join(driven.drives()) or 'none'})."
-        )
+        before = self.drive(mechanism)
+        driven, names = self.driven(mechanism, command if before is None else before + command)
+        if not names:
+            raise InputError(
+                f"{type(mechanism).__name__}.{self.name} is not a drive that can be commanded:"
+                f" drives() must list it (it lists {', '.join(driven.drives()) or 'none'})."
+            )
+        return driven, names[0]
 
 
 def _got(root: Any, path: tuple[str, ...]) -> Any:
@@ -69,35 +79,42 @@ def _got(root: Any, path: tuple[str, ...]) -> Any:
     return root
 
 
-def _put(root: Any, path: tuple[str, ...], command: Drive) -> Any:
+def _put(root: Any, path: tuple[str, ...], drive: Drive) -> Any:
     if not path:
-        return command if root is None else root + command
+        return drive
     first, rest = path[0], path[1:]
-    new = _put(_got(root, (first,)), rest, command)
+    new = _put(_got(root, (first,)), rest, drive)
     if isinstance(root, tuple):  # one of several parts
         return tuple(new if str(i) == first else part for i, part in enumerate(root))
     return dataclasses.replace(root, **{first: new})
 
 
-def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
-    """Yield the fields that hold a drive, or may."""
+def drive_places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
+    """Yield the fields of a mechanism and its parts that hold a drive, or may; no profiles.
+
+    Examples
+    --------
+    >>> from stickslip import PendulumCart
+    >>> cart = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
+    >>> [place.name for place in drive_places(cart)]
+    ['pendulum.drive', 'ground']
+    """
     hints = typing.get_type_hints(type(root))
-    imposed = root.imposed if isinstance(root, Mechanism) else frozenset[str]()
     for known in dataclasses.fields(root):
         value = getattr(root, known.name)
         here = (*path, known.name)
-        if isinstance(value, Profile) or (not path and known.name in imposed):
+        if isinstance(value, Profile):
             continue  # what is imposed leaves nothing to command
         if isinstance(value, Drive) or (
             value is None and Drive in typing.get_args(hints[known.name])
         ):
             yield Place(here)
         elif isinstance(value, Parametrised):
-            yield from _places(value, here)
+            yield from drive_places(value, here)
         elif isinstance(value, tuple):
             for i, part in enumerate(value):
                 if isinstance(part, Parametrised):
-                    yield from _places(part, (*here, str(i)))
+                    yield from drive_places(part, (*here, str(i)))
 
 
 def place_of(mechanism: Mechanism, drive: str | None) -> Place:
@@ -150,7 +167,8 @@ def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[
 
 def every_place(mechanism: Mechanism) -> dict[str, Place]:
     """Return all places at which a mechanism can be commanded, by their paths."""
-    known = {place.name: place for place in _places(mechanism)}
+    places = drive_places(mechanism)
+    known = {place.name: place for place in places if place.path[0] not in mechanism.imposed}
     if not known:
         raise InputError(
             f"{type(mechanism).__name__} has no drive that a controller can command: give it a"
@@ -465,9 +483,9 @@ class Commands:
 
     def __init__(self, timing: Timing, samples: Sequence[float], hold: str, t_end: float) -> None:
         """Take the times of the samples."""
-        self.whole, self.rest = timing.lag()
+        self.periods, self.rest = timing.lag()
         self.period, self.hold = timing.period, hold
-        self.told: list[float] = []
+        self.issued: list[float] = []
         # Pieces of the drive begin at samples, and where commands act that are late by part of a
         # period.
         ends = [*samples[1:], t_end]
@@ -475,7 +493,7 @@ class Commands:
         inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
         self._breaks, self._end = sorted([*samples, *inner]), t_end
 
-    def untold(self) -> Sampled | PiecewiseAffine:
+    def zeros(self) -> Sampled | PiecewiseAffine:
         """Return the drive before anything is commanded: zeros, piece by piece."""
         return drive_of(self.hold, [(t, 0.0, 0.0) for t in self._breaks], self._end)
 
@@ -483,18 +501,18 @@ class Commands:
         """Return value and slope of a command at its own start; nothing acts before the first."""
         if index < 0:
             return 0.0, 0.0
-        now = self.told[index]
+        now = self.issued[index]
         if self.hold == "zero" or index == 0:
             return now, 0.0
-        return now, (now - self.told[index - 1]) / self.period
+        return now, (now - self.issued[index - 1]) / self.period
 
     def stretches(self, index: int, start: float, end: float) -> list[Stretch]:
         """Return what acts from a sample to the next, in one stretch or two."""
-        value, slope = self._line(index - self.whole)
+        value, slope = self._line(index - self.periods)
         if self.rest <= 0.0:
             return [(start, value, slope)]
         # The command before goes on until the new one acts.
-        old, steep = self._line(index - self.whole - 1)
+        old, steep = self._line(index - self.periods - 1)
         first = (start, old + steep * (self.period - self.rest), steep)
         middle = start + self.rest
         return [first, (middle, value, slope)] if middle < end else [first]
@@ -755,33 +773,33 @@ def closed_loop(
     samples = timing.times(last)
     places = places_of(mechanism, drive)
     commands = {name: Commands(timing, samples, hold, last) for name in places}
-    driven, own = mechanism, []
+    driven, listed = mechanism, []
     for place, command in zip(places.values(), commands.values(), strict=True):
-        driven, name = place.commanded(driven, command.untold())
-        own.append(name)
+        driven, name = place.commanded(driven, command.zeros())
+        listed.append(name)
     start = initial_state("closed_loop", mechanism, law, y0)
-    onward = IncrementalRun(driven, law, drives=own, y0=start, t_end=last, solver=solver)
+    onward = IncrementalRun(driven, law, drives=listed, y0=start, t_end=last, solver=solver)
     several = drive is not None and not isinstance(drive, str)
     walk = _Walk(onward, controller, sensors, commands, timing, several)
-    book = walk.made([*samples, last], progress)
+    walk.go([*samples, last], progress)
     # Once more with all that was commanded: `simulate` makes the same run of it.
     driven = mechanism
     for name, place in places.items():
-        driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
+        driven, _ = place.commanded(driven, drive_of(hold, walk.stretches[name], walk.end))
     drives = tuple(places) if several else ()
     run = onward.finished(driven)
-    if book.cancelled:
+    if walk.cancelled:
         run = replace(run, status=Status.CANCELLED)
     if throw:
         refuse(run)
-    requested = np.array(book.asked)
+    requested = np.array(walk.requested)
     requested = requested if drives else requested[:, 0]
     limited = np.array([timing.within(value) for value in requested.flat]).reshape(requested.shape)
     return ClosedLoop(
         run=run,
         mechanism=driven,
-        t=np.array(book.t),
-        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
+        t=np.array(walk.t),
+        measured={name: np.array([seen[name] for seen in walk.measured]) for name in names},
         requested=requested,
         commands=limited,
         period=timing.period,
@@ -815,22 +833,8 @@ def _check(
 
 
 @dataclass
-class _Book:
-    """What happened at the samples."""
-
-    t: list[float]
-    measured: list[dict[str, float]]
-    asked: list[list[float]]
-    stretches: dict[str, list[Stretch]]
-    """By drive."""
-    end: float = 0.0
-    """End of the last stretch [s]."""
-    cancelled: bool = False
-
-
-@dataclass
 class _Walk:
-    """What goes from sample to sample."""
+    """What goes from sample to sample, and what happened there."""
 
     onward: IncrementalRun
     controller: Any
@@ -840,43 +844,50 @@ class _Walk:
     timing: Timing
     several: bool
     """Whether drives were named in a sequence, so that commands come by name."""
+    t: list[float] = field(default_factory=list)
+    measured: list[dict[str, float]] = field(default_factory=list)
+    requested: list[list[float]] = field(default_factory=list)
+    end: float = 0.0
+    """End of the last stretch [s]."""
+    cancelled: bool = False
 
-    def made(self, times: Sequence[float], progress: Callable[[int, int], object] | None) -> _Book:
+    def __post_init__(self) -> None:
+        """Begin with no stretches of commands, by drive."""
+        self.stretches: dict[str, list[Stretch]] = {name: [] for name in self.commands}
+
+    def go(self, times: Sequence[float], progress: Callable[[int, int], object] | None) -> None:
         """Go from sample to sample; `times` are theirs and the end."""
         getattr(self.controller, "reset", lambda: None)()
-        book, count = _Book([], [], [], {name: [] for name in self.commands}), len(times) - 1
+        count = len(times) - 1
         every = max(count // REPORTS, 1)
-        for k in range(count):
-            t, end = times[k], times[k + 1]
+        for k, (t, end) in enumerate(itertools.pairwise(times)):
             seen = self.sensors.read(self.onward.state())
-            request = self._asked(self.controller(t, seen), t)
-            book.t.append(t)
-            book.measured.append(seen)
-            book.asked.append(request)
+            request = self._request(self.controller(t, seen), t)
+            self.t.append(t)
+            self.measured.append(seen)
+            self.requested.append(request)
             for command, value in zip(self.commands.values(), request, strict=True):
-                command.told.append(self.timing.within(value))
-            if not self._onward(k, t, end, book):
-                return book
+                command.issued.append(self.timing.within(value))
+            if not self._onward(k, t, end):
+                return
             if progress is not None and ((k + 1) % every == 0 or k + 1 == count):
-                book.cancelled = progress(k + 1, count) is False and k + 1 < count
-                if book.cancelled:
-                    break
-        return book
+                self.cancelled = progress(k + 1, count) is False and k + 1 < count
+                if self.cancelled:
+                    return
 
-    def _onward(self, k: int, t: float, end: float, book: _Book) -> bool:
+    def _onward(self, k: int, t: float, end: float) -> bool:
         """Run from a sample to the next; return whether it was reached."""
         pieces = {name: command.stretches(k, t, end) for name, command in self.commands.items()}
         together = list(zip(*pieces.values(), strict=True))
         ends = [*[lines[0][0] for lines in together[1:]], end]
-        for lines, until in zip(together, ends, strict=True):
+        for lines, self.end in zip(together, ends, strict=True):
             for name, line in zip(pieces, lines, strict=True):
-                book.stretches[name].append(line)
-            book.end = until
-            if not self.onward.advance(until, [(value, slope) for _, value, slope in lines]):
+                self.stretches[name].append(line)
+            if not self.onward.advance(self.end, [(value, slope) for _, value, slope in lines]):
                 return False
         return True
 
-    def _asked(self, command: Any, t: float) -> list[float]:
+    def _request(self, command: Any, t: float) -> list[float]:
         """Return the numbers that the controller gave, in the order of drives."""
         if not self.several:
             return [_number(command, t)]
@@ -905,10 +916,6 @@ def _number(command: Any, t: float) -> float:
 
 Kind: TypeAlias = Literal["limit cycle", "growing", "decaying", "irregular", "none"]
 
-RUN_TIMES = 20_000
-"""Evenly spaced times at which a run is looked at, beside the ends of its steps."""
-HYSTERESIS = 0.2
-"""Share of the range that a crossing must pass on either side of the middle."""
 TOLERANCE = Quantity("eps", above=0, high=1)
 
 
@@ -1008,7 +1015,7 @@ def limit_cycle(
         )
     # Ends of steps too: fast extremes lie between even times.
     times = np.union1d(
-        np.linspace(begin, last, RUN_TIMES), run.t[(run.t >= begin) & (run.t <= last)]
+        np.linspace(begin, last, 5 * FINE), run.t[(run.t >= begin) & (run.t <= last)]
     )
     values = run.at(times)[state]
     starts = _crossings(times, values)
@@ -1026,8 +1033,8 @@ def limit_cycle(
 
 def _crossings(t: Any, x: Any) -> Any:
     """Return the times of upward crossings of the middle, small ones left out."""
-    middle, reach = 0.5 * (x.max() + x.min()), 0.5 * HYSTERESIS * np.ptp(x)
     # With hysteresis: a side is known only beyond a tenth of the range from the middle.
+    middle, reach = 0.5 * (x.max() + x.min()), 0.1 * np.ptp(x)
     side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
     sided = np.flatnonzero(side)
     ups = [k for k in range(1, len(sided)) if side[sided[k]] > 0 > side[sided[k - 1]]]
@@ -1167,7 +1174,7 @@ class PID(Parametrised):
         """Return the command at a sample."""
         memory = self._memory
         since = 0.0 if memory.t is None else t - memory.t
-        place = _seen(measured, self.state)
+        place = _seen("PID", measured, self.state)
         speed = self._speed(measured, place, since)
         error = value_at(self.reference, t) - place
         command = self.proportional * error
@@ -1182,7 +1189,7 @@ class PID(Parametrised):
     def _speed(self, measured: Mapping[str, float], place: float, since: float) -> float:
         """Return the measured rate, or an estimate."""
         if self.rate is not None:
-            return _seen(measured, self.rate)
+            return _seen("PID", measured, self.rate)
         # One sample tells no rate.
         if since <= 0.0:
             return 0.0
@@ -1204,11 +1211,10 @@ class PID(Parametrised):
         return found, integral
 
 
-def _seen(measured: Mapping[str, float], name: str) -> float:
+def _seen(what: str, measured: Mapping[str, float], name: str) -> float:
     if name not in measured:
-        raise InputError(
-            f"PID: {name!r} is not measured; measured quantities: {', '.join(measured) or 'none'}."
-        )
+        known = ", ".join(measured) or "none"
+        raise InputError(f"{what}: {name!r} is not measured; measured quantities: {known}.")
     return measured[name]
 
 
@@ -1279,15 +1285,11 @@ class FrictionCompensation(Parametrised):
 
     def __call__(self, t: float, measured: Mapping[str, float]) -> float:
         """Return the force at a sample."""
-        if callable(self.velocity):
-            speed = float(self.velocity(t))
-        elif self.velocity in measured:
-            speed = measured[self.velocity]
-        else:
-            raise InputError(
-                f"compensation: {self.velocity!r} is not measured; measured quantities:"
-                f" {', '.join(measured) or 'none'}."
-            )
+        speed = (
+            float(self.velocity(t))
+            if callable(self.velocity)
+            else _seen("compensation", measured, self.velocity)
+        )
         load, *inputs = (
             value(t, measured) if callable(value) else value
             for value in (self.load, *self.inputs.values())
@@ -1347,9 +1349,6 @@ def compensation(
 
 # Partial feedback linearisation: one coordinate follows, friction and all else being known.
 
-UNCOMMANDED = 1e-12
-"""Share of its parts at which an acceleration per command is none."""
-
 
 @dataclass
 class _LinearisationMemory:
@@ -1360,12 +1359,8 @@ class _LinearisationMemory:
     singular: list[float] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class _Line:
-    """Friction at the contact as a line over the normal force, ``constant + slope * N``."""
-
-    constant: float
-    slope: float
+Line: TypeAlias = tuple[float, float]
+"""Friction at the contact as a line over the normal force: without load, and its slope."""
 
 
 def _table(found: Mapping[str, Any]) -> Any:
@@ -1509,24 +1504,25 @@ class PartialLinearisation(Parametrised):
         # The limit of slip from rest: no speed yet, and already a direction.
         return self._sliding(table, row, target, self._line(side * 1e-300))
 
-    def _line(self, speed: float) -> _Line:
+    def _line(self, speed: float) -> Line:
         # Laws are affine in the load: two loads tell the line.
         none, loaded = (sliding_force(self.law, speed, load) for load in (0.0, 1.0))
-        return _Line(none, loaded - none)
+        return none, loaded - none
 
-    def _holding(self, side: float) -> _Line:
+    def _holding(self, side: float) -> Line:
         none, loaded = (side * float(self.law.break_away(load)) for load in (0.0, 1.0))
-        return _Line(none, loaded - none)
+        return none, loaded - none
 
-    def _sliding(self, table: Any, row: int, target: float, friction: _Line) -> float | None:
+    def _sliding(self, table: Any, row: int, target: float, friction: Line) -> float | None:
         """Solve acceleration, normal force and friction for the command."""
         (free, by_friction, by_command), (n_0, n_f, n_u) = table[:, row], table[:, -1]
         # N = n_0 + n_f F + n_u u and F = c + s N, solved for N.
-        pivot = 1.0 - friction.slope * n_f
+        c, s = friction
+        pivot = 1.0 - s * n_f
         if pivot <= 0.0:
             return None  # Painleve's paradox
-        constant = (friction.constant + friction.slope * n_0) / pivot
-        slope = friction.slope * n_u / pivot
+        constant = (c + s * n_0) / pivot
+        slope = s * n_u / pivot
         gain = by_command + by_friction * slope
         if self._is_singular(gain, abs(by_command) + abs(by_friction * slope)):
             return None
@@ -1535,7 +1531,8 @@ class PartialLinearisation(Parametrised):
         return float(command) if normal > 0.0 else None
 
     def _is_singular(self, gain: float, size: float) -> bool:
-        return abs(gain) <= max(self.least, UNCOMMANDED * size)
+        # What is left of parts that cancel is rounding.
+        return abs(gain) <= max(self.least, ROUNDING * size)
 
     def _stuck(
         self, table: Any, row: int, slip: int, target: float

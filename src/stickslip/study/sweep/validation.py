@@ -26,13 +26,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip import errors
 from stickslip.data import QUANTITIES, LawEstimates, Measurement, noise_of, spread_of, step_of
 from stickslip.data import unit_on as unit_of_law
 from stickslip.engine.simulation import GivenFriction, ensemble, event_driven_law, simulate
 from stickslip.engine.solver import EventDriven, Samples
 from stickslip.engine.trajectory import Ensemble, Trajectory, completed
-from stickslip.errors import InputError, SimulationError
+from stickslip.errors import (
+    InputError,
+    ParameterError,
+    SimulationError,
+    UnknownNameError,
+    check_size,
+)
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identify import fits
 from stickslip.identify.fits import Estimate, Fit, RecordFit
@@ -61,8 +66,6 @@ from stickslip.show.formatting import (
     scale_of,
     within,
 )
-from stickslip.show.formatting import scale_of as shown_in
-from stickslip.show.formatting import within as value_within
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
 from stickslip.study.tolerances import FINE, PERCENT
@@ -87,6 +90,8 @@ Array: TypeAlias = NDArray[np.float64]
 T = TypeVar("T")
 
 QUANTILES = (0.025, 0.5, 0.975)
+ENDS = ("low", "median", "high")
+"""What they are called."""
 POINTS = 601
 """Evenly spaced times of a band, beside those asked for."""
 
@@ -179,15 +184,12 @@ class Band(OnAxes, Tabular):
         >>> [round(share, 1) for share in shares.indices["first"].tolist()]
         [0.8, 0.2]
         """
-        name = (
-            _only("shares", {travel: travel for travel in self.travels})
-            if coordinate is None
-            else coordinate
-        )
-        if name not in self.travels:
-            raise errors.UnknownNameError("coordinate of the band", name, self.travels)
+        names = dict(zip(self.travels, self.travels, strict=True))
+        name = _only("shares", names) if coordinate is None else coordinate
+        if name not in names:
+            raise UnknownNameError("coordinate of the band", name, names)
         if self.ended_early:
-            raise errors.InputError(
+            raise InputError(
                 f"{' '.join(self.reasons)} The runs that lasted do not tell what spreads all of"
                 " them."
             )
@@ -208,11 +210,10 @@ class Band(OnAxes, Tabular):
         """Return the band as a pandas DataFrame: ``x_low``, ``x_median``, ``x_high`` over ``t``."""
         import pandas as pd
 
-        ends = ("low", "median", "high")
         columns = {
             f"{name}_{end}": row
             for name, rows in self.states.items()
-            for end, row in zip(ends, rows, strict=True)
+            for end, row in zip(ENDS, rows, strict=True)
         }
         return pd.DataFrame({"t": self.t, **columns})
 
@@ -221,10 +222,7 @@ class Band(OnAxes, Tabular):
 
     def _column_units(self) -> Mapping[str, str]:
         return {"t": "s"} | {
-            f"{name}_{end}": self.units[name]
-            for name in self.states
-            if name in self.units
-            for end in ("low", "median", "high")
+            f"{name}_{end}": self.units[name] for name in self.states for end in ENDS
         }
 
     def _summary(self) -> Summary:
@@ -251,8 +249,8 @@ class Band(OnAxes, Tabular):
             "travel": {name: spread._asdict() for name, spread in self.travels.items()},
             "mean_velocity": {name: mean._asdict() for name, mean in self.mean_velocities.items()},
             "travel_by_cycle": {
-                name: [spread._asdict() for spread in own]
-                for name, own in self.travels_by_cycle.items()
+                name: [spread._asdict() for spread in spreads]
+                for name, spreads in self.travels_by_cycle.items()
             },
         }
         alone = len(self.travels) == 1
@@ -297,14 +295,14 @@ def band_of(
     [0.2, 0.2, 0.21]
     """
     if count < 2:
-        raise errors.InputError(f"band_of: count must be at least 2, got {count}.")
+        raise InputError(f"band_of: count must be at least 2, got {count}.")
     law = event_driven_law(mechanism, law)
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
     wanted = np.asarray(times, dtype=np.float64).ravel()
     kept_times = POINTS + whole + wanted.size
-    errors.check_size(
+    check_size(
         "ensemble at all times", float(count) * kept_times, "give a smaller count, or fewer times"
     )
     draws = draws_of(mechanism, law, estimates, parameter_uncertainties or {}, count, seed)
@@ -312,6 +310,9 @@ def band_of(
     if has_one_slip(mechanism):
         pairs = dict([slip_names(mechanism)])
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    units = {slip: units[slip] for slip in pairs} | {
+        rate: f"{units[slip]}/s" for slip, rate in pairs.items()
+    }
     # Ends of whole cycles, which rounding must not put behind the end of the run.
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
     grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, wanted]))
@@ -320,7 +321,7 @@ def band_of(
         law,
         draws,
         t_end=t_end,
-        outputs={name: Samples(name, grid.tolist()) for pair in pairs.items() for name in pair},
+        outputs={name: Samples(name, grid.tolist()) for name in units},
         y0=y0,
         solver=solver,
         executor=executor,
@@ -329,7 +330,7 @@ def band_of(
     kept = np.array([status.complete for status in runs.status])
     reasons = left_out(runs.status)
     if not kept.any():
-        raise errors.SimulationError(
+        raise SimulationError(
             f"none of {count} runs with samples of {', '.join(draws)} reached {number(t_end, 6)}"
             f" s. {' '.join(early_ends(runs.status, '', noun='draws'))}"
         )
@@ -337,9 +338,9 @@ def band_of(
     for name in pairs:
         x = runs[name][kept]
         at = x[:, np.searchsorted(grid, marks)]
-        travel = x[:, -1] - x[:, 0]
+        travels[name] = travel = x[:, -1] - x[:, 0]
         mean = travel / t_end if whole == 0 else (at[:, -1] - at[:, 0]) / float(marks[-1])
-        travels[name], means[name] = _spread(travel), _spread(mean)
+        means[name] = _spread(mean)
         cycles[name] = tuple(_spread(column) for column in np.diff(at, axis=1).T)
     return Band(
         draws={path: values[kept] for path, values in draws.items()},
@@ -348,22 +349,14 @@ def band_of(
         reasons=reasons,
         seed=seed,
         t=grid,
-        states={
-            name: np.quantile(runs[name][kept], QUANTILES, axis=0)
-            for pair in pairs.items()
-            for name in pair
-        },
-        units={
-            name: unit
-            for slip, rate in pairs.items()
-            for name, unit in ((slip, units[slip]), (rate, f"{units[slip]}/s"))
-        },
+        states={name: np.quantile(runs[name][kept], QUANTILES, axis=0) for name in units},
+        units=units,
         period=period,
-        travels=travels,
+        travels={name: _spread(values) for name, values in travels.items()},
         mean_velocities=means,
         travels_by_cycle=cycles,
         correlated=None if estimates is None else _most_correlated(estimates),
-        travels_by_run={name: runs[name][kept][:, -1] - runs[name][kept][:, 0] for name in pairs},
+        travels_by_run=travels,
     )
 
 
@@ -386,9 +379,7 @@ def draws_of(
         draws |= estimates.draw(law, count, seed=seed)
     if not uncertainties:
         if not draws:
-            raise errors.InputError(
-                "no parameter of the law or of the mechanism has an uncertainty."
-            )
+            raise InputError("no parameter of the law or of the mechanism has an uncertainty.")
         return draws
     declared = [*parameters(mechanism, "mechanism")]
     values = {path: value for path, _, value in declared}
@@ -403,11 +394,11 @@ def draws_of(
             path: float(random.normal(values[path], spread)) for path, spread in spreads.items()
         }
         tried += 1
-        with contextlib.suppress(errors.ParameterError):
+        with contextlib.suppress(ParameterError):
             vary(mechanism, "mechanism", draw)
             kept.append(draw)
         if tried > count and len(kept) < PERCENT * tried:
-            raise errors.InputError(
+            raise InputError(
                 f"nearly all samples of {', '.join(spreads)} are invalid for"
                 f" {type(mechanism).__name__}: state smaller uncertainties."
             )
@@ -430,7 +421,7 @@ def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
 def _only(what: str, table: Mapping[str, T]) -> T:
     """Return what there is of the only coordinate."""
     if len(table) != 1:
-        raise errors.InputError(
+        raise InputError(
             f"this band has several coordinates, {', '.join(table)}: take those of one from"
             f" Band.{what}."
         )
@@ -451,10 +442,6 @@ LEAST_ORIGIN = 10
 """Fewest samples whose mean sets the origin of a position; else a hundredth of the record."""
 NOISY = 1.5
 """Residual over noise from which on it is more than noise."""
-CLEARER = 0.5
-"""Residual with shifted times over that as recorded, below which the times are questioned."""
-FARTHEST = 0.1
-"""Largest shift that is tried, over the length of a record; at most half a cycle of the drives."""
 RECORDED = "recorded_swing"
 """What a recorded motion, whose error is in no band, is called among what is held."""
 
@@ -529,7 +516,7 @@ class ValidatedRecord(metaclass=Described):
     @property
     def late(self) -> bool:
         """Whether a shift of the times would explain at least half of the residual."""
-        return self.rms > NOISY * self.noise and self.shifted_rms < CLEARER * self.rms
+        return self.rms > NOISY * self.noise and self.shifted_rms < 0.5 * self.rms
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; not the samples."""
@@ -551,32 +538,32 @@ class ValidatedRecord(metaclass=Described):
     def sentences(self) -> tuple[str, ...]:
         """Return residual, noise and share in the band as sentences."""
         size, at = self.largest
-        scale = shown_in([self.rms, size], self.unit)
-        said = [
+        scale = scale_of([self.rms, size], self.unit)
+        texts = [
             f"Residual of the {self.quantity} (measured less predicted): root mean square"
             f" {scale.quantity(self.rms)}, largest {scale.quantity(size)} at {quantity(at, 's')}.",
             f"Noise of the sensor: {quantity(self.noise, self.unit)},"
             f" {'as stated' if self.noise_stated else 'estimated from differences of samples'}.",
         ]
         if abs(self.origin) > NORMAL_95 * self.noise:
-            said.append(
+            texts.append(
                 f"Origin of the {self.quantity}: {quantity(self.origin, self.unit)} were taken off,"
                 " the mean distance from the prediction at the beginning of the record."
             )
         if self.band is not None and self.inside is not None:
             half = 0.5 * float(np.max(self.band[1] - self.band[0]))
-            said.append(
+            texts.append(
                 f"95 % band of the prediction: up to {quantity(half, self.unit)} to either side;"
                 f" {percent(self.inside)} of the samples lie in it, and"
                 f" {percent(self.inside_with_noise or 0.0)} in the band with noise."
             )
         if self.late:
-            said.append(
+            texts.append(
                 f"With its times shifted by {quantity(self.shift, 's')}, the record would differ by"
                 f" {quantity(self.shifted_rms, self.unit)} only: check that its time 0 is when the"
                 " drive begins."
             )
-        return tuple(said)
+        return tuple(texts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -608,8 +595,7 @@ class ValidatedTravel(metaclass=Described):
     def cells(self) -> tuple[str, str, str, str]:
         """Return reading, prediction, its band and whether the reading meets it, as texts."""
         known = [self.measured, self.predicted]
-        scale = shown_in(known, self.unit)
-        band = "—"
+        scale, band = scale_of(known, self.unit), "—"
         if self.low is not None and self.high is not None:
             band = scale.interval(self.low, self.high)
         answer = {True: "yes", False: "no", None: "—"}[self.inside]
@@ -625,8 +611,8 @@ class ValidatedTravel(metaclass=Described):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        names = ("residual", "relative_error", "inside")
-        return {**vars(self), **{name: getattr(self, name) for name in names}}
+        found = {"residual": self.residual, "relative_error": self.relative_error}
+        return {**vars(self), **found, "inside": self.inside}
 
     @property
     def relative_error(self) -> float | None:
@@ -670,7 +656,11 @@ class Validation(InPanels):
     @property
     def verdict(self) -> str:
         """Whether the measurement agrees with the prediction, as a sentence."""
-        what = "measurement" if self.records and self.travels else self._record or self._reading
+        what = "reading" if len(self.travels) == 1 else "set of readings"
+        if self.records:
+            what = "record" if len(self.records) == 1 else "set of records"
+        if self.records and self.travels:
+            what = "measurement"
         lacks = ""
         if not self.drawn:
             lacks = "no parameter of the law or of the mechanism has an uncertainty"
@@ -703,14 +693,6 @@ class Validation(InPanels):
         return "the noise" if self.records else "errors of reading"
 
     @property
-    def _record(self) -> str:
-        return "" if not self.records else "record" if len(self.records) == 1 else "set of records"
-
-    @property
-    def _reading(self) -> str:
-        return "reading" if len(self.travels) == 1 else "set of readings"
-
-    @property
     def _kept(self) -> str:
         return joined([parameter_words(name) for name in self.kept])
 
@@ -726,23 +708,23 @@ class Validation(InPanels):
 
     def sentences(self) -> tuple[str, ...]:
         """Return the verdict, and what it rests on, as sentences."""
-        said = [self.verdict]
+        texts = [self.verdict]
         for record in self.records:
             label = f"{record.name}: " if record.name and len(self.records) > 1 else ""
-            said += [f"{label}{text}" for text in record.sentences()]
+            texts += [f"{label}{text}" for text in record.sentences()]
         if self.travels and not self.stated:
-            said.append(
+            texts.append(
                 "No uncertainty of the readings was stated: half of their last digit was taken."
             )
         if self.drawn:
             names = joined([parameter_words(path) for path in self.drawn])
             left = f" Held at their values: {self._kept}." if self.kept else ""
             no = "measurement noise" if self.records else "error of reading"
-            said.append(
+            texts.append(
                 f"The band includes the uncertainty of {names} ({self.count} draws, seed"
                 f" {self.seed}) and no {no}.{left}"
             )
-        return (*said, *self.reasons)
+        return (*texts, *self.reasons)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
@@ -830,10 +812,15 @@ def validate(
     >>> round(one.predicted, 4), round(one.low, 2), round(one.high, 2), seen.agrees
     (0.2039, 0.2, 0.21, True)
     """
-    law = _one_law(mechanism, law)
+    used = event_driven_law(mechanism, law)
+    if not isinstance(used, FrictionLaw):
+        raise InputError(
+            f"predictions are compared for mechanisms with one contact, but {mechanism.name} has"
+            f" {len(mechanism.contacts())}."
+        )
     if count < 2:
         raise InputError(f"validate: count must be at least 2, got {count}.")
-    uncertain = _Uncertain(law, estimates, count, seed, executor)
+    uncertain = _Uncertain(used, estimates, count, seed, executor)
     if any(isinstance(drive, SampledSwing) for drive in mechanism.drives().values()):
         uncertain.kept += (RECORDED,)
     records = measurement.records()
@@ -843,23 +830,13 @@ def validate(
             _record(mechanism, record, uncertain, doubts[index], index)
             for index, record in enumerate(records)
         )
-        return Validation(records=seen, **uncertain.said())
+        return Validation(records=seen, **uncertain.summary())
     if not measurement.travelled:
         raise InputError(
             "predictions are compared with positions or velocities in time, or with travels, and"
             f" the measurement has only {joined(measurement.quantities())}."
         )
-    return _travels(mechanism, law, measurement, t_end, uncertain)
-
-
-def _one_law(mechanism: Mechanism, law: FrictionLaw) -> FrictionLaw:
-    found = event_driven_law(mechanism, law)
-    if not isinstance(found, FrictionLaw):
-        raise InputError(
-            f"predictions are compared for mechanisms with one contact, but {mechanism.name} has"
-            f" {len(mechanism.contacts())}."
-        )
-    return found
+    return _travels(mechanism, used, measurement, t_end, uncertain)
 
 
 class _Uncertain:
@@ -875,9 +852,7 @@ class _Uncertain:
     ) -> None:
         self.law, self.count, self.seed, self.executor = law, count, seed, executor
         self.known = known if known is not None and known.drawn else None
-        self.kept: tuple[str, ...] = ()
-        if known is not None:
-            self.kept = known.kept
+        self.kept: tuple[str, ...] = () if known is None else known.kept
         self.paths: dict[str, None] = {}
         self.reasons: dict[str, None] = {}
         self.random = np.random.default_rng([seed, 2])  # of the noise
@@ -885,7 +860,7 @@ class _Uncertain:
     def draws(
         self,
         mechanism: Mechanism,
-        own: Mapping[str, float],
+        separate: Mapping[str, float],
         shared: Mapping[str, float],
         index: int,
     ) -> dict[str, Array]:
@@ -893,9 +868,9 @@ class _Uncertain:
         found: dict[str, Array] = {}
         if self.known is not None or shared:
             found |= draws_of(mechanism, self.law, self.known, shared, self.count, self.seed)
-        if own:
+        if separate:
             seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
-            found |= draws_of(mechanism, self.law, None, own, self.count, seed)
+            found |= draws_of(mechanism, self.law, None, separate, self.count, seed)
         self.paths |= dict.fromkeys(found)
         return found
 
@@ -913,7 +888,7 @@ class _Uncertain:
             raise SimulationError(" ".join(early_ends(runs.status, "", noun="draws")))
         return complete
 
-    def said(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, Any]:
         """Return what a `Validation` says of the draws."""
         drawn = tuple(self.paths)
         return {
@@ -969,8 +944,7 @@ def _record(
     )
     shift, shifted = _shifted(run, column, t, values, origin, cycle_or_none(mechanism))
     band = wide = as_large = None
-    own, shared = doubts
-    draws = uncertain.draws(mechanism, own, shared, index)
+    draws = uncertain.draws(mechanism, *doubts, index)
     if draws:
         seen = ensemble(
             mechanism,
@@ -986,9 +960,8 @@ def _record(
         others -= origin(others)
         with_noise = others + uncertain.random.normal(0.0, noise, others.shape)
         with_noise -= origin(with_noise)
-        ends = (QUANTILES[0], QUANTILES[-1])
-        band = predicted + np.quantile(others, ends, axis=0)
-        wide = predicted + np.quantile(with_noise, ends, axis=0)
+        band = predicted + np.quantile(others, QUANTILES[::2], axis=0)
+        wide = predicted + np.quantile(with_noise, QUANTILES[::2], axis=0)
         step = step_of(values)
         noises = (  # that of each as it would have been estimated
             np.full(len(others), noise)
@@ -1066,7 +1039,8 @@ def _shifted(
         residual = values - np.interp(t + shift, grid, known)
         return _rms(residual - origin(residual))
 
-    most = FARTHEST * float(t[-1] - t[0])
+    # A tenth of the record, and half a cycle of the drives.
+    most = 0.1 * float(t[-1] - t[0])
     most = most if period is None else min(most, 0.5 * period)
     # residuals over shifts have many minima where a motion repeats itself: the lowest is sought
     # first, and refined then
@@ -1107,23 +1081,21 @@ def _travels(
         others = others[:, np.all(np.isfinite(others), axis=0)]
         if not others.size:
             raise SimulationError(f"no draw lasted in all trials. {' '.join(uncertain.reasons)}")
-        low, high = np.quantile(others, (QUANTILES[0], QUANTILES[-1]), axis=1)
-        ends = list(
-            zip((low / _scales(trials)).tolist(), (high / _scales(trials)).tolist(), strict=True)
-        )
+        scales = [trial.scale for trial in trials]
+        low, high = (np.quantile(others, QUANTILES[::2], axis=1) / scales).tolist()
+        ends = list(zip(low, high, strict=True))
         spread = np.sqrt(np.var(others, axis=1) + errors**2)
         with_errors = others + uncertain.random.normal(size=others.shape) * errors[:, None]
         simulated = np.sum(((with_errors - predicted[:, None]) / spread[:, None]) ** 2, axis=0)
         seen = np.array([trial.travel for trial in trials])
         as_large = float(np.mean(simulated >= np.sum(((seen - predicted) / spread) ** 2)))
-    units = {name: known_quantity.unit for name, known_quantity in QUANTITIES.items()}
     turning = slips_by_angle(mechanism)
     return Validation(
         travels=tuple(
             ValidatedTravel(
                 name=label,
                 quantity=trial.quantity,
-                unit=turned(units[trial.quantity], turning),
+                unit=turned(QUANTITIES[trial.quantity].unit, turning),
                 measured=trial.travel / trial.scale,
                 uncertainty=float(error) / trial.scale,
                 predicted=float(value) / trial.scale,
@@ -1136,12 +1108,8 @@ def _travels(
         ),
         stated=stated,
         travels_as_large=as_large,
-        **uncertain.said(),
+        **uncertain.summary(),
     )
-
-
-def _scales(trials: Sequence[fits.Trial]) -> Array:
-    return np.array([trial.scale for trial in trials])
 
 
 def _drawn_travels(
@@ -1223,17 +1191,14 @@ class ParameterAgreement(metaclass=Described):
 
     def __str__(self) -> str:
         """Return both values and whether they agree, in one line."""
-        ends = (self.low, self.high)
-        low, high = ends if None not in ends else (self.carried, self.carried)
-        assert low is not None
-        assert high is not None
-        here = self.refitted
+        here, value, ends = self.refitted, number(self.carried, 4), ", no interval"
         unit = "" if self.unit == "1" else f" {self.unit}"
-        own = f" ({interval(low, high)})" if self.low is not None else ", no interval"
-        value = value_within(self.carried, low, high) if self.low is not None else number(low, 4)
-        new = value_within(here.value, here.low, here.high) if here.bounded else number(here.value)
+        if self.low is not None and self.high is not None:
+            value = within(self.carried, self.low, self.high)
+            ends = f" ({interval(self.low, self.high)})"
+        new = within(here.value, here.low, here.high) if here.bounded else number(here.value)
         both = (
-            f"{self.symbol}: carried {value}{unit}{own}, refitted {new}{unit}"
+            f"{self.symbol}: carried {value}{unit}{ends}, refitted {new}{unit}"
             f" ({here.range if here.bounded else 'not bounded'})"
         )
         if self.agrees is None:
@@ -1291,30 +1256,27 @@ class Refit(metaclass=Described):
         tuple of str
             Sentences.
         """
-        said = [f"{parameter}." for parameter in self.parameters]
+        texts = [f"{parameter}." for parameter in self.parameters]
         if self.explains(seen) is False:
             assert isinstance(self.fit, RecordFit)
             left = quantity(self.fit.rms, self.fit.measurement.unit(self.fit.problem.quantity))
-            said.append(
+            texts.append(
                 f"The refitted law leaves a residual of {left}, which is more than the noise: it"
                 " does not explain the record either, so that its values and intervals may be"
                 " biased."
             )
         if seen is not None and any(record.late for record in seen.records):
-            said.append(
+            texts.append(
                 "The times of the record may be shifted (see above), which biases the refitted"
                 " values."
             )
         if isinstance(self.fit, RecordFit):
-            said += map(str, self.fit.model_errors)
-        return tuple(said)
+            texts += map(str, self.fit.model_errors)
+        return tuple(texts)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        return {
-            "parameters": [parameter.to_dict() for parameter in self.parameters],
-            "fit": dict(self.fit.to_dict()),
-        }
+        return dict(json_value({"parameters": self.parameters, "fit": self.fit}))
 
 
 def compare_estimates(
@@ -1362,9 +1324,8 @@ def compare_estimates(
         if estimate.path not in values:
             continue
         name = estimate.path.removeprefix("friction.")
-        low, high = (
-            (None, None) if estimates is None else estimates.intervals.get(name, (None, None))
-        )
+        known = {} if estimates is None else estimates.intervals
+        low, high = known.get(name, (None, None))
         error = None
         if estimates is not None and low is not None and high is not None and estimate.bounded:
             error = math.hypot(
