@@ -740,7 +740,9 @@ def test_an_orbit_is_continued_within_a_range_around_it_and_doubled_at_minus_one
 
 def test_a_search_that_finds_no_orbit_says_how_far_it_is_and_what_to_do():
     pulled = Axis(inertia=1.0, offset=-5.0, drive=Sine(amplitude=1.0, frequency=1.0))
-    with pytest.raises(SimulationError, match=r"no periodic orbit of 1 cycle.* Settle longer"):
+    with pytest.raises(
+        SimulationError, match=r"a periodic orbit of 1 cycle does not converge.* Settle longer"
+    ):
         periodic_orbit(pulled, Coulomb(kinetic_coefficient=0.5), settle=3)  # faster and faster
 
 

@@ -47,6 +47,7 @@ from stickslip.study.sweep.parameter_grid import (
     counted,
     unit_of,
 )
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -391,14 +392,18 @@ def _has(curve: EventCurve, event: BranchEvent, box: Sequence[tuple[float, float
     if (curve.kind, curve.cycles) != (event.kind, event.orbit.cycles):
         return False
     orbit, sizes = event.orbit, np.abs(curve.starts).max(axis=0)
-    sizes[sizes == 0.0] = 1.0
+    sizes[sizes <= ROUNDING * sizes.max()] = 1.0  # what is lost to sticking
     from_law = curve.paths[1].startswith("friction.")
     other = value_of(orbit.law if from_law else orbit.mechanism, curve.paths[1])
     widths = np.array([high - low for low, high in box])
-    start = [orbit.start[name] for name in curve.states]
-    u = np.concatenate([np.array([event.value, other]) / widths, start / sizes])
+    states = orbit.run().at(np.arange(orbit.cycles) * (orbit.period / orbit.cycles))
+    starts = np.column_stack([states[name] for name in curve.states]) / sizes
     points = np.column_stack([curve.values / widths, curve.starts / sizes])
     chords = np.diff(points, axis=0)
-    along = ((u - points[:-1]) * chords).sum(axis=1) / np.maximum((chords**2).sum(axis=1), 1e-30)
-    places = points[:-1] + np.clip(along, 0.0, 1.0)[:, None] * chords
-    return bool((np.linalg.norm(u - places, axis=1) < SAME).any())
+    squares = np.maximum((chords**2).sum(axis=1), 1e-30)
+    for start in starts:  # an orbit of two cycles is the same a cycle later
+        u = np.array([event.value / widths[0], other / widths[1], *start])
+        along = np.clip(((u - points[:-1]) * chords).sum(axis=1) / squares, 0.0, 1.0)
+        if (np.linalg.norm(u - points[:-1] - along[:, None] * chords, axis=1) < SAME).any():
+            return True
+    return False
