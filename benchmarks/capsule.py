@@ -299,7 +299,7 @@ def errors_of(curve: EventCurve) -> list[float]:
     (low, high), errors = BOX[PATH], list[float]()
     beside = BESIDE * (high - low)
     inside = np.flatnonzero(np.abs(curve.values[:, 0] - 0.5 * (low + high)) < 0.499 * (high - low))
-    inside = inside[(0 < inside) & (inside < len(curve.values) - 1)]  # two events meet at an end
+    inside = inside[(inside > 0) & (inside < len(curve.values) - 1)]  # two events meet at an end
     for k in inside[np.linspace(0, len(inside) - 1, min(CHECKED, len(inside))).astype(int)]:
         frequency, amplitude = curve.values[k].tolist()
         start = dict(zip(curve.states, curve.starts[k].tolist(), strict=True))
