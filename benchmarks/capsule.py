@@ -80,7 +80,7 @@ CHECKED, GOAL_ERROR = 20, 1e-6
 """Points of each curve that a branch over one parameter meets, and the error over the range."""
 BESIDE = 0.01
 """Range of such a branch to each side, over that of the chart."""
-NO_CAUSE = ("too short", "not converge", "give more")
+NO_CAUSE = ("too short", "not converge", "give more", "led beyond")
 """What ends of curves say that have no cause in the motion."""
 CAPSULES, CAPSULE_CYCLES = 720, 200
 """Random capsules, and cycles of each run."""
