@@ -1,5 +1,6 @@
 """``python -m benchmarks [case ...]``: print cases; all of them also write benchmarks/results.md.
 
+``python -m benchmarks capsule:chart capsule:marks`` prints parts of a case that has some.
 ``python -m benchmarks posterior`` prints what verdicts are worth (`benchmarks.posterior.numbers`).
 """
 
@@ -98,11 +99,19 @@ def main() -> None:
             print("\n".join([f"## {found.title}", "", *tables.section(found)]))
         print(machine())
         return
-    unknown = [case for case in chosen if case not in CASES]
+    parts = {case: [name for name in chosen if name.partition(":")[0] == case] for case in CASES}
+    unknown = [name for name in chosen if name.partition(":")[0] not in CASES]
+    names = [case for case in CASES if not chosen or parts[case]]
+    modules = {name: importlib.import_module(f"benchmarks.{name}") for name in names}
+    picked = {
+        name: [part.partition(":")[2] for part in parts[name] if ":" in part] for name in names
+    }
+    for name, own in picked.items():
+        known = getattr(modules[name], "PARTS", ())
+        unknown += [f"{name}:{part}" for part in own if part not in known]
     if unknown:
         parser.error(f"no case {', '.join(unknown)}; there are {', '.join(CASES)}")
-    names = [case for case in CASES if not chosen or case in chosen]
-    text = page([importlib.import_module(f"benchmarks.{name}").run() for name in names])
+    text = page([modules[name].run(*picked[name]) for name in names])
     print(text)
     if len(names) == len(CASES):
         PAGE.write_text(text + "\n", encoding="utf-8")

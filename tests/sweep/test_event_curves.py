@@ -138,6 +138,40 @@ def test_curves_of_a_capsule_are_met_by_branches_over_one_parameter(soft, kind, 
         assert np.abs(np.array(found) - frequency).min() < 1e-6 * (box[0][1] - box[0][0])
 
 
+@pytest.fixture(scope="module")
+def stuck():
+    """The branch that sticks over the start of the cycle, and where it breaks off."""
+    start = {"xi": -0.00204, "v": 0.0168, "xi_dot": -0.2528}
+    rig = replace(CAPSULE, drive=Torque(drive=Sine(amplitude=0.2, frequency=15.12)))
+    orbit = periodic_orbit(rig, ROUGH, start=start, settle=0)
+    return continue_orbit(orbit, "drive.frequency", (14.4, 15.4))
+
+
+def test_what_passes_the_start_of_the_cycle_is_no_event(stuck):
+    phases = []
+    for index in range(len(stuck.values)):
+        orbit = stuck.orbit(index)
+        phases += [e.t / orbit.period for e in orbit.events if e.reason == "stop"]
+    assert min(phases) < 0.05  # it stops before and behind the start of the cycle
+    assert max(phases) > 0.95
+    assert not [event for event in stuck.events if event.value < 15.0]
+
+
+def test_sticking_that_breaks_off_has_a_curve(stuck):
+    event = next(e for e in stuck.events if e.kind == "sticking")
+    paths, box = ("drive.frequency", "drive.amplitude"), ((14.4, 15.6), (0.19, 0.21))
+    curve = continue_event(event, paths, box)
+    assert all("reaches" in end for end in curve.ends)
+    for frequency, amplitude in curve.values[[2, -3]]:
+        k = int(np.argmin(np.abs(curve.values[:, 1] - amplitude)))
+        start = dict(zip(curve.states, curve.starts[k], strict=True))
+        drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency - 0.002))  # in front
+        orbit = periodic_orbit(replace(CAPSULE, drive=drive), ROUGH, start=start, settle=0)
+        beside = continue_orbit(orbit, paths[0], (frequency - 0.05, frequency + 0.05))
+        off = [abs(e.value - frequency) for e in beside.events if e.kind == "sticking"]
+        assert min(off) < 1e-6
+
+
 def test_points_of_codimension_two_have_both_events(soft):
     event = next(event for event in soft.events if event.kind == "period doubling")
     curve = continue_event(

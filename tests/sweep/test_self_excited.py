@@ -250,7 +250,11 @@ class Untold(TowedBlock):
             InputError,
             "leave section out",
         ),
-        (lambda: periodic_orbit(Untold(**vars(block())), JERKY), SimulationError, "no "),
+        (
+            lambda: periodic_orbit(Untold(**vars(block())), JERKY),
+            SimulationError,
+            "does not converge|there is no cycle",
+        ),
     ],
 )
 def test_what_has_no_cycle_is_told(call, error, message):

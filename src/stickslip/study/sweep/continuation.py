@@ -110,9 +110,10 @@ SHORT, COARSE = 1e-3, 0.05
 located then where something changes along it."""
 CLEAN, RESTART = 1e-4, 4e-4
 """Distance over which a branch is stepped without a gap, and first step behind."""
-WINDOW, CREPT, FLICKERS = 40, 1e-4, 6
-"""Points in which a walk comes that far at least, over the largest scales, and steps in a row of
-which not all may change what happens."""
+WINDOW, CREPT, SLOWED, FLICKERS, BORDER = 40, 1e-4, 1e-2, 6, 1e-5
+"""Points in which a walk comes that far at least, over the largest scales; how far if it runs along
+a border; and steps in a row of which not all may change what happens; distance, over the range,
+of a border that a curve runs along."""
 POLE = 0.9
 """Share of the arc in front of a pole of the derivative after which a step ends."""
 BEHIND: Final = (1e-3, 4e-3)
@@ -604,7 +605,7 @@ class Curve:
     ) -> None:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
         self.box = [(-1, low, high, unit)]
-        self.tests, self.hops = TESTS, False
+        self.tests, self.hops, self.smooth = TESTS, False, False
         self.accept: Callable[[Point], object] = _nothing
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
@@ -823,10 +824,10 @@ class Curve:
             ended = self.ended(first, points)
             if ended:
                 return [*points[:-1], *self.before_known(here, there)], ended, events
+            self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             ended = self.stalled(points)
             if ended:
                 return points, ended, events
-            self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             if not isinstance(step, float):
                 growth = FAST if step.count == 0 else GROWTH if step.count <= EASY else 1.0
                 ds = min(step.length * (1.0 if held else growth), self.step, step.free)
@@ -847,17 +848,33 @@ class Curve:
         So it is where the body comes to rest, and its states become 0, or where what happens
         changes with every step.
         """
-        at = quantity(points[-1].shot.value, self.unit, 6)
-        pairs = list(itertools.pairwise(points[-WINDOW:]))
-        changes = [a.signature != b.signature for a, b in pairs]
-        if len(changes) >= FLICKERS and all(changes[-FLICKERS:]):
+        last = [point.signature for point in points[-FLICKERS - 1 :]]
+        if len(last) > FLICKERS and all(a != b for a, b in itertools.pairwise(last)):
             self.beyond.clear()
-            return f"It ends at {at}: what happens in a period changes with every step."
-        if len(pairs) < WINDOW - 1:
+            why = "what happens in a period changes with every step"
+        elif len(points) >= WINDOW and self.crept < SLOWED and self.beside(points[-1]):
+            why = f"nearer than {BORDER:g} of the range to where {self.beside(points[-1])}"
+        elif len(points) >= WINDOW and self.crept < CREPT:
+            why = "the steps become too short"
+        else:
             return ""
+        return f"It ends at {quantity(points[-1].shot.value, self.unit, 6)}: {why}."
+
+    def beside(self, here: Point) -> str:
+        """Return what changes right beside a smooth event, in words, if anything does."""
+        for off in (-BORDER, BORDER) if self.smooth else ():
+            with suppress(SimulationError, InputError):
+                near = self.shoot(here.unknowns + off * np.eye(len(here.unknowns))[-2])
+                if near.signature != here.signature:
+                    return _change(here.signature, near.signature)[1]
+        return ""
+
+    @property
+    def crept(self) -> float:
+        """Arc of the last steps of a walk, over the largest scales."""
         scale = np.maximum(self.widest, self.scale)
-        arcs = (_length((self.unscaled(b.shot) - self.unscaled(a.shot)) / scale) for a, b in pairs)
-        return f"It ends at {at}: the steps become too short." if sum(arcs) < CREPT else ""
+        chords = np.diff(self.trails[-1][-WINDOW:], axis=0) / scale
+        return float(np.linalg.norm(chords, axis=1).sum())
 
     def stepped(self, points: list[Point], u0: Array, ds: float) -> _Step | float:
         """Return a step in which nothing changes of what happens, or how long one may be.
@@ -923,15 +940,22 @@ class Curve:
     def ended(self, first: Point, points: list[Point]) -> str:
         """Return why a branch need not be followed beyond its last point; else nothing."""
         here, there = points[-2:]
-        at = quantity(there.shot.value, self.unit, 6)
         if self.closes_sooner(there):
             self.beyond.append(there.shot)
-            return f"It ends at {at}: orbits close after fewer cycles there."
-        if (known := self.met(there)) is not None:
-            return f"It meets branch {known} at {at}."
-        if len(points) > 3 and self.closes(first, here, there):
-            return "It closes."
-        return "" if self.is_new(there) else f"It returns to itself at {at}."
+            what = "It ends at {}: orbits close after fewer cycles there."
+        elif (known := self.met(there)) is not None:
+            what = f"It meets branch {known} at {{}}."
+        elif len(points) > 3 and self.closes(first, here, there):
+            what = "It closes."
+        elif self.returns(there):
+            what = "It returns to itself at {}."
+        else:
+            return ""
+        return what.format(quantity(there.shot.value, self.unit, 6))
+
+    def returns(self, there: Point) -> bool:
+        """Whether a point is on the branch already."""
+        return any(self.chord(there, trail) is not None for trail in self.trails)
 
     def closes_sooner(self, there: Point) -> bool:
         """Whether an orbit is the same at an earlier cycle: it is one of a branch of fewer."""
@@ -1035,9 +1059,8 @@ class Curve:
 
     def is_new(self, there: Point) -> bool:
         """Whether a point is on no branch that is known, nor on this one, nor of fewer cycles."""
-        if self.closes_sooner(there) or self.met(there) is not None:
-            return False
-        return all(self.chord(there, trail) is None for trail in self.trails)
+        known = self.closes_sooner(there) or self.met(there) is not None
+        return not (known or self.returns(there))
 
     def before_known(self, here: Point, there: Point) -> list[Point]:
         """Return the last point of a step that is on no branch yet, if there is one behind here."""
@@ -1208,15 +1231,13 @@ class Curve:
         What happens in a run right behind the last point is what stops it.
         """
         u0 = here.unknowns
-        at = f"It ends at {quantity(here.shot.value, self.unit, 6)}"
+        at, lack = f"It ends at {quantity(here.shot.value, self.unit, 6)}", ""
         for ds in self.behind:
             try:
                 ahead = self.shoot(u0 + ds * here.tangent).sensed()
             except (SimulationError, InputError) as error:
-                return "", (
-                    f"{at}: behind, a run ends early or has no derivative:"
-                    f" {str(error).rstrip('.')}."
-                )
+                lack = lack or f"behind, a run ends early or has no derivative: {error}"
+                continue
             after = ahead.signature
             if after == here.signature:
                 continue
@@ -1229,7 +1250,7 @@ class Curve:
                 f" infinite: right behind, the largest multiplier is {number(large, 2)}"
                 f"{self.survives(here, None)}."
             )
-        return "", f"{at}: the corrector does not converge."
+        return "", f"{at}: {lack.rstrip('.') or 'the corrector does not converge'}."
 
     # -- events
 

@@ -9,8 +9,9 @@ the steps are those of `continuation`. With M = dPhi/dy:
    are -w' (dM v) = -w' d/de [dPhi/d(y, p, q) at y + e v], by two further runs. The borders b and c
    are the null vectors of the last point (Govaerts 2000, chapter 4; Kuznetsov 2004, chapter 10).
 2. Grazing: g is the least distance of a stop or a switch from where it is met, for which its
-   velocity is 0. Begin of sticking: g is the break-away level less the friction needed, at the turn
-   of the velocity. Derivatives of both are differences of runs.
+   velocity is 0. Sticking: g is the break-away level less the friction needed, at the turn of the
+   velocity or, where sticking breaks off, at its least between two turns. Derivatives of all are
+   differences of runs.
 3. An orbit that touches has no derivative (di Bernardo et al. 2008), so that curves of grazing are
    solved on one side: what a step puts beyond is moved back along the gradient of g and
    extrapolated linearly from there. How far beyond it is, an impact tells by its speed u and
@@ -113,6 +114,29 @@ class _Switch:
         return []  # the motion goes on through it, and the distance changes its sign
 
 
+@dataclass(frozen=True)
+class _Level:
+    """Distance of the friction that holds a contact from its break-away level, over the level."""
+
+    contact: str
+    law: Any
+
+    def __call__(self, run: BareRun, mechanism: Mechanism, t: Array) -> Array:
+        columns = run.playback(t)
+        friction, load, mode = (_column(columns, n, self.contact) for n in (*_HOLDS, "mode"))
+        found = np.full(len(t), np.inf)
+        for k in np.flatnonzero(mode == 0):
+            level = level_of(self.law, self.contact, friction[k], load[k])
+            found[k] = 1.0 - abs(friction[k]) / level
+        return found
+
+    def met(self, run: BareRun, mechanism: Mechanism) -> list[float]:
+        events = (e for e in run.events() if e.contact == self.contact)
+        return [e.t for e in events if e.reason == "break-away"]
+
+
+_Gap: TypeAlias = _HardStop | _Switch | _Level
+"""A distance that is 0 where something is touched."""
 _HOLDS = ("friction", "normal_force")
 
 
@@ -223,7 +247,7 @@ class _Distance:
 class _Touch(_Distance):
     """The least distance of a gap is 0."""
 
-    def __init__(self, gap: "_HardStop | _Switch", phase: float, size: float) -> None:
+    def __init__(self, gap: _Gap, phase: float, size: float) -> None:
         self.gap, self.phase, self.size = gap, phase, size
 
     def __call__(self, shot: Shot) -> tuple[float, bool]:
@@ -234,9 +258,9 @@ class _Touch(_Distance):
         def gap(t: Array) -> Array:
             return self.gap(run, shot.mechanism, np.mod(t, period)) / self.size
 
-        met = [t for t in self.gap.met(run, shot.mechanism) if abs(t - middle) < half]
-        if met:
-            at = min(met, key=lambda t: abs(t - middle))
+        met = [around(t, middle, period) for t in self.gap.met(run, shot.mechanism)]
+        at = min(met, key=lambda t: abs(t - middle), default=math.inf)
+        if abs(at - middle) < half:
             h = 2e-3 * half
             one, two = gap(at - h * np.array([1.0, 2.0]))
             speed, bend = (4.0 * one - two) / (2.0 * h), (two - 2.0 * one) / h**2
@@ -247,9 +271,11 @@ class _Touch(_Distance):
         for _ in range(self.narrower):
             times = np.linspace(middle - half, middle + half, ORBIT_TIMES)
             values = gap(times)
-            k = int(np.nanargmin(values)) if np.isfinite(values).any() else 0
-            if not 0 < k < ORBIT_TIMES - 1 or not np.isfinite(values[k - 1 : k + 2]).all():
+            known = np.isfinite(values[:-2] + values[2:])
+            lows = np.flatnonzero(known & (values[1:-1] <= np.minimum(values[:-2], values[2:])))
+            if not len(lows):
                 raise SimulationError("the contact that was touched is not near any more.")
+            k = int(min(lows, key=lambda i: abs(times[i + 1] - middle))) + 1
             middle, half = times[k], times[1] - times[0]
         a, b, c = values[k - 1 : k + 2]
         self.at = middle / period
@@ -270,13 +296,13 @@ class _Turn(_Distance):
             for e in shot.run.events()
             if e.contact == self.contact
             and e.reason in ("stop", "reversal")
-            and abs(e.t / period - self.phase) < half
+            and abs(around(e.t / period, self.phase, 1.0) - self.phase) < half
         ]
         if not turns:
             raise SimulationError("the velocity does not turn there any more.")
-        turn = min(turns, key=lambda e: abs(e.t / period - self.phase))
+        turn = min(turns, key=lambda e: abs(around(e.t / period, self.phase, 1.0) - self.phase))
         self.at = turn.t / period
-        columns = shot.run.playback(np.clip(turn.t + period * END_STEP * _AROUND, 0.0, period))
+        columns = shot.run.playback(np.mod(turn.t + period * END_STEP * _AROUND, period))
         friction, load = (_column(columns, n, self.contact) for n in _HOLDS)
         level = level_of(shot.law, self.contact, -turn.from_mode, load[1])
         side, beyond = (1.0 if self.sticks else -1.0), (turn.reason == "stop") != self.sticks
@@ -291,6 +317,11 @@ class _Turn(_Distance):
 
 
 _AROUND = np.array([-2.0, -1.0, 1.0, 2.0])
+
+
+def around(t: float, middle: float, period: float) -> float:
+    """Return the time at which a cycle is repeated that is nearest to a time."""
+    return t - period * round((t - middle) / period)
 
 
 def _rate_of(mechanism: Mechanism, contact: str) -> str:
@@ -676,6 +707,7 @@ def continue_event(
     curve = Curve(as_map, *ranges[1], units[1], step, int(points), LEAST_STEP)
     curve.box.append((-2, *ranges[0], units[0]))
     curve.tests, curve.hops = tuple(WITH[event.kind]), True
+    curve.smooth = event.kind in ("fold", "period doubling")
     curve.scale = np.append(shot.scale, widths)
     curve.widest = curve.scale
     u = np.array([*shot.y.tolist(), shot.value, values[1]]) / curve.scale
@@ -685,8 +717,8 @@ def continue_event(
             break
     else:
         raise SimulationError(
-            f"{owner}: no orbit at the {event.kind} was found near"
-            f" {quantity(values[0], units[0], 6)}."
+            f"{owner}: the search for an orbit at the {event.kind} near"
+            f" {quantity(values[0], units[0], 6)} does not converge."
         )
 
     def accept(point: Point) -> None:
@@ -765,9 +797,9 @@ def _touched(kind: str, shot: Shot) -> _Condition:
     times = np.linspace(0.0, period, 32 * ORBIT_TIMES * shot.derivatives.map.cycles)[:-1]
     found: list[tuple[float, _Condition]] = []
 
-    def consider(gap: "_HardStop | _Switch") -> None:
+    def consider(gap: _Gap) -> None:
         values = gap(run, mechanism, times)
-        size = float(np.nanmax(np.abs(values), initial=0.0))
+        size = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
         left, right = np.roll(values, 1), np.roll(values, -1)
         least = np.flatnonzero(
             (values <= left) & (values < right) & (values < _Distance.touch * size)
@@ -784,6 +816,8 @@ def _touched(kind: str, shot: Shot) -> _Condition:
             for side in (1.0, -1.0):
                 consider(_Switch(i, side))
     else:
+        for contact in mechanism.contacts():
+            consider(_Level(contact.name, shot.law))
         for turn in run.events():
             if turn.reason in ("stop", "reversal"):
                 at = _Turn(turn.contact, turn.t / period, turn.reason == "stop")

@@ -47,6 +47,7 @@ from stickslip.study.sweep.parameter_grid import (
     counted,
     unit_of,
 )
+from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -379,7 +380,12 @@ def _curves(
             if event.kind not in KINDS or any(_has(curve, event, box) for curve in curves):
                 continue
             try:
-                curves.append(continue_event(event, paths, box, step=step, points=most))
+                curve = continue_event(event, paths, box, step=step, points=most)
+                middle = len(curve.values) // 2  # an event is located beside its curve
+                place = curve.values[middle], curve.starts[middle : middle + 1]
+                same = (c for c in curves if (c.kind, c.cycles) == (curve.kind, curve.cycles))
+                if not any(_lies_on(other, *place, box) for other in same):
+                    curves.append(curve)
             except (SimulationError, InputError) as error:
                 at = quantity(event.value, diagram.unit, 5)
                 lost.append(f"The {event.kind} at {at} has no curve: {error}")
@@ -390,15 +396,28 @@ def _has(curve: EventCurve, event: BranchEvent, box: Sequence[tuple[float, float
     """Whether an event lies on a curve: by the parameters and the states at its points."""
     if (curve.kind, curve.cycles) != (event.kind, event.orbit.cycles):
         return False
-    orbit, sizes = event.orbit, np.abs(curve.starts).max(axis=0)
-    sizes[sizes == 0.0] = 1.0
+    orbit = event.orbit
     from_law = curve.paths[1].startswith("friction.")
     other = value_of(orbit.law if from_law else orbit.mechanism, curve.paths[1])
+    states = orbit.run().at(np.arange(orbit.cycles) * (orbit.period / orbit.cycles))
+    # an orbit of two cycles is the same a cycle later
+    starts = np.column_stack([states[name] for name in curve.states])
+    return _lies_on(curve, np.array([event.value, other]), starts, box)
+
+
+def _lies_on(
+    curve: EventCurve, values: Array, starts: Array, box: Sequence[tuple[float, float]]
+) -> bool:
+    """Whether parameters with any of some starts lie on a curve."""
+    sizes = np.abs(curve.starts).max(axis=0)
+    sizes[sizes <= ROUNDING * sizes.max()] = 1.0  # what is lost to sticking
     widths = np.array([high - low for low, high in box])
-    start = [orbit.start[name] for name in curve.states]
-    u = np.concatenate([np.array([event.value, other]) / widths, start / sizes])
     points = np.column_stack([curve.values / widths, curve.starts / sizes])
     chords = np.diff(points, axis=0)
-    along = ((u - points[:-1]) * chords).sum(axis=1) / np.maximum((chords**2).sum(axis=1), 1e-30)
-    places = points[:-1] + np.clip(along, 0.0, 1.0)[:, None] * chords
-    return bool((np.linalg.norm(u - places, axis=1) < SAME).any())
+    squares = np.maximum((chords**2).sum(axis=1), 1e-30)
+    for start in starts:
+        u = np.concatenate([values / widths, start / sizes])
+        along = np.clip(((u - points[:-1]) * chords).sum(axis=1) / squares, 0.0, 1.0)
+        if (np.linalg.norm(u - points[:-1] - along[:, None] * chords, axis=1) < SAME).any():
+            return True
+    return False

@@ -81,6 +81,8 @@ LOST = 1e-13
 """Derivative, over the size of the states, that is rounding."""
 END_STEP = 1e-5
 """Share of an orbit within which the velocity of the states at its end is taken."""
+ECHO = 1e-4
+"""Share of an orbit at its start in which what happens at its end, too, is the same."""
 PERIOD_STEP = 1e-4
 """Share of a parameter by which it is changed for the derivative of the cycle."""
 POWERS = 5
@@ -357,9 +359,9 @@ def _excited(
     grown = 1.0 + float(np.abs(np.linalg.eigvals(shot.monodromy)).max(initial=0.0))
     if twice.error > REPEATED * grown:
         raise SimulationError(
-            f"no cycle was found: what closes after {number(shot.period, 4)} s does not do so"
-            f" again. Time is in the equations of {type(mechanism).__name__} beside its drives; a"
-            " mechanism tells by `carried` what moves along steadily."
+            f"periodic_orbit: there is no cycle. The motion closes after {number(shot.period, 4)}"
+            f" s, but not a second time: the equations of {type(mechanism).__name__} depend on time"
+            " beside its drives. Let `carried` of the mechanism return what moves along steadily."
         )
     return map_.orbit(shot)
 
@@ -661,20 +663,39 @@ class ReturnMap:
     def signature(self, mechanism: Mechanism, run: BareRun) -> Signature:
         """Return how often each contact does what, and the mode of those that do nothing.
 
-        It does not depend on where in the cycle an orbit is cut.
+        It does not depend on where in the cycle an orbit is cut: what happens at both ends of the
+        run counts once, and a change of mode from the end to the start counts, too.
         """
-        what_came = run.happened()
-        if what_came in self.signatures:
+        length, what_came = run.differentiate.t_end, run.happened()
+        # the time of the first event, or 0 of a run without any
+        early = run.differentiate.record.events[0] <= ECHO * length
+        if not early and what_came in self.signatures:
             return self.signatures[what_came]
         events = run.events()
-        counts = Counter((event.contact, event.reason) for event in events)
-        changing = {event.contact for event in events if event.from_mode != event.to_mode}
-        idle = [c.name for c in mechanism.contacts() if c.name not in changing]
+        late = {(e.contact, e.reason) for e in events if e.t >= (1.0 - ECHO) * length}
+        ends = {e.contact: e.to_mode for e in events if e.from_mode != e.to_mode}
+
+        def again(event: Event) -> bool:
+            changes = event.from_mode != event.to_mode == ends.get(event.contact)
+            return event.t <= ECHO * length and (changes or (event.contact, event.reason) in late)
+
+        kept = [event for event in events if not again(event)]
+        counts = Counter((event.contact, event.reason) for event in kept)
+        changes = dict[str, list[Event]]()
+        for event in kept:
+            if event.from_mode != event.to_mode:
+                changes.setdefault(event.contact, []).append(event)
+        for name, own in changes.items():
+            first, last = own[0].from_mode, own[-1].to_mode
+            if first != last:  # what leads from the end to the start
+                what = "reversal" if first and last else "break-away" if first else "stop"
+                counts[name, what] += 1
+        idle = [c.name for c in mechanism.contacts() if c.name not in changes]
         if idle:
-            modes = first_modes(mechanism, run, events)
+            modes = first_modes(mechanism, run, kept)
             counts.update({(name, f"mode {modes[name]}"): 1 for name in idle})
         found = tuple(sorted((*key, count) for key, count in counts.items()))
-        if not idle:
+        if not idle and not early:
             self.signatures[what_came] = found
         return found
 
@@ -997,9 +1018,9 @@ def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
     if shot.error <= map_.tolerance:
         return shot
     raise SimulationError(
-        f"no periodic orbit of {map_.cycles} cycle{'s' * (map_.cycles != 1)} was found: after"
-        f" {number(shot.period, 4)} s the motion is still {number(shot.error, 2)} of its size from"
-        " its start. Settle longer, start nearer, or give another number of cycles."
+        f"the search for a periodic orbit of {map_.cycles} cycle{'s' * (map_.cycles != 1)} does not"
+        f" converge: after {number(shot.period, 4)} s the motion is {number(shot.error, 2)} of its"
+        " size from its start. Settle longer, start nearer, or give another number of cycles."
     )
 
 
