@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
+from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity, remark
 from stickslip.data.differentiation import (
     CUTOFF,
     PADDED,
@@ -169,16 +169,18 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
     seen = motion.directions[motion.directions != 0]
     if not seen.size:
         noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
-        yield Finding(
-            kind="reversals",
-            severity="warning",
-            sentence=(
-                f"The largest speed, {fastest}, is not significantly above its noise of {noise}:"
-                " directions cannot be determined. Filter the position, or measure it with a finer"
-                " resolution."
-            ),
-            measure="Measure faster or larger motions",
-            numbers={"noise": motion.noise, "fastest": motion.fastest},
+        text = (
+            f"The largest speed, {fastest}, is not significantly above its noise of {noise}:"
+            " directions cannot be determined. Filter the position, or measure it with a finer"
+            " resolution."
+        )
+        yield remark(
+            "reversals",
+            "warning",
+            text,
+            "Measure faster or larger motions",
+            noise=motion.noise,
+            fastest=motion.fastest,
         )
         return
     changes = int(np.count_nonzero(np.diff(seen)))
@@ -190,13 +192,7 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         sentence = f"No reversals: the motion goes {'forward' if seen[0] > 0 else 'backward'} only"
         sentence += ", so that friction level and offset cannot be separated." * offset or "."
     lost = offset and not changes
-    yield Finding(
-        kind="reversals",
-        severity="warning" if lost else "info",
-        sentence=sentence,
-        measure=OTHER_WAY if lost else "",
-        numbers=numbers,
-    )
+    yield remark("reversals", lost, sentence, OTHER_WAY, **numbers)
 
 
 def beside_other_way(finding: Finding) -> Finding:
@@ -228,17 +224,15 @@ def straight(record: Measurement) -> Iterator[Finding]:
             " rotated, its track is curved, or the camera was not perpendicular to the plane of"
             " motion."
         )
-    yield Finding(
-        kind="line",
-        severity="warning" if bent else "info",
-        sentence=text,
-        measure="Record a straight motion, with the camera perpendicular to it" if bent else "",
-        numbers={
-            "tilt": line.tilt,
-            "length": line.length,
-            "across": line.across,
-            "jitter": line.jitter,
-        },
+    yield remark(
+        "line",
+        bent,
+        text,
+        "Record a straight motion, with the camera perpendicular to it",
+        tilt=line.tilt,
+        length=line.length,
+        across=line.across,
+        jitter=line.jitter,
     )
 
 
@@ -247,32 +241,31 @@ def rests(motion: Motion) -> Iterator[Finding]:
     durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
     if not durations.size:
         text = f"No periods of rest of {FEWEST_SAMPLES} samples or more."
-        yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
+        yield remark("rests", "info", text, duration=0.0)
         return
     total, still = float(np.sum(durations)), motion.hardly_moves
     text = f"At rest for {quantity(total, 's')} of {quantity(span, 's')} ({percent(total / span)}),"
     text += f" in {count(int(durations.size), 'period')}"
-    yield Finding(
-        kind="rests",
-        severity="warning" if still else "info",
-        sentence=f"{text}: {LITTLE}." if still else f"{text}.",
-        measure="Record more of the motion" if still else "",
-        numbers={"duration": total, "share": total / span, "stretches": durations.size},
+    yield remark(
+        "rests",
+        still,
+        f"{text}: {LITTLE}." if still else f"{text}.",
+        "Record more of the motion",
+        duration=total,
+        share=total / span,
+        stretches=durations.size,
     )
 
 
 def readings(time: Array) -> Finding:
     """Return that rows with times are read as steady readings, and no samples of a motion."""
     step = interval_of(time)
-    return Finding(
-        kind="steady readings",
-        sentence=(
-            f"The rows, one every {quantity(step, 's')}, are taken for steady readings of friction:"
-            " a table over the speed, in the order of their times. `--route balance` takes them for"
-            " samples of one motion."
-        ),
-        numbers={"interval": step},
+    text = (
+        f"The rows, one every {quantity(step, 's')}, are taken for steady readings of friction:"
+        " a table over the speed, in the order of their times. `--route balance` takes them for"
+        " samples of one motion."
     )
+    return remark("steady readings", "info", text, interval=step)
 
 
 def slow(motion: Motion) -> Iterator[Finding]:
@@ -286,7 +279,7 @@ def slow(motion: Motion) -> Iterator[Finding]:
     text = f"{percent(share)} of the samples are slower than {quantity(SLIGHT * fastest, unit)},"
     text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
     text += "." if share else ": this record does not determine friction near zero velocity."
-    yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})
+    yield remark("low speed", "info", text, share=share, fastest=fastest)
 
 
 # Signals that must fit each other: velocity and position, forces and motion, friction and load.
@@ -333,7 +326,7 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
         sentence = f"Velocity is {number(factor)} times the derivative of position"
         sentence += f"{_guess(factor)}: state its unit or a gain."
         severity = "error"
-    yield Finding(kind="velocity", severity=severity, sentence=sentence, numbers=numbers)
+    yield remark("velocity", severity, sentence, **numbers)
 
 
 def _guess(factor: float) -> str:
@@ -373,7 +366,7 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
         severity = "warning"
         sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"
         sentence += " samples: check for an offset, a delay, or opposite sign conventions."
-    yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)
+    yield remark("friction sign", severity, sentence, **numbers)
 
 
 # Forces that must fit the motion: one that is missing, energy from nowhere, factors of units.
@@ -396,13 +389,11 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
         return
     if mechanism is not None and mechanism.drives():
         return
-    yield Finding(
-        kind="drive",
-        sentence=(
-            "Neither force nor reference is given: a fit treats the motion as undriven, such as a"
-            " free decay."
-        ),
+    text = (
+        "Neither force nor reference is given: a fit treats the motion as undriven, such as a"
+        " free decay."
     )
+    yield remark("drive", "info", text)
 
 
 def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
@@ -451,12 +442,7 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
         )
     else:
         return
-    yield Finding(
-        kind="drive",
-        severity=severity,
-        sentence=sentence,
-        numbers={"gained": gained, "turned": rose, "kept": kept},
-    )
+    yield remark("drive", severity, sentence, gained=gained, turned=rose, kept=kept)
 
 
 def _swinging(swing: "Swing", record: Measurement, mechanism: Mechanism) -> Finding:
@@ -465,15 +451,11 @@ def _swinging(swing: "Swing", record: Measurement, mechanism: Mechanism) -> Find
     cure = f'give it stiffness = "{number(spring)} {turned("N/m", record.turning)}"'
     if record.turning:
         cure = f'make it a pendulum, as with length = "{number(swing.length)} m", or {cure}'
-    return Finding(
-        kind="mechanism",
-        severity="error",
-        sentence=(
-            f"The body swings by itself, at {quantity(swing.frequency, 'Hz')} in small swings, and"
-            f" the mechanism has no spring and no weight: {cure}."
-        ),
-        numbers={"frequency": swing.frequency, "stiffness": spring},
+    text = (
+        f"The body swings by itself, at {quantity(swing.frequency, 'Hz')} in small swings, and"
+        f" the mechanism has no spring and no weight: {cure}."
     )
+    return remark("mechanism", "error", text, frequency=swing.frequency, stiffness=spring)
 
 
 def _sizes(record: Measurement, mechanism: Mechanism | None) -> tuple[float, float, float]:
@@ -733,15 +715,11 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
         cure = "check that time is in s (not ms), position in m, force in N (not mN)"
     severity: Severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
     unit = turned("kg", record.turning)
-    yield Finding(
-        kind="units",
-        severity=severity,
-        sentence=(
-            f"Force is {number(factor, 2)} times the force that this motion of the mechanism"
-            f" requires: {cure}, and that {number(_mass(mechanism))} {unit} is correct."
-        ),
-        numbers={"factor": factor, "explained": share},
+    text = (
+        f"Force is {number(factor, 2)} times the force that this motion of the mechanism"
+        f" requires: {cure}, and that {number(_mass(mechanism))} {unit} is correct."
     )
+    yield remark("units", severity, text, factor=factor, explained=share)
 
 
 def compares_mass(finding: Finding) -> bool:
