@@ -65,7 +65,7 @@ from stickslip.data.tolerances import (
     SMALL,
 )
 from stickslip.data.travels import is_filmed, other_drives
-from stickslip.data.units import LARGEST as MOST
+from stickslip.data.units import LARGEST_NUMBER
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import (
     PREFIX,
@@ -226,7 +226,7 @@ def resting(record: measurement.Measurement) -> Iterator[Finding]:
     )
 
 
-LARGEST: Final = 2.0
+LARGEST_COEFFICIENT: Final = 2.0
 """Coefficients of friction hardly exceed this."""
 LEAST_LOAD: Final = 10.0
 """Load [N] above which forces and coefficients are of different sizes."""
@@ -241,7 +241,11 @@ def coefficient(record: measurement.Measurement, mechanism: Mechanism | None) ->
     else:
         load = float(np.median(np.atleast_1d(record.values("load"))))
     largest = float(np.abs(np.atleast_1d(record.values("friction"))).max())
-    if load is None or load <= LEAST_LOAD or not 0.0 < largest < min(LARGEST, SMALL * load):
+    if (
+        load is None
+        or load <= LEAST_LOAD
+        or not 0.0 < largest < min(LARGEST_COEFFICIENT, SMALL * load)
+    ):
         return
     most, pressed = quantity(largest, record.unit("friction")), quantity(load, "N")
     text = (
@@ -301,9 +305,7 @@ def unused(records: Sequence[measurement.Measurement], used: Collection[str]) ->
         )
         yield remark("contact input", "info", text)
     if rest:
-        listed = ", ".join(map(repr, rest[:LISTED])) + (
-            f" and {len(rest) - LISTED} more" if len(rest) > LISTED else ""
-        )
+        listed = joined([*map(repr, rest)], LISTED)
         verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
         yield remark("unused column", "info", f"{verb.format(listed)} not used.")
     conditions = dict.fromkeys(
@@ -1003,7 +1005,7 @@ LARGEST_VALUES: Final = {
     **{"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7},
     **{"V": 1e4, "A": 1e4},
 }
-HUGE: Final = MOST**2
+HUGE: Final = LARGEST_NUMBER**2
 """Sizes whose squares no computer can add."""
 WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians", "V": "volts", "A": "amperes"}
 SPANNED: Final = ("m", "rad")

@@ -33,6 +33,7 @@ from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
 from stickslip.data.tolerances import (
     DECADE,
+    FEW_SAMPLES,
     FEWEST,
     FEWEST_SAMPLES,
     HALF,
@@ -83,6 +84,11 @@ class Motion:
     def sure(self) -> float:
         """Speed above which a direction is believed [m/s]."""
         return max(NEGLIGIBLE * self.fastest, SURE * self.noise)
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether its noise is slight beside the largest speed, so that speeds are compared."""
+        return self.noise < SLIGHT * self.fastest
 
     @cached_property
     def directions(self) -> NDArray[np.int64]:
@@ -373,10 +379,6 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
 
 OTHERS: Final = ("friction", "spring_force", "pull")
 """With one of these a record says by itself what acts; friction needs no drive."""
-LEVELS: Final = 31
-"""Positions at which speeds are compared."""
-CLEAR: Final = 20.0
-"""The largest speed over its noise, from which speeds are compared at all."""
 IMPOSSIBLE: Final = 300.0
 """Factor between a force and the motion it causes that units make, and no mass known badly."""
 
@@ -462,8 +464,8 @@ def _sizes(record: Measurement, mechanism: Mechanism | None) -> tuple[float, flo
     """Return what energy is gained and kept, and what speed goes both ways, as shares."""
     gained, kept, turned = 0.0, 0.0, 0.0
     for part in between_gaps(record):
-        moving = motion_of(part) if np.asarray(part.time).size >= LEVELS else None
-        if moving is None or moving.fastest <= CLEAR * moving.noise:
+        moving = motion_of(part) if np.asarray(part.time).size >= FEW_SAMPLES else None
+        if moving is None or not moving.is_clear:
             continue
         position = _positions(part)
         if part.position is not None:
@@ -523,7 +525,7 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
     ends = slice(round(1 / CUTOFF), -round(1 / CUTOFF))
     position, v, most = position[ends], moving.velocity[ends], moving.fastest**2
     rises, left = [], []
-    for level in np.linspace(position.min(), position.max(), LEVELS + 2)[1:-1]:
+    for level in np.linspace(position.min(), position.max(), FEW_SAMPLES + 2)[1:-1]:
         apart = position - level
         at = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
         if at.size < 2:
@@ -564,7 +566,7 @@ def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion
     mechanism = vary(mechanism, "mechanism", record.overrides)
     if stops_of(mechanism):
         return False
-    pull = _pull(mechanism, np.linspace(x.min(), x.max(), LEVELS))
+    pull = _pull(mechanism, np.linspace(x.min(), x.max(), FEW_SAMPLES))
     work = float(np.ptp(pull)) * float(np.ptp(x))
     return work < NEGLIGIBLE * 0.5 * _mass(mechanism) * moving.fastest**2
 
@@ -606,7 +608,7 @@ def inertia_of(record: Measurement) -> float | None:
     if "force" not in known or record.time is None or not {"position", "velocity"} & {*known}:
         return None
     moving = motion_of(record)
-    if moving is None or moving.fastest <= CLEAR * moving.noise:
+    if moving is None or not moving.is_clear:
         return None
     factor, share = _factor(Axis(inertia=1.0), record, moving)
     return factor if share >= HALF and factor > 0.0 else None
@@ -656,7 +658,7 @@ def swing_of(record: Measurement) -> Swing | None:
         return None
     record, _ = without_outliers(record)
     moving = motion_of(record)
-    if moving is None or moving.fastest <= CLEAR * moving.noise:
+    if moving is None or not moving.is_clear:
         return None
     if free and _turned(moving) <= SMALL:
         return None
@@ -705,7 +707,7 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     if "drive" not in mechanism.__dataclass_fields__ or stops_of(mechanism):
         return
     moving = motion_of(record)
-    if moving is None or moving.fastest <= CLEAR * moving.noise:
+    if moving is None or not moving.is_clear:
         return
     factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
     if share < HALF or factor < 0.0 or 1.0 / DECADE < factor < DECADE:

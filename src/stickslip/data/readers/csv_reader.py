@@ -32,12 +32,14 @@ from stickslip.data.readers.layout import (
     DOUBTED,
     MISSING,
     Layout,
+    Separator,
     are_units,
     bare_cells,
     bytes_of,
     cells_of,
     decoded,
     doubted_parts,
+    headed,
     is_head,
     is_number,
     is_row,
@@ -207,12 +209,11 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> tuple[pd.DataF
     own = [place for place, name in enumerate(names) if name not in (TIMES, "Comment", "")]
     units = _told(segment.head, "Y_Unit_Label")
     headers = numbered_twice([names[place] for place in own])
-    headers = [
-        f"{n}{_bracketed(u)}" for n, u in zip(headers, _padded(units, len(own)), strict=True)
-    ]
+    labels = itertools.chain(units, itertools.repeat(""))
+    headers = [headed(name, label) for name, label in zip(headers, labels, strict=False)]
     dimension = next((cell for cell in segment.head.get("X_Dimension", []) if cell), "")
     unit = next((cell for cell in segment.head.get("X_Unit_Label", []) if cell), "")
-    times = f"{TIMES}{_bracketed(unit or _DIMENSIONS.get(dimension, ''))}"
+    times = headed(TIMES, unit or _DIMENSIONS.get(dimension, ""))
     columns = [place for place, name in enumerate(names) if name == TIMES]
     columns = [place for place in columns if rows[place].notna().any()]
     if len(columns) < 2:
@@ -246,15 +247,6 @@ def _counted(segment: _Segment, rows: int, decimal: str) -> Array:
         except ValueError:
             raise InputError(f"has {tag} {shown(cells[0])} in its header, no number.") from None
     return found[0] + found[1] * np.arange(rows, dtype=float)
-
-
-def _bracketed(label: str) -> str:
-    unit = unit_in(label)
-    return f" [{unit}]" if unit and is_unit(unit) else ""
-
-
-def _padded(cells: Sequence[str], width: int) -> list[str]:
-    return [*cells, *[""] * width][:width]
 
 
 def _trials(tables: Sequence[pd.DataFrame]) -> Iterator[int]:
@@ -403,7 +395,7 @@ def _names(head: Mapping[str, Sequence[str]], width: int) -> tuple[Sequence[str]
 
 
 def _channel_units(head: Mapping[str, Sequence[str]], width: int) -> Sequence[str]:
-    """Return the units of the columns; dV (Voltage) is one cell, also where blanks part cells."""
+    """Return labels of the columns' units; dV (Voltage) is one, also where blanks part cells."""
     cells = head.get("unit", [])
     joined: list[str] = []
     for cell in cells:
@@ -412,8 +404,7 @@ def _channel_units(head: Mapping[str, Sequence[str]], width: int) -> Sequence[st
             joined[-1] += f" {cell}"
         else:
             joined.append(cell)
-    units = [unit_in(cell) for cell in joined] if len(joined) == width else [""] * width
-    return [unit if unit and is_unit(unit) else "" for unit in units]
+    return joined if len(joined) == width else [""] * width
 
 
 def _group(
@@ -424,7 +415,7 @@ def _group(
 ) -> pd.DataFrame:
     """Return the values of the channels of a group by their times [ms]."""
     units = _channel_units(head, len(names))
-    headers = [f"{names[i]} [{units[i]}]" if units[i] else names[i] for i in places[1:]]
+    headers = [headed(names[i], units[i]) for i in places[1:]]
     part = rows[list(places)].set_axis([SCOPE_TIME, *headers], axis=1)
     part = part[part[SCOPE_TIME].notna()]
     times = times_in(part[SCOPE_TIME], names[places[-1]])
@@ -853,7 +844,7 @@ def dialect_of(text: str) -> Dialect | None:
 
 CONTROLS: Final = bytes({*range(ord(" "))} - {*b"\t\n\r\f"})
 """Bytes that hardly stand in a text."""
-SEPARATORS: Final = ",;\t"
+SEPARATORS: Final[tuple[Separator, ...]] = (",", ";", "\t")
 """Marks between cells of a table that has as many words as numbers."""
 _GROUPED: Final = re.compile(
     r"""\s*[+-]?\d{1,3}(?:

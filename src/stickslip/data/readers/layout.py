@@ -356,7 +356,9 @@ def nearly_zero(time: Array) -> float:
     return PER_MILLE * float(np.median(usual)) if usual.size else 0.0
 
 
-SEPARATORS: Final = (";", "\t", ",", "|", " ")
+Separator: TypeAlias = Literal[";", "\t", ",", "|", " "]
+Decimal: TypeAlias = Literal[".", ","]
+SEPARATORS: Final[tuple[Separator, ...]] = get_args(Separator)
 """Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
 MARKS: Final = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " ": "blanks"}
 """What they are called."""
@@ -401,9 +403,9 @@ class Layout(metaclass=Described):
 
     encoding: str = "utf-8-sig"
     """Code page, such as ``"cp1252"`` of older programs under Windows."""
-    separator: str = ","
+    separator: Separator = ","
     """What stands between cells; a blank stands for any number of blanks and tabs."""
-    decimal: str = "."
+    decimal: Decimal = "."
     """Decimal mark, a point or a comma."""
     thousands: str = ""
     """Mark between thousands; empty if there is none."""
@@ -414,7 +416,7 @@ class Layout(metaclass=Described):
 
     def __post_init__(self) -> None:
         """Check all; a wrong mark would make text of numbers."""
-        for name, allowed in (("separator", SEPARATORS), ("decimal", (".", ","))):
+        for name, allowed in (("separator", SEPARATORS), ("decimal", get_args(Decimal))):
             given = getattr(self, name)
             if given not in allowed:
                 listed = ", ".join(map(repr, allowed))
@@ -539,7 +541,7 @@ def layout_of(text: str, encoding: str) -> Text | None:
     return None
 
 
-def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, str]]:
+def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, Separator]]:
     """Yield how many cells rows of numbers have, the first line of these, and the mark between.
 
     The mark that leaves fewest words beside numbers, and then makes most cells, parts them.
@@ -588,7 +590,7 @@ def without_names(text: str) -> str:
 
 
 def _table(
-    text: str, encoding: str, lines: Sequence[str], first: int, width: int, separator: str
+    text: str, encoding: str, lines: Sequence[str], first: int, width: int, separator: Separator
 ) -> Text | None:
     """Return the table whose rows begin at a line, if there is a header above it."""
     above = [index for index in range(first) if lines[index].strip()]
@@ -725,6 +727,18 @@ def unit_in(cell: str) -> str:
     named = unit and bracket and rest.endswith(")")
     bare = (unit if named else cell).strip().strip("[]()<>{}").strip()
     return bare.removeprefix("in ") if bare != "in" else bare
+
+
+def headed(name: str, label: str) -> str:
+    """Return a name with the unit of its label in brackets, if that is one.
+
+    Examples
+    --------
+    >>> headed("Weg", "in mm"), headed("Weg", "raw")
+    ('Weg [mm]', 'Weg')
+    """
+    unit = unit_in(label)
+    return f"{name} [{unit}]" if unit and is_unit(unit) else name
 
 
 def _padded(cells: Sequence[str], width: int) -> tuple[str, ...]:
