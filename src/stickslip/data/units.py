@@ -6,7 +6,6 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Any, Final
 
-from stickslip.data.tolerances import HALF
 from stickslip.errors import ParameterError
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import number as number_text
@@ -81,6 +80,11 @@ def _wanted(quantity: Quantity, given: object, value: float) -> str:
     return written.wanted(value / size)
 
 
+MOST_UNCERTAIN: Final = 0.5
+"""Standard uncertainty over a value that cannot be negative, from which on two standard
+uncertainties reach 0: to first order, a fit would follow values that do not exist."""
+
+
 def check_uncertainty(
     uncertainty: float, value: float, quantity: Quantity, given: object = None
 ) -> float:
@@ -97,8 +101,7 @@ def check_uncertainty(
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     got = f"{uncertainty:g}{unit}" if given is None else shown(given)
     positive = quantity.low >= 0.0 or (quantity.above is not None and quantity.above >= 0.0)
-    # From half on, two of them reach 0: a fit would follow values that do not exist.
-    most = HALF * abs(value) if positive and value else math.inf
+    most = MOST_UNCERTAIN * abs(value) if positive and value else math.inf
     if 0.0 < uncertainty < most:
         return uncertainty
     room = f" and below {number_text(most, 6)}{unit}, half of the value" if most < math.inf else ""
