@@ -678,7 +678,7 @@ def test_a_humidity_that_changes_is_left_out_as_no_condition_of_a_trial(tmp_path
 def test_a_long_file_without_a_record_is_refused_by_its_top(tmp_path, monkeypatch):
     file = tmp_path / "long.csv"
     line = "0.001;1.5;2.5\n"
-    file.write_text("a;b;c\n" + line * (guessing.LONG // len(line) + 1))
+    file.write_text("a;b;c\n" + line * (guessing.LARGEST_TEXT // len(line) + 1))
     seen = []
     monkeypatch.setattr(
         guessing, "read_frame", lambda path, **how: seen.append(path) or frame(path, **how)

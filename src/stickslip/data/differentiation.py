@@ -16,7 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import SAMPLED, Array, Measurement
-from stickslip.data.tolerances import DECADE, FEW_SAMPLES, FEWEST, GAP, HALF, LISTED, NEGLIGIBLE
+from stickslip.data.tolerances import (
+    DECADE,
+    FEW_SAMPLES,
+    FEWEST,
+    FEWEST_SAMPLES,
+    GAP,
+    HALF,
+    LISTED,
+    MOST_ENTRIES,
+    MOSTLY,
+    NEGLIGIBLE,
+    ROUNDED,
+)
 from stickslip.errors import InputError, check_even_times
 from stickslip.show.formatting import joined, number
 
@@ -25,14 +37,12 @@ CUTOFF: Final = 0.1
 ORDER: Final = 4
 PADDED: Final = 10.0
 """Periods of the corner frequency by which ends are continued."""
-MOST_PIECES: Final = 1000
-USUAL: Final = 98.0
+USUAL: Final = 100.0 * (1.0 - ROUNDED)
 """Percentile of speeds that counts as the largest: beyond it are outliers."""
 QUARTILE: Final = 0.6745
 """Median size of a normal variable over its standard deviation."""
 NEAR_STEPS: Final = 20.0
 """Distances of levels over their step that are looked at first."""
-FEWEST_LEVELS: Final = 20
 MOST_LEVELS: Final = 2**24
 """Levels that a converter has at most; finer steps are the digits of a number."""
 
@@ -179,7 +189,7 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
     sections = butter(ORDER, 2 * corner, output="sos")
     # A filter would carry what is on one side of a gap to the other.
     cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1
-    if cuts.size > MOST_PIECES:  # such a record is more gaps than samples: left as it is
+    if cuts.size > MOST_ENTRIES:  # such a record is more gaps than samples: left as it is
         return values
     found = np.array(values, dtype=float)
     for piece in np.split(np.arange(time.size), cuts):
@@ -232,7 +242,7 @@ def _common(levels: Array, apart: Array, guess: float) -> float:
     """Return the step of which levels and their distances are multiples, near a guess, or 0."""
     near = apart[apart < NEAR_STEPS * guess]
     step = float(np.sum(near) / np.sum(np.rint(near / guess)))
-    if near.size < min(FEWEST_LEVELS, apart.size) or not _whole(near / step):
+    if near.size < min(2 * FEWEST_SAMPLES, apart.size) or not _whole(near / step):
         return 0.0
     # Ever farther, as the step is known better: near its peak a sine has levels of whole numbers.
     reach = NEAR_STEPS
@@ -370,7 +380,7 @@ def between_gaps(record: Measurement) -> tuple[Measurement, ...]:
 # follows at once: a low pass takes off what friction depends on, and slow readings between faster
 # ones vanish.
 
-FEWEST_READINGS: Final = 60
+FEWEST_READINGS: Final = 2 * FEW_SAMPLES
 """Rows without a gap between them below which nothing is sampled often enough to be filtered."""
 TABLE: Final = {"velocity", "friction", "load", "force"}
 """What rows of a table have; beside anything else they are samples of a motion."""
@@ -378,7 +388,7 @@ READING_INTERVAL: Final = 1.0
 """Step of time [s] from which rows, each at another speed, are readings."""
 SCATTER_RATIO: Final = 2.0
 """Scatter of friction about the mean velocity of some rows, over that about its own velocity."""
-MEAN_ROWS: Final = 5
+MEAN_ROWS: Final = round(0.5 / CUTOFF)
 """Rows of that mean: about what a low pass at a tenth of the sampling frequency takes."""
 
 
@@ -454,14 +464,10 @@ def _rms(values: Array) -> float:
 # A step is none, as the median of five samples follows it, nor is the turn of a swing, beside which
 # samples differ as much. What is more frequent belongs to the signal.
 
-APART: Final = 3.0
-"""The same over the change from a sample to the next, the usual one and those beside ..."""
-BESIDE: Final = 9
+BESIDE: Final = 2 * MEAN_ROWS - 1
 """Samples about it of which the change counts."""
 OUT: Final = 1.25
 """Least distance of an outlier beside a step from both of its sides, over its height ..."""
-OFTEN: Final = 0.2
-"""... at a share of the steps at most: peaks at more of them are those of break-aways."""
 SHARES: Final = {"position": 0.005, "velocity": 0.005, "force": 0.5, "friction": 0.5}
 """... and over the range. What has mass moves smoothly; a force that is commanded may have peaks.
 """
@@ -552,14 +558,14 @@ def far_off(x: Array, column: str) -> NDArray[np.bool_]:
     least = max(
         DECADE * float(np.quantile(apart, 0.9)),
         SHARES[column] * float(np.ptp(middle)),
-        APART * usual,
+        GAP * usual,
     )
     top, bottom = maximum_filter1d(middle, BESIDE), minimum_filter1d(middle, BESIDE)
     lone = (apart > least) & (np.maximum(x - top, bottom - x) > OUT * beside)
     if lone.any():
         steps = label(beside >= 0.5 * beside[lone].min())[1]
-        lone &= label(lone)[1] <= OFTEN * steps
-    far: NDArray[np.bool_] = lone | ((apart > least) & (apart > APART * beside))
+        lone &= label(lone)[1] <= (1.0 - MOSTLY) * steps
+    far: NDArray[np.bool_] = lone | ((apart > least) & (apart > GAP * beside))
     for end, off, at in ((x, apart, far), (x[::-1], apart[::-1], far[::-1])):
         # A motion may turn there, as fast as it moves beside.
         at[:2] &= off[:2] > DECADE * max(least, float(np.max(np.abs(np.diff(end[3 : 3 + BESIDE])))))

@@ -28,7 +28,6 @@ AT_REST: Final = "static_coefficient"
 HARD: Final = ("rounding range", "stated interval")
 """Intervals that have an end beyond which the value cannot lie; others are of 95 %."""
 KINDS: Final = ("95 %", *HARD)
-LEAST_SIDE = 1e-300
 
 
 def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
@@ -483,7 +482,7 @@ class LawEstimates:
         apart = random.standard_normal((count, len(names))) @ root.T
         sides = np.abs(ends - centre[:, None])
         # The distribution is split at its centre, and each half scaled to the side of its interval.
-        share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST_SIDE)
+        share = sides / np.maximum(sides.max(axis=1, keepdims=True), np.finfo(float).tiny)
         share[share > NEARLY_ALL] = 1.0  # a covariance is that of the longer side
         found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
         return found

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.tolerances import HALF, ROUNDED
-from stickslip.data.units import LARGEST, size_wanted
+from stickslip.data.units import LARGEST_NUMBER, size_wanted
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
@@ -1148,10 +1148,10 @@ def _floats(owner: str, given: object) -> dict[str, float]:
             raise ParameterError(
                 f"Measurement.{owner} of {name!r} must be a finite number, got {value!r}."
             )
-        if abs(value) > LARGEST:
+        if abs(value) > LARGEST_NUMBER:
             raise ParameterError(
-                f"Measurement.{owner} of {name!r} must be {LARGEST:g} at most, in magnitude, got"
-                f" {value:g}: correct the number or its unit."
+                f"Measurement.{owner} of {name!r} must be {LARGEST_NUMBER:g} at most, in magnitude,"
+                f" got {value:g}: correct the number or its unit."
             )
     return {str(name): float(value) for name, value in given.items()}
 

@@ -20,7 +20,7 @@ from stickslip.data import estimates
 from stickslip.data.estimates import LawEstimates
 from stickslip.data.measurement import ELECTRIC, Levels, Measurement, levels_at
 from stickslip.data.readers.columns import Reading
-from stickslip.data.tolerances import SIX_DIGITS, SMALL
+from stickslip.data.tolerances import SIX_DIGITS, SLIGHT, SMALL
 from stickslip.data.travels import scale_of
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size, concerning
@@ -731,9 +731,6 @@ SPEEDS: Final = (-0.1, 1e-3, 0.1, 1.0)
 """Speeds [m/s] at which a law over the normal force is compared with the same in forces."""
 RUN_TIMES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
-BEYOND: Final = 1.05
-"""Ratio to the range of the fit above which a run counts as outside of it: 5 % of speed or of
-normal force change no law by more than its parameters are known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -916,7 +913,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
     most = None if known is None else known.largest_speed
     assert not isinstance(most, Mapping)  # that of one contact
-    if most is not None and speed > BEYOND * most:
+    if most is not None and speed > (1.0 + SLIGHT) * most:
         said.append(
             f"The run reaches {quantity(speed, unit)}; the law was fitted up to"
             f" {quantity(most, unit)} and is extrapolated beyond that."
@@ -931,7 +928,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     ):
         load, forces = static_normal_force(law.fitted_on), seen["normal_force"]
         low, high = float(forces.min()), float(forces.max())
-        if low * BEYOND < load or high > BEYOND * load:
+        if low * (1.0 + SLIGHT) < load or high > (1.0 + SLIGHT) * load:
             origin = "was fitted at" if known is not None else "is from a contact with"
             said.append(
                 f"The law {origin} a normal force of {quantity(load, 'N')}; in this run it is"

@@ -27,7 +27,8 @@ ROUNDING: Final = 1e-9
 DECADE: Final = 10.0
 """Factor that no error of a reading makes."""
 GAP: Final = 3.0
-"""Usual steps of time from which a step is a gap, across which nothing is filtered."""
+"""Usual steps from which a step stands out: one of time is a gap, across which nothing is
+filtered."""
 FEWEST: Final = 3
 """Values with which an order, or a repetition, is none by chance."""
 FEWEST_SAMPLES: Final = 10
@@ -46,3 +47,11 @@ LARGEST_TEXT: Final = 10_000_000
 """Bytes of a text that is read as one, such as a rig file or the metadata of a log."""
 MOST_CELLS: Final = 20_000_000
 """Cells of a sheet, or numbers of a matrix, that are read."""
+MOST_SIGNALS: Final = 64
+"""Columns of a matrix, or elements of an array in a message, up to which each is a signal."""
+MOST_ENTRIES: Final = 1_000
+"""Structs of an array, characters of a text and pieces between gaps that are looked at."""
+DEEPEST: Final = 100
+"""Most tables or structs within each other."""
+LONGEST_NAME: Final = 500
+"""Characters of the name of a column: what is sought in names takes the square of them."""

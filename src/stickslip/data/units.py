@@ -4,14 +4,15 @@ import math
 import numbers
 from dataclasses import replace
 from decimal import Decimal
-from typing import Any
+from typing import Any, Final
 
 from stickslip.errors import ParameterError
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import number as number_text
 from stickslip.units import exact_factor, factor, is_of, number_in, shown, split_number
 
-LARGEST, LEAST = 1e30, 1e-30
+LARGEST_NUMBER: Final = 1e30
+LEAST_NUMBER: Final = 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
 
 
@@ -51,10 +52,10 @@ def size_wanted(value: float, quantity: Quantity) -> str:
     >>> size_wanted(1e308, Quantity("s", "m"))
     'be 0 or have a magnitude from 1e-30 to 1e+30 m'
     """
-    if not value or LEAST <= abs(value) <= LARGEST:
+    if not value or LEAST_NUMBER <= abs(value) <= LARGEST_NUMBER:
         return ""
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    return f"be 0 or have a magnitude from {LEAST:g} to {LARGEST:g}{unit}"
+    return f"be 0 or have a magnitude from {LEAST_NUMBER:g} to {LARGEST_NUMBER:g}{unit}"
 
 
 def _size(value: Any) -> float:
@@ -79,7 +80,7 @@ def _wanted(quantity: Quantity, given: object, value: float) -> str:
     return written.wanted(value / size)
 
 
-MOST_UNCERTAIN = 0.5
+MOST_UNCERTAIN: Final = 0.5
 """Standard uncertainty over a value that cannot be negative, from which on two standard
 uncertainties reach 0: to first order, a fit would follow values that do not exist."""
 

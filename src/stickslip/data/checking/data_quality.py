@@ -24,9 +24,11 @@ from stickslip.data.checking.finding import (
     TURN,
     Finding,
     Severity,
+    remark,
 )
 from stickslip.data.checking.motion import Motion
 from stickslip.data.differentiation import (
+    QUARTILE,
     REPLACED,
     acceleration_of,
     as_readings,
@@ -52,6 +54,7 @@ from stickslip.data.tolerances import (
     FEWEST,
     FEWEST_SAMPLES,
     GAP,
+    INTERVAL,
     LISTED,
     MOSTLY,
     NEARLY_ALL,
@@ -62,6 +65,7 @@ from stickslip.data.tolerances import (
     SMALL,
 )
 from stickslip.data.travels import is_filmed, other_drives
+from stickslip.data.units import LARGEST_NUMBER
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import (
     PREFIX,
@@ -119,35 +123,33 @@ def coverage(record: measurement.Measurement) -> Iterator[Finding]:
         "forward_share": float(np.mean(velocity > 0)),
     }
     if not moving.any():
-        yield _map("error", "All velocities are 0: no motion was recorded.", numbers)
+        text = "All velocities are 0: no motion was recorded."
+        yield remark("coverage", "error", text, **numbers)
         return
     if not friction.any():
-        yield _map("error", "All values of friction are 0: it was not recorded.", numbers)
+        text = "All values of friction are 0: it was not recorded."
+        yield remark("coverage", "error", text, **numbers)
         return
     low, high = quantities([float(velocity.min()), float(velocity.max())], record.unit("velocity"))
     few = distinct < FEWEST
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
     text += f" from {low} to {high}"
     text += f": a friction curve needs at least {FEWEST} velocities." if few else "."
-    if distinct < FEW_SPEEDS:
-        yield _map("warning", text, numbers, measure=OTHER_SPEEDS)
-    else:
-        yield _map("info", text, numbers)
+    yield remark("coverage", distinct < FEW_SPEEDS, text, OTHER_SPEEDS, **numbers)
     if velocity.min() >= 0 or velocity.max() <= 0:
         way = "forward" if velocity.max() > 0 else "backward"
         text = f"All velocities are {way}: friction level and offset cannot be separated."
-        yield _map("warning", text, numbers, measure=OTHER_WAY)
+        yield remark("coverage", "warning", text, OTHER_WAY, **numbers)
     if distinct == velocity.size:
         text = "No velocity is repeated: scatter cannot be separated from the shape of the curve."
-        yield _map("info", text, numbers)
+        yield remark("coverage", "info", text, **numbers)
     along = (np.sign(velocity) * friction)[moving]
     against, rest = float(np.mean(along < 0)), len(along) - 1.0
     # noise alone has either sign: on eleven points four times in a hundred on nine of them
     if against > 0.8 and np.mean(along) * rest**0.5 < stdtrit(rest, CHANCE) * np.std(along):
         text = f"Friction is opposite in sign to the velocity on {percent(against)} of the points."
         text += f" Sign convention: friction has the sign of the slip velocity; {TURN}."
-        sign = {"opposite_share": against}
-        yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
+        yield remark("friction sign", "error", text, opposite_share=against)
 
 
 def resting_readings(velocity: measurement.Array, friction: measurement.Array) -> NDArray[np.bool_]:
@@ -210,20 +212,21 @@ def resting(record: measurement.Measurement) -> Iterator[Finding]:
     verb = "are" if resting > 1 else "is"
     slow = bool(velocity[at_rest].any())
     at = f"speeds of at most {fastest}" if slow else "a speed of 0"
-    yield Finding(
-        kind="rest",
-        severity="warning" if slow else "info",
-        sentence=(
-            f"{count(resting, 'reading')} at {at} {verb} taken for a body at rest, where friction"
-            " has any value up to its level, and left out of sliding: all others are at"
-            f" {slowest} or faster."
-        ),
-        measure="Measure at speeds below the slowest, for long enough to slide" if slow else "",
-        numbers={"readings": float(resting)},
+    text = (
+        f"{count(resting, 'reading')} at {at} {verb} taken for a body at rest, where friction"
+        " has any value up to its level, and left out of sliding: all others are at"
+        f" {slowest} or faster."
+    )
+    yield remark(
+        "rest",
+        slow,
+        text,
+        "Measure at speeds below the slowest, for long enough to slide",
+        readings=float(resting),
     )
 
 
-LARGEST: Final = 2.0
+LARGEST_COEFFICIENT: Final = 2.0
 """Coefficients of friction hardly exceed this."""
 LEAST_LOAD: Final = 10.0
 """Load [N] above which forces and coefficients are of different sizes."""
@@ -238,36 +241,31 @@ def coefficient(record: measurement.Measurement, mechanism: Mechanism | None) ->
     else:
         load = float(np.median(np.atleast_1d(record.values("load"))))
     largest = float(np.abs(np.atleast_1d(record.values("friction"))).max())
-    if load is None or load <= LEAST_LOAD or not 0.0 < largest < min(LARGEST, SMALL * load):
+    if (
+        load is None
+        or load <= LEAST_LOAD
+        or not 0.0 < largest < min(LARGEST_COEFFICIENT, SMALL * load)
+    ):
         return
     most, pressed = quantity(largest, record.unit("friction")), quantity(load, "N")
-    yield Finding(
-        kind="units",
-        severity="warning",
-        sentence=(
-            f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
-            " the values are friction coefficients, state their unit as 1: they are then"
-            " multiplied by the load."
-        ),
-        numbers={"friction": largest, "load": load},
+    text = (
+        f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
+        " the values are friction coefficients, state their unit as 1: they are then"
+        " multiplied by the load."
     )
+    yield remark("units", "warning", text, friction=largest, load=load)
 
 
 def lost(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Yield what the files say that they hold and do not, once for all trials of a file."""
     for sentence in dict.fromkeys(line for record in records for line in record.lost):
-        yield Finding(
-            kind="lost",
-            sentence=sentence,
-            severity="warning",
-            measure="Save or export the record again, complete",
-        )
+        yield remark("lost", "warning", sentence, "Save or export the record again, complete")
 
 
 def volts(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Say of which forces volts were recorded."""
     for name in dict.fromkeys(name for record in records for name in record.volts):
-        yield Finding(kind="volts", sentence=volts_sentence(name), severity="info")
+        yield remark("volts", "info", volts_sentence(name))
 
 
 def volts_sentence(name: str) -> str:
@@ -293,28 +291,23 @@ def unused(records: Sequence[measurement.Measurement], used: Collection[str]) ->
         known = {value for value in values if value is not None}
         (apart if len(known) > 1 and None not in values else rest).append(name)
     for name in apart:
-        yield Finding(
-            kind="unused column",
-            severity="warning",
-            sentence=(
-                f"Column {name!r} is not used but differs between the trials: declare it as a"
-                " condition to fit each trial separately."
-            ),
+        text = (
+            f"Column {name!r} is not used but differs between the trials: declare it as a"
+            " condition to fit each trial separately."
         )
+        yield remark("unused column", "warning", text)
     inputs = [name for name in records[0].inputs if all(name in trial.inputs for trial in records)]
     rest = [name for name in rest if name not in inputs]
     if inputs:
-        yield Finding(
-            kind="contact input",
-            sentence=f"Measured beside: {', '.join(inputs)}; laws may depend on it, such as"
-            f" level + viscous * exponential[{inputs[0]}].",
+        text = (
+            f"Measured beside: {', '.join(inputs)}; laws may depend on it, such as"
+            f" level + viscous * exponential[{inputs[0]}]."
         )
+        yield remark("contact input", "info", text)
     if rest:
-        listed = ", ".join(map(repr, rest[:LISTED])) + (
-            f" and {len(rest) - LISTED} more" if len(rest) > LISTED else ""
-        )
+        listed = joined([*map(repr, rest)], LISTED)
         verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
-        yield Finding(kind="unused column", sentence=f"{verb.format(listed)} not used.")
+        yield remark("unused column", "info", f"{verb.format(listed)} not used.")
     conditions = dict.fromkeys(
         name
         for record in records
@@ -322,23 +315,12 @@ def unused(records: Sequence[measurement.Measurement], used: Collection[str]) ->
         if measurement.condition_name(name) not in used
     )
     if conditions and records[0].travelled:
-        yield Finding(
-            kind="conditions",
-            severity="warning",
-            sentence=(
-                f"Conditions ({', '.join(conditions)}) are not used: a trial with a single value"
-                " cannot be fitted separately. Where a condition is a parameter of the mechanism,"
-                " give it as such, e.g. mechanism.load."
-            ),
+        text = (
+            f"Conditions ({', '.join(conditions)}) are not used: a trial with a single value"
+            " cannot be fitted separately. Where a condition is a parameter of the mechanism,"
+            " give it as such, e.g. mechanism.load."
         )
-
-
-def _map(
-    severity: Severity, sentence: str, numbers: dict[str, float], *, measure: str = ""
-) -> Finding:
-    return Finding(
-        kind="coverage", severity=severity, sentence=sentence, numbers=numbers, measure=measure
-    )
+        yield remark("conditions", "warning", text)
 
 
 def _distinct(values: measurement.Array) -> int:
@@ -371,23 +353,21 @@ def settings(
     few = len(kinds) == 1 and bool(records[0].travelled)
     if few:
         text += " One setting determines one parameter and cannot rank models."
-    yield Finding(
-        kind="settings",
-        severity="warning" if few else "info",
-        sentence=text,
-        measure="Measure at further settings" if few else "",
-        numbers={"readings": readings, "settings": len(kinds), "repeats": repeats},
+    yield remark(
+        "settings",
+        few,
+        text,
+        "Measure at further settings",
+        readings=readings,
+        settings=len(kinds),
+        repeats=repeats,
     )
     bare = sum(not record.uncertainty for record in records)
     if bare:
         none = bare == len(records)
         which = "No reading has an" if none else f"{bare} of {len(records)} readings have no"
-        yield Finding(
-            kind="uncertainty",
-            severity="warning",
-            sentence=f"{which} uncertainty: give one, such as half of the last digit.",
-            numbers={"without": bare},
-        )
+        text = f"{which} uncertainty: give one, such as half of the last digit."
+        yield remark("uncertainty", "warning", text, without=bare)
     for name in sorted({name for record in records for name in record.quantities()}):
         yield from _negative(name, records)
 
@@ -413,11 +393,13 @@ def stated(record: measurement.Measurement) -> Iterator[Finding]:
     rows = {"0": int(np.sum(doubt == 0.0)), "above the reading": int(np.sum(doubt > size))}
     wrong = [f"{what} in {n} of {size.size} rows" for what, n in rows.items() if n]
     cure = f"; it is {' and '.join(wrong)}: correct or leave out the column" if wrong else ""
-    yield Finding(
-        kind="uncertainty",
-        severity="warning" if wrong else "info",
-        sentence=f"The uncertainty of friction is stated: {text}{cure}.",
-        numbers={"low": low, "median": middle, "high": high},
+    yield remark(
+        "uncertainty",
+        bool(wrong),
+        f"The uncertainty of friction is stated: {text}{cure}.",
+        low=low,
+        median=middle,
+        high=high,
     )
 
 
@@ -434,15 +416,11 @@ def alike(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
         word = name.replace("_", " ")
         cure = f"give {word} for each trial"
         cure += ", 0 where no force acted" if name == "force" else ""
-        yield Finding(
-            kind="trials",
-            severity="error",
-            sentence=(
-                f"{word.capitalize()} was measured in {labels[0]!r} but not in {labels[1]!r}:"
-                f" {cure}, or fit the trials separately."
-            ),
-            numbers={"without": len(bare)},
+        text = (
+            f"{word.capitalize()} was measured in {labels[0]!r} but not in {labels[1]!r}:"
+            f" {cure}, or fit the trials separately."
         )
+        yield remark("trials", "error", text, without=len(bare))
 
 
 def same(record: measurement.Measurement, other: measurement.Measurement) -> bool:
@@ -475,14 +453,11 @@ def repeated(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
         if first is None:
             continue
         own, other = (records[k].name or f"trial {k + 1}" for k in (i, first))
-        yield Finding(
-            kind="repeated trial",
-            severity="warning",
-            sentence=(
-                f"{own!r} has the samples of {other!r}: counted twice, they make intervals too"
-                " narrow. Leave one of them out."
-            ),
+        text = (
+            f"{own!r} has the samples of {other!r}: counted twice, they make intervals too"
+            " narrow. Leave one of them out."
         )
+        yield remark("repeated trial", "warning", text)
 
 
 def _negative(name: str, records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
@@ -494,19 +469,13 @@ def _negative(name: str, records: Sequence[measurement.Measurement]) -> Iterator
     )
     if measurement.QUANTITIES[name].unit == "m" and float(np.abs(values).max()) > 100.0:
         largest = float(np.abs(values).max())
-        yield Finding(
-            kind="units",
-            severity="warning",
-            sentence=f"{noun.capitalize()} reaches {quantity(largest, 'm')}: check that the values"
-            " are in metres.",
-            numbers={name: largest},
+        text = (
+            f"{noun.capitalize()} reaches {quantity(largest, 'm')}: check that the values"
+            " are in metres."
         )
+        yield remark("units", "warning", text, **{name: largest})
     elif name in measurement.TRAVELS and not values.any():
-        yield Finding(
-            kind="constant",
-            severity="error",
-            sentence=f"Every {noun} is 0: no motion was recorded.",
-        )
+        yield remark("constant", "error", f"Every {noun} is 0: no motion was recorded.")
 
 
 # Whether settings were taken in their order: then a drift reads as an effect of the setting.
@@ -567,11 +536,12 @@ def order_of_settings(records: Sequence[measurement.Measurement]) -> Iterator[Fi
     """Say of readings that what was set is in order; of a table, the judge says it."""
     for path, how in [*settings_in_order(records).items()][:1]:
         what = path.rpartition(".")[2].replace("_", " ")
-        yield Finding(
-            kind="order",
-            sentence=f"The {what} {how} from trial to trial; if it was set in this order, a slow"
-            f" drift reads as an effect of the {what}.",
-            measure=f"Measure in random order, or repeat the first {what} at the end",
+        text = (
+            f"The {what} {how} from trial to trial; if it was set in this order, a slow"
+            f" drift reads as an effect of the {what}."
+        )
+        yield remark(
+            "order", "info", text, f"Measure in random order, or repeat the first {what} at the end"
         )
 
 
@@ -595,10 +565,11 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
 # Levels of forces: whether they stay, and how many independent values there are.
 
 FORCES: Final = ("force", "friction", "spring_force", "load")
-SURE: Final = 2.0
-"""Standard errors by which the means of two halves differ, not to be chance in most cases."""
-FEWEST_FOR_DRIFT: Final = 200
+FEWEST_FOR_DRIFT: Final = 2 * FEWEST_SAMPLES**2
 """Samples of two halves of which the means of blocks are known."""
+WARM_UP: Final = (
+    "Repeat this record after an hour of running, to separate warm-up effects from the friction law"
+)
 
 
 class Level(NamedTuple):
@@ -675,30 +646,24 @@ def drift(found: list[Level]) -> Iterator[Finding]:
         means = [float(half.mean()) for half in halves]
         change, doubt = means[1] - means[0], math.hypot(*map(_doubt, halves))
         sure = abs(change) / doubt if doubt else np.inf
-        if sure < SURE or abs(change) < 0.01 * level.size:
+        if sure < INTERVAL or abs(change) < NEGLIGIBLE * level.size:
             continue
         matters = abs(change) >= SLIGHT * level.size
         first, second = quantities(means, level.unit)
         word = "rises" if change > 0 else "falls"
         text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second"
-        text += f" ({percent(abs(change) / level.size)} of its level,"
+        relative = change / level.size
+        text += f" ({percent(abs(relative))} of its level,"
         text += f" {number(float(sure), 2)} standard errors)"
         text += ": fit the halves separately, or fit the drifting parameter." if matters else "."
-        yield Finding(
-            kind="drift",
-            severity="warning" if matters else "info",
-            sentence=text,
-            measure=(
-                "Repeat this record after an hour of running, to separate warm-up effects from the"
-                " friction law"
-            ),
-            numbers={
-                "first": means[0],
-                "second": means[1],
-                "standard_error": doubt,
-                "relative": change / level.size,
-            },
-        )
+        severity: Severity = "warning" if matters else "info"
+        numbers = {
+            "first": means[0],
+            "second": means[1],
+            "standard_error": doubt,
+            "relative": relative,
+        }
+        yield remark("drift", severity, text, WARM_UP, **numbers)
 
 
 def _doubt(values: measurement.Array) -> float:
@@ -724,15 +689,11 @@ def effective(record: measurement.Measurement, levels: list[Level]) -> Iterator[
     size = independent(values)
     few = size < 0.9 * values.size  # two digits of nearly all would be more than all
     shown = number(size, 2) if few else number(math.floor(size), 9)
-    yield Finding(
-        kind="effective size",
-        severity="warning" if size < FEW_SAMPLES else "info",
-        sentence=(
-            f"Effective sample size before any fit: {shown} of {number(values.size, 9)}"
-            f" samples (from the autocorrelation of the {what})."
-        ),
-        numbers={"samples": values.size, "independent": size},
+    text = (
+        f"Effective sample size before any fit: {shown} of {number(values.size, 9)}"
+        f" samples (from the autocorrelation of the {what})."
     )
+    yield remark("effective size", size < FEW_SAMPLES, text, samples=values.size, independent=size)
 
 
 # What a measurement can tell and what is wrong with it, before anything is fitted.
@@ -743,7 +704,7 @@ def effective(record: measurement.Measurement, levels: list[Level]) -> Iterator[
 
 MAINS: Final = (50.0, 60.0)
 """Frequencies of mains [Hz]."""
-ORDERS: Final = (1, 2, 3, 4, 5)
+ORDERS: Final = range(1, 6)
 """Harmonics looked at; a rectifier has its ripple at the second."""
 WANDER: Final = 0.2
 """Mains keep to this [Hz] nearly all the time (EN 50160: 0.5 Hz for 99.5 % of a year)."""
@@ -752,12 +713,8 @@ BLOCK: Final = 20.0
 BAND_HALF_WIDTH: Final = 0.15
 """Half width, over its frequency, of the band that a line must stand out of. That of 50 Hz does not
 reach 60 Hz, and 45 and 55 Hz, of a motion of 5 Hz with all its harmonics, lie within it."""
-STANDS: Final = 8.0
-"""A line has so many times the largest power beside it: noise of a few averages stays below."""
 LOBE: Final = 3
 """Bins to each side over which the window spreads a line."""
-FEWEST_BINS: Final = 100
-"""Bins below a line at least."""
 CURE: Final = (
     "Shield and ground the sensor's cable and record again, or remove the line with a notch filter"
 )
@@ -841,20 +798,13 @@ def is_narrow(values: Array, step: float, frequency: float) -> bool:
 
 def _spectrum(values: Array, step: float) -> tuple[Array, float]:
     """Return the power in each bin (m,), averaged over half overlapping blocks, and their width."""
-    length = min(len(values), max(round(BLOCK / step), 2))
-    starts = range(0, len(values) - length + 1, max(length // 2, 1))
-    # The window keeps strong lines from leaking over the band beside them.
-    window = np.hanning(length)
-    total = np.zeros(length // 2 + 1)
-    ramp = np.linspace(-1.0, 1.0, length)
-    for start in starts:
-        part = values[start : start + length]
-        # Without mean and trend, whose leaking would hide lines.
-        part = part - part.mean() - ramp * (ramp @ part) / (ramp @ ramp)
-        total += np.abs(np.fft.rfft(window * part)) ** 2
-    weight = float(window @ window) or 1.0  # a window of two samples has none
-    # so that the sum over all bins is the variance (Parseval)
-    return 2.0 * total / (len(starts) * length * weight), 1.0 / (length * step)
+    from scipy.signal import welch
+
+    length = min(len(values), max(round(BLOCK / step), FEWEST_SAMPLES))
+    # Without mean and trend, whose leaking would hide lines; the window keeps strong ones in place.
+    power = welch(values, 1.0 / step, np.hanning(length), detrend="linear")[1]
+    width = 1.0 / (length * step)
+    return power * width, width  # whose sum is the variance (Parseval)
 
 
 def _folded(frequency: float, rate: float) -> float:
@@ -881,7 +831,7 @@ def _standing(power: Array, frequency: float, width: float) -> int | None:
     beside = np.concatenate(
         [power[middle - aside : place - LOBE], power[place + LOBE + 1 : middle + aside + 1]]
     )
-    return place if power[place] > STANDS * float(beside.max()) else None
+    return place if power[place] > DECADE * float(beside.max()) else None
 
 
 def words_of(lines: tuple[MainsLine, ...]) -> str:
@@ -907,7 +857,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
     time = np.asarray(record.time)
     step = float(np.median(np.diff(time)))
     count = round(float(time[-1] - time[0]) / step) + 1
-    if not FEWEST_BINS <= count <= 10 * len(time):  # mostly gaps
+    if not FEWEST_SAMPLES <= count <= DECADE * len(time):  # mostly gaps
         return
     even = time[0] + step * np.arange(count)
     for name in SAMPLED:
@@ -919,27 +869,23 @@ def hum(record: Measurement) -> Iterator[Finding]:
             continue
         share = sum(line.share for line in lines)
         size = quantity(lines[0].amplitude, record.unit(name))
-        yield Finding(
-            kind="mains hum",
-            severity="warning" if share >= PER_MILLE else "info",
-            sentence=(
-                f"{name.replace('_', ' ').capitalize()} has a narrow spectral line at"
-                f" {words_of(lines)}, with an amplitude of {size} and {percent(share)} of the"
-                f" variance: mains hum. {CURE}."
-            ),
-            numbers={
-                "frequency": lines[0].frequency,
-                "amplitude": lines[0].amplitude,
-                "share": share,
-            },
+        text = (
+            f"{name.replace('_', ' ').capitalize()} has a narrow spectral line at"
+            f" {words_of(lines)}, with an amplitude of {size} and {percent(share)} of the"
+            f" variance: mains hum. {CURE}."
+        )
+        yield remark(
+            "mains hum",
+            share >= PER_MILLE,
+            text,
+            frequency=lines[0].frequency,
+            amplitude=lines[0].amplitude,
+            share=share,
         )
 
 
-FEW: Final = 50
-UNEVEN: Final = 0.2
-SEEN: Final = 1e-5
-"""Deviation below which only the last digits of the times differ."""
-SHOWN: Final = 3
+UNEVEN: Final = 1.0 - MOSTLY
+"""Scatter of steps over the usual one from which velocities are of the clock as well."""
 MILLISECONDS = " If they are in milliseconds, give --unit time=ms."
 SLOWEST, FASTEST = 5.0, 1e6
 """Sampling frequencies [Hz] of forces and motions between which nobody wonders."""
@@ -948,17 +894,17 @@ SLOWEST, FASTEST = 5.0, 1e6
 def length(time: Array) -> Iterator[Finding]:
     """Say whether a record is too short for anything."""
     n = time.size
-    if n >= FEW:
+    if n >= FEW_SAMPLES:
         return
     sentence = "estimates from so few samples are unreliable."
     if n < FEWEST_SAMPLES:
         sentence = f"a fit needs at least {FEWEST_SAMPLES}."
-    yield Finding(
-        kind="length",
-        severity="error" if n < FEWEST_SAMPLES else "warning",
-        sentence=f"The record has only {count(n, 'sample')}: {sentence}",
-        measure="Record more samples",
-        numbers={"samples": n},
+    yield remark(
+        "length",
+        "error" if n < FEWEST_SAMPLES else "warning",
+        f"The record has only {count(n, 'sample')}: {sentence}",
+        "Record more samples",
+        samples=n,
     )
 
 
@@ -972,7 +918,7 @@ def sampling(time: Array) -> Iterator[Finding]:
     rate, span = 1.0 / dt, float(time[-1] - time[0])
     text = f"{count(time.size, 'sample')} at {quantity(rate, 'Hz')} over {quantity(span, 's')}"
     if worst <= NEGLIGIBLE:
-        least = "below 0.001 %" if worst < SEEN else percent(worst)
+        least = "below 0.001 %" if worst < PER_MILLE * NEGLIGIBLE else percent(worst)
         between = " between gaps" if regular.size < steps.size else ""
         text += f", evenly spaced{between} (largest deviation {least})."
     elif odd and odd < NEGLIGIBLE:
@@ -993,18 +939,16 @@ def sampling(time: Array) -> Iterator[Finding]:
         )
         if typical > UNEVEN:
             text += " Velocities derived from positions are unreliable."
-    yield Finding(
-        kind="sampling",
-        severity="warning" if typical > UNEVEN else "info",
-        sentence=text,
-        measure="Record at even intervals" if typical > UNEVEN else "",
-        numbers={
-            "samples": time.size,
-            "rate": rate,
-            "duration": span,
-            "largest_deviation": worst,
-            "scatter": typical,
-        },
+    yield remark(
+        "sampling",
+        typical > UNEVEN,
+        text,
+        "Record at even intervals",
+        samples=time.size,
+        rate=rate,
+        duration=span,
+        largest_deviation=worst,
+        scatter=typical,
     )
 
 
@@ -1014,30 +958,24 @@ def gaps(time: Array) -> Iterator[Finding]:
     at = np.flatnonzero(steps > GAP * dt)
     if not at.size:
         return
-    largest = at[np.argsort(steps[at], kind="stable")[::-1]][:SHOWN]
+    largest = at[np.argsort(steps[at], kind="stable")[::-1]][:LISTED]
     for i in np.sort(largest):
         missing = round(float(steps[i]) / dt) - 1
-        yield Finding(
-            kind="gap",
-            severity="warning",
-            sentence=(
-                f"Gap of {quantity(float(steps[i]), 's')} after {quantity(float(time[i]), 's', 6)}"
-                f" ({count(missing, 'sample')} missing)."
-            ),
-            numbers={"time": float(time[i]), "duration": float(steps[i]), "samples": missing},
+        text = (
+            f"Gap of {quantity(float(steps[i]), 's')} after {quantity(float(time[i]), 's', 6)}"
+            f" ({count(missing, 'sample')} missing)."
         )
-    if at.size > SHOWN:
+        yield remark(
+            "gap", "warning", text, time=float(time[i]), duration=float(steps[i]), samples=missing
+        )
+    if at.size > LISTED:
         total = float(np.sum(steps[at]))
-        yield Finding(
-            kind="gap",
-            severity="warning",
-            sentence=(
-                f"{number(at.size, 6)} gaps longer than {number(GAP)} sampling intervals in total,"
-                f" {percent(total / float(time[-1] - time[0]))} of the time; the longest are"
-                " listed."
-            ),
-            numbers={"gaps": at.size, "duration": total},
+        text = (
+            f"{number(at.size, 6)} gaps longer than {number(GAP)} sampling intervals in total,"
+            f" {percent(total / float(time[-1] - time[0]))} of the time; the longest are"
+            " listed."
         )
+        yield remark("gap", "warning", text, gaps=at.size, duration=total)
 
 
 def usual(record: Measurement) -> Iterator[Finding]:
@@ -1052,16 +990,12 @@ def usual(record: Measurement) -> Iterator[Finding]:
     dt = interval_of(record.time)
     if known & {"friction", "spring_force", "pull"} or SLOWEST <= 1.0 / dt <= FASTEST:
         return
-    yield Finding(
-        kind="units",
-        severity="warning",
-        sentence=(
-            f"{'Force and motion' if driven else 'Positions'} were sampled every"
-            f" {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}: check that times are in"
-            f" seconds.{MILLISECONDS if 1.0 / dt < SLOWEST else ''}"
-        ),
-        numbers={"interval": dt},
+    text = (
+        f"{'Force and motion' if driven else 'Positions'} were sampled every"
+        f" {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}: check that times are in"
+        f" seconds.{MILLISECONDS if 1.0 / dt < SLOWEST else ''}"
     )
+    yield remark("units", "warning", text, interval=dt)
 
 
 LIMITED: Final = ("force", "spring_force")
@@ -1071,30 +1005,25 @@ LARGEST_VALUES: Final = {
     **{"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7},
     **{"V": 1e4, "A": 1e4},
 }
-HUGE: Final = 1e60
+HUGE: Final = LARGEST_NUMBER**2
+"""Sizes whose squares no computer can add."""
 WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians", "V": "volts", "A": "amperes"}
 SPANNED: Final = ("m", "rad")
 IMPOSSIBLE_SPEED: Final = 1000.0
 """Speed [m/s] of a bullet: no body with friction that is measured moves faster."""
-LONGEST_RUN: Final = 20
-"""Samples that a signal must sit at its extreme to count as saturated."""
-LONGER: Final = 8
-"""... and how many times longer than at the levels beside it: a rounded peak is 5 times as long."""
-SIDE: Final = 8
-"""Samples beside a position's flat extreme at least that show whether it comes or leaves slowly."""
+LONGEST_RUN: Final = 2 * FEWEST_SAMPLES
+"""Samples that a signal must sit at its extreme to count as saturated, and ten times longer than at
+the levels beside it: a rounded peak is 5 times as long."""
 FLAT: Final = 6
-"""... and at most a sixth of the flat: where a rounded peak is cut off, both sides are straight."""
+"""Flats over the samples beside them that show whether a position comes or leaves slowly: where a
+rounded peak is cut off, both sides are straight."""
 SINGLE_STEP: Final = (1.5, 2.5)
 """Way in twice the time over that in the time itself: 2 at one speed, 4 from rest, 1 in a jump."""
-CLEAR: Final = 10.0
-"""Steps or noises of a position that this way must have; from rest, 2.8 is the least ratio then."""
 VISIBLE: Final = 2**16
 """Steps over the whole range beyond which only those of a position are worth a word."""
 COARSE: Final = 100
 SLOWLY: Final = ("position", "velocity", "force", "load")
 """Signals that may be logged more slowly than others; a command or a table may be so by itself."""
-LEVELS: Final = 8
-"""Values at least of a signal that was logged more slowly; fewer may have been commanded."""
 
 
 def arrays(record: Measurement) -> Iterator[tuple[str, Array]]:
@@ -1112,12 +1041,9 @@ def constant(record: Measurement) -> Iterator[Finding]:
         value = quantity(float(values[0]), record.unit(name))
         text, severity = _never(name, float(values[0]))
         single = name == "velocity" and severity == "warning"
-        yield Finding(
-            kind="constant",
-            severity=severity,
-            sentence=f"{NAMES[name].capitalize()} is constant{text.format(value)}",
-            measure=OTHER_SPEEDS if single else "",
-            numbers={name: float(values[0])},
+        text = f"{NAMES[name].capitalize()} is constant{text.format(value)}"
+        yield remark(
+            "constant", severity, text, OTHER_SPEEDS if single else "", **{name: float(values[0])}
         )
 
 
@@ -1137,24 +1063,20 @@ def unusable(record: Measurement) -> Iterator[Finding]:
     if record.time is not None:
         late, least = float(np.abs(record.time).max()), float(np.diff(record.time).min())
         if late > HUGE or least < 1 / HUGE:
-            yield Finding(
-                kind="units",
-                severity="error",
-                sentence=(
-                    f"Times reach {quantity(late, 's')} in steps of {quantity(least, 's')} or"
-                    " more: such values exceed the numerical range."
-                ),
-                numbers={"time": late, "step": least},
+            text = (
+                f"Times reach {quantity(late, 's')} in steps of {quantity(least, 's')} or"
+                " more: such values exceed the numerical range."
             )
+            yield remark("units", "error", text, time=late, step=least)
     for name, values in arrays(record):
         largest = float(np.abs(values).max())
         if largest > HUGE:
             text = f"reaches {quantity(largest, record.unit(name))}: such values exceed"
-            yield Finding(
-                kind="units",
-                severity="error",
-                sentence=f"{NAMES[name].capitalize()} {text} the numerical range.",
-                numbers={name: largest},
+            yield remark(
+                "units",
+                "error",
+                f"{NAMES[name].capitalize()} {text} the numerical range.",
+                **{name: largest},
             )
 
 
@@ -1169,16 +1091,12 @@ def unmoved(record: Measurement) -> Iterator[Finding]:
         return
     span = float(np.ptp(values))
     said = quantity(span, record.unit("position"))
-    yield Finding(
-        kind="constant",
-        severity="error",
-        sentence=(
-            f"Position takes two values only, {said} apart: no motion was recorded."
-            if two
-            else f"Position stays within {said}, its noise level: no motion was recorded."
-        ),
-        numbers={"span": span, "noise": noise},
+    text = (
+        f"Position takes two values only, {said} apart: no motion was recorded."
+        if two
+        else f"Position stays within {said}, its noise level: no motion was recorded."
     )
+    yield remark("constant", "error", text, span=span, noise=noise)
 
 
 def jumps(record: Measurement) -> Iterator[Finding]:
@@ -1201,33 +1119,23 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     beside = np.stack([size[:-4], size[1:-3], size[3:-1], size[4:]])
     allowed = np.partition(beside, 2, axis=0)[2]
     change = np.diff(speed)
-    # 1.4826 median absolute deviations are a standard deviation of normal noise.
-    spread = 1.4826 * float(np.median(np.abs(change - np.median(change))))
+    spread = float(np.median(np.abs(change - np.median(change)))) / QUARTILE
     # Noise of the speeds, and two counts of the sensor within a sample, are no jump.
     doubt = 10 * spread + 2 * max(step_of(position), _count_size(position)) / dt
     at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
     at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
-    worst = at[np.argsort(-np.abs(speed[at] * dt[at]), kind="stable")][:SHOWN]
+    worst = at[np.argsort(-np.abs(speed[at] * dt[at]), kind="stable")][:LISTED]
     for i in np.sort(worst):
         step, usual = float(speed[i] * dt[i]), float(allowed[i] * dt[i])
-        yield Finding(
-            kind="jump",
-            severity="warning",
-            sentence=(
-                f"Position jumps by {quantity(step, record.unit('position'))} within one sample"
-                f" after {quantity(float(time[i]), 's', 6)}; between neighbouring samples it"
-                f" changes by at most {quantity(usual, record.unit('position'))}."
-            ),
-            numbers={"time": float(time[i]), "step": step, "neighbours": usual},
+        text = (
+            f"Position jumps by {quantity(step, record.unit('position'))} within one sample"
+            f" after {quantity(float(time[i]), 's', 6)}; between neighbouring samples it"
+            f" changes by at most {quantity(usual, record.unit('position'))}."
         )
-    if at.size > SHOWN:
-        yield Finding(
-            kind="jump",
-            severity="warning",
-            sentence=f"{number(at.size, 7)} such jumps of position in total; the largest are"
-            " listed.",
-            numbers={"jumps": at.size},
-        )
+        yield remark("jump", "warning", text, time=float(time[i]), step=step, neighbours=usual)
+    if at.size > LISTED:
+        text = f"{number(at.size, 7)} such jumps of position in total; the largest are listed."
+        yield remark("jump", "warning", text, jumps=at.size)
 
 
 def _count_size(position: Array) -> float:
@@ -1251,7 +1159,7 @@ def _repeats(values: Array) -> int:
     _, lengths = _runs(values)
     usual = int(np.median(lengths))
     # A constant, or a few levels of a command, are held on purpose.
-    often = len(lengths) >= LEVELS and np.mean(lengths == usual) >= MOSTLY
+    often = len(lengths) >= FEWEST_SAMPLES and np.mean(lengths == usual) >= MOSTLY
     return usual if usual >= FEWEST and often else 1
 
 
@@ -1274,20 +1182,22 @@ def saturated(record: Measurement) -> Iterator[Finding]:
             near = (np.abs(levels - extreme) < 0.1 * span) & ~there
             longest = int(lengths[there].max())
             beside = int(lengths[near].max()) if near.any() else 1
-            if longest < max(LONGEST_RUN, LONGER * beside):
+            if longest < max(LONGEST_RUN, DECADE * beside):
                 continue
             share = float(np.sum(lengths[there])) / values.size
-            yield Finding(
-                kind="saturation",
-                severity="warning",
-                sentence=(
-                    f"{NAMES[name].capitalize()} stays at its {way} value,"
-                    f" {quantity(extreme, record.unit('force'))}, for up to {number(longest, 7)}"
-                    f" consecutive samples, {percent(share)} of the record: the amplifier or"
-                    " sensor saturates, unless the drive was constant there."
-                ),
-                measure="Record within the range of amplifier and sensor",
-                numbers={"level": extreme, "end": end, "longest": longest, "share": share},
+            text = (
+                f"{NAMES[name].capitalize()} stays at its {way} value,"
+                f" {quantity(extreme, record.unit('force'))}, for up to {number(longest, 7)}"
+                f" consecutive samples, {percent(share)} of the record: the amplifier or"
+                " sensor saturates, unless the drive was constant there."
+            )
+            numbers = {"level": extreme, "end": end, "longest": longest, "share": share}
+            yield remark(
+                "saturation",
+                "warning",
+                text,
+                "Record within the range of amplifier and sensor",
+                **numbers,
             )
 
 
@@ -1301,35 +1211,35 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
         return
     values = np.asarray(record.values("position"))
     step = step_of(values)
-    clear = CLEAR * max(step, noise_of(values, step))
+    # From rest, 2.8 is the least ratio of ways at ten steps or noises.
+    clear = DECADE * max(step, noise_of(values, step))
     levels, lengths = _runs(values)
     ends = np.cumsum(lengths)
     for way, end, extreme in _ends(values):
         short = np.abs(values - extreme)
         found = [
             int(lengths[k])
-            for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * SIDE))
+            for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * FEWEST_SAMPLES))
             if _straight(short[ends[k] - 1 :], clear, int(lengths[k]))
             and _straight(short[: ends[k] - lengths[k] + 1][::-1], clear, int(lengths[k]))
         ]
         if found:
-            yield Finding(
-                kind="saturation",
-                severity="warning",
-                sentence=(
-                    f"Position stays at its {way} value,"
-                    f" {quantity(extreme, record.unit('position'))}, for up to"
-                    f" {number(max(found), 7)} consecutive samples, and reaches and leaves it"
-                    " without slowing down: the sensor is at the end of its range, unless the"
-                    " motion was driven in this way."
-                ),
-                measure="Record within the range of the sensor",
-                numbers={
-                    "level": extreme,
-                    "end": end,
-                    "longest": max(found),
-                    "times": len(found),
-                },
+            text = (
+                f"Position stays at its {way} value,"
+                f" {quantity(extreme, record.unit('position'))}, for up to"
+                f" {number(max(found), 7)} consecutive samples, and reaches and leaves it"
+                " without slowing down: the sensor is at the end of its range, unless the"
+                " motion was driven in this way."
+            )
+            yield remark(
+                "saturation",
+                "warning",
+                text,
+                "Record within the range of the sensor",
+                level=extreme,
+                end=end,
+                longest=max(found),
+                times=len(found),
             )
 
 
@@ -1338,14 +1248,10 @@ def _straight(short: Array, clear: float, length: int) -> bool:
     far = np.flatnonzero(short[: length // FLAT + 1] >= clear)
     if not far.size:
         return False
-    n = max(SIDE, int(far[0]))
+    n = max(FEWEST_SAMPLES, int(far[0]))
     if 2 * n >= short.size:
         return False
-    return (
-        bool(SINGLE_STEP[0] <= short[2 * n] / short[n] <= SINGLE_STEP[1])
-        if short[n] > 0.0
-        else False
-    )
+    return bool(SINGLE_STEP[0] * short[n] <= short[2 * n] <= SINGLE_STEP[1] * short[n] > 0.0)
 
 
 def held(record: Measurement) -> Iterator[Finding]:
@@ -1358,16 +1264,12 @@ def held(record: Measurement) -> Iterator[Finding]:
             continue
         # A value held for n samples is (n - 1) / 2 samples late on average.
         late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))
-        yield Finding(
-            kind="held samples",
-            severity="warning",
-            sentence=(
-                f"{NAMES[name].capitalize()} changes only every {number(usual, 7)} samples: it was"
-                f" logged at a lower rate, and lags by {quantity(late, 's')} on average. Leave out"
-                " the rows between."
-            ),
-            numbers={"samples": usual, "delay": late},
+        text = (
+            f"{NAMES[name].capitalize()} changes only every {number(usual, 7)} samples: it was"
+            f" logged at a lower rate, and lags by {quantity(late, 's')} on average. Leave out"
+            " the rows between."
         )
+        yield remark("held samples", "warning", text, samples=usual, delay=late)
 
 
 def _own_step(values: Array) -> float:
@@ -1395,12 +1297,14 @@ def quantised(record: Measurement) -> Iterator[Finding]:
         coarse = levels < COARSE and name == "position"
         text = f"{NAMES[name].capitalize()} is quantised in steps of"
         text += f" {quantity(step, record.unit(name))}, {number(levels)} over its range"
-        yield Finding(
-            kind="quantisation",
-            severity="warning" if coarse else "info",
-            sentence=text + (": velocities derived from it are coarse." if coarse else "."),
-            measure="Record larger motions, or with a finer resolution" if coarse else "",
-            numbers={"step": step, "levels": levels},
+        text += ": velocities derived from it are coarse." if coarse else "."
+        yield remark(
+            "quantisation",
+            coarse,
+            text,
+            "Record larger motions, or with a finer resolution",
+            step=step,
+            levels=levels,
         )
 
 
@@ -1457,25 +1361,16 @@ def lifted(record: Measurement) -> Iterator[Finding]:
     values = np.asarray(record.values("load"))
     share = float(np.mean(values <= 0.0))
     if share:
-        yield Finding(
-            kind="load",
-            severity="warning",
-            sentence=(
-                f"Load is zero or negative on {percent(share)} of the samples (smallest"
-                f" {quantity(float(values.min()), 'N')}): the contact is open there; leave these"
-                " samples out."
-            ),
-            numbers={"share": share, "smallest": float(values.min())},
+        text = (
+            f"Load is zero or negative on {percent(share)} of the samples (smallest"
+            f" {quantity(float(values.min()), 'N')}): the contact is open there; leave these"
+            " samples out."
         )
+        yield remark("load", "warning", text, share=share, smallest=float(values.min()))
 
 
 def _doubted(name: str, text: str, value: float) -> Finding:
-    return Finding(
-        kind="units",
-        severity="warning",
-        sentence=f"{NAMES[name].capitalize()} {text}",
-        numbers={name: value},
-    )
+    return remark("units", "warning", f"{NAMES[name].capitalize()} {text}", **{name: value})
 
 
 # What a measurement can tell and what is wrong with it, before anything is fitted.
@@ -1736,10 +1631,10 @@ def _joints(
         found = {
             name: own
             if name in moving
-            else [_resting(remark, RESTING_JOINT) for remark in own if _still(remark)]
+            else [_resting(finding, RESTING_JOINT) for finding in own if _still(finding)]
             for name, own in found.items()
         }
-    said = [{remark.sentence for remark in found[name]} for name in moving or found]
+    said = [{finding.sentence for finding in found[name]} for name in moving or found]
     shared = set.intersection(*said)
     # What all moving joints share is said once, in the place of the first.
     first = (moving or [*found])[0]
@@ -1812,9 +1707,9 @@ def _record(
     record, times = without_outliers(record)  # of which no motion and no force is made
     for column, at in times.items():
         # Those of joints stay where they are.
-        said = " ".join([outlier_sentence(column, at), *[REPLACED] * (not coupled)])
+        text = " ".join([outlier_sentence(column, at), *[REPLACED] * (not coupled)])
         numbers = {"samples": len(at), "first": at[0]}
-        yield Finding(kind="outliers", severity="warning", sentence=said, numbers=numbers)
+        yield remark("outliers", "warning", text, **numbers)
     still = [*constant(record), *unmoved(record)]
     yield from still
     # What only asks for errors needs a motion for its speed, or to compare it with friction.
@@ -1848,11 +1743,8 @@ def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> 
     yield from lifted(record)
     yield from hum(record)
     if record.position is None and record.velocity is None:
-        yield Finding(
-            kind="motion",
-            sentence="Neither position nor velocity is given: directions and rests cannot be"
-            " determined.",
-        )
+        text = "Neither position nor velocity is given: directions and rests cannot be determined."
+        yield remark("motion", "info", text)
 
 
 def _course(
@@ -1883,13 +1775,13 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
         if record.overrides or record.initial:
             check_record(mechanism, record, record.name or "the record")
     except InputError as error:
-        yield Finding(kind="mechanism", severity="error", sentence=str(error))
+        yield remark("mechanism", "error", str(error))
         return
     if record.position is None:
         return
     if is_filmed(record) and cycle_or_none(vary(mechanism, PREFIX, record.overrides)) is not None:
         for sentence in other_drives(mechanism, record):
-            yield Finding(kind="drive frequency", severity="error", sentence=sentence)
+            yield remark("drive frequency", "error", sentence)
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
     stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
     # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.
@@ -1899,30 +1791,22 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     room = math.inf if lower is None or upper is None else float(upper) - float(lower)
     span = float(np.ptp(position))
     if span > DECADE * room:
-        yield Finding(
-            kind="mechanism",
-            severity="error",
-            sentence=(
-                f"Position spans {quantity(span, unit)}, and the stops of the mechanism are"
-                f" {quantity(room, unit)} apart: give the unit of the position, as --unit"
-                " position=mm, or correct the stops."
-            ),
-            numbers={"span": span, "room": room},
+        text = (
+            f"Position spans {quantity(span, unit)}, and the stops of the mechanism are"
+            f" {quantity(room, unit)} apart: give the unit of the position, as --unit"
+            " position=mm, or correct the stops."
         )
+        yield remark("mechanism", "error", text, span=span, room=room)
         return
     for name, side, reached in bounds:
         stop = None if inside else getattr(mechanism, name, None)  # of what was measured
         if stop is not None and side * (float(reached) - float(stop)) > 0:
-            yield Finding(
-                kind="mechanism",
-                severity="warning",
-                sentence=(
-                    f"Position reaches {quantity(float(reached), unit)}, beyond {name} of the"
-                    f" mechanism at {quantity(float(stop), unit)}: check the zero and the unit of"
-                    " position."
-                ),
-                numbers={"reached": float(reached), "stop": float(stop)},
+            text = (
+                f"Position reaches {quantity(float(reached), unit)}, beyond {name} of the"
+                f" mechanism at {quantity(float(stop), unit)}: check the zero and the unit of"
+                " position."
             )
+            yield remark("mechanism", "warning", text, reached=float(reached), stop=float(stop))
 
 
 # What no fit is made from, refused in the same words by every verb.
@@ -2076,5 +1960,5 @@ def with_doubts(
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
         # The class tells callers what went wrong: it stays.
-        said = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
-        raise type(error)(said) from None
+        text = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
+        raise type(error)(text) from None

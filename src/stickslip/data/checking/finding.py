@@ -72,6 +72,27 @@ class Finding(metaclass=Described):
         }
 
 
+def remark(
+    kind: str, severity: Severity | bool, sentence: str, measure: str = "", /, **numbers: float
+) -> Finding:
+    """Return a finding with the numbers of its sentence by their names.
+
+    A severity of True is a warning; False is a remark, which asks for no measurement.
+
+    Examples
+    --------
+    >>> found = remark("gap", True, "Gap of 0.3 s after 12.5 s.", "Record again", duration=0.3)
+    >>> found.severity, found.measure, found.numbers["duration"]
+    ('warning', 'Record again', 0.3)
+    """
+    if not isinstance(severity, str):
+        measure = measure if severity else ""
+        severity = "warning" if severity else "info"
+    return Finding(
+        kind=kind, severity=severity, sentence=sentence, measure=measure, numbers=numbers
+    )
+
+
 def sentences_of(findings: Iterable[Finding], *kinds: str) -> tuple[str, ...]:
     """Return findings in words, those of some kinds alone if any are named.
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
+from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity, remark
 from stickslip.data.differentiation import (
     CUTOFF,
     PADDED,
@@ -33,6 +33,7 @@ from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
 from stickslip.data.tolerances import (
     DECADE,
+    FEW_SAMPLES,
     FEWEST,
     FEWEST_SAMPLES,
     HALF,
@@ -83,6 +84,11 @@ class Motion:
     def sure(self) -> float:
         """Speed above which a direction is believed [m/s]."""
         return max(NEGLIGIBLE * self.fastest, SURE * self.noise)
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether its noise is slight beside the largest speed, so that speeds are compared."""
+        return self.noise < SLIGHT * self.fastest
 
     @cached_property
     def directions(self) -> NDArray[np.int64]:
@@ -169,16 +175,18 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
     seen = motion.directions[motion.directions != 0]
     if not seen.size:
         noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
-        yield Finding(
-            kind="reversals",
-            severity="warning",
-            sentence=(
-                f"The largest speed, {fastest}, is not significantly above its noise of {noise}:"
-                " directions cannot be determined. Filter the position, or measure it with a finer"
-                " resolution."
-            ),
-            measure="Measure faster or larger motions",
-            numbers={"noise": motion.noise, "fastest": motion.fastest},
+        text = (
+            f"The largest speed, {fastest}, is not significantly above its noise of {noise}:"
+            " directions cannot be determined. Filter the position, or measure it with a finer"
+            " resolution."
+        )
+        yield remark(
+            "reversals",
+            "warning",
+            text,
+            "Measure faster or larger motions",
+            noise=motion.noise,
+            fastest=motion.fastest,
         )
         return
     changes = int(np.count_nonzero(np.diff(seen)))
@@ -190,13 +198,7 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         sentence = f"No reversals: the motion goes {'forward' if seen[0] > 0 else 'backward'} only"
         sentence += ", so that friction level and offset cannot be separated." * offset or "."
     lost = offset and not changes
-    yield Finding(
-        kind="reversals",
-        severity="warning" if lost else "info",
-        sentence=sentence,
-        measure=OTHER_WAY if lost else "",
-        numbers=numbers,
-    )
+    yield remark("reversals", lost, sentence, OTHER_WAY, **numbers)
 
 
 def beside_other_way(finding: Finding) -> Finding:
@@ -228,17 +230,15 @@ def straight(record: Measurement) -> Iterator[Finding]:
             " rotated, its track is curved, or the camera was not perpendicular to the plane of"
             " motion."
         )
-    yield Finding(
-        kind="line",
-        severity="warning" if bent else "info",
-        sentence=text,
-        measure="Record a straight motion, with the camera perpendicular to it" if bent else "",
-        numbers={
-            "tilt": line.tilt,
-            "length": line.length,
-            "across": line.across,
-            "jitter": line.jitter,
-        },
+    yield remark(
+        "line",
+        bent,
+        text,
+        "Record a straight motion, with the camera perpendicular to it",
+        tilt=line.tilt,
+        length=line.length,
+        across=line.across,
+        jitter=line.jitter,
     )
 
 
@@ -247,32 +247,31 @@ def rests(motion: Motion) -> Iterator[Finding]:
     durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
     if not durations.size:
         text = f"No periods of rest of {FEWEST_SAMPLES} samples or more."
-        yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
+        yield remark("rests", "info", text, duration=0.0)
         return
     total, still = float(np.sum(durations)), motion.hardly_moves
     text = f"At rest for {quantity(total, 's')} of {quantity(span, 's')} ({percent(total / span)}),"
     text += f" in {count(int(durations.size), 'period')}"
-    yield Finding(
-        kind="rests",
-        severity="warning" if still else "info",
-        sentence=f"{text}: {LITTLE}." if still else f"{text}.",
-        measure="Record more of the motion" if still else "",
-        numbers={"duration": total, "share": total / span, "stretches": durations.size},
+    yield remark(
+        "rests",
+        still,
+        f"{text}: {LITTLE}." if still else f"{text}.",
+        "Record more of the motion",
+        duration=total,
+        share=total / span,
+        stretches=durations.size,
     )
 
 
 def readings(time: Array) -> Finding:
     """Return that rows with times are read as steady readings, and no samples of a motion."""
     step = interval_of(time)
-    return Finding(
-        kind="steady readings",
-        sentence=(
-            f"The rows, one every {quantity(step, 's')}, are taken for steady readings of friction:"
-            " a table over the speed, in the order of their times. `--route balance` takes them for"
-            " samples of one motion."
-        ),
-        numbers={"interval": step},
+    text = (
+        f"The rows, one every {quantity(step, 's')}, are taken for steady readings of friction:"
+        " a table over the speed, in the order of their times. `--route balance` takes them for"
+        " samples of one motion."
     )
+    return remark("steady readings", "info", text, interval=step)
 
 
 def slow(motion: Motion) -> Iterator[Finding]:
@@ -286,7 +285,7 @@ def slow(motion: Motion) -> Iterator[Finding]:
     text = f"{percent(share)} of the samples are slower than {quantity(SLIGHT * fastest, unit)},"
     text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
     text += "." if share else ": this record does not determine friction near zero velocity."
-    yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})
+    yield remark("low speed", "info", text, share=share, fastest=fastest)
 
 
 # Signals that must fit each other: velocity and position, forces and motion, friction and load.
@@ -333,7 +332,7 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
         sentence = f"Velocity is {number(factor)} times the derivative of position"
         sentence += f"{_guess(factor)}: state its unit or a gain."
         severity = "error"
-    yield Finding(kind="velocity", severity=severity, sentence=sentence, numbers=numbers)
+    yield remark("velocity", severity, sentence, **numbers)
 
 
 def _guess(factor: float) -> str:
@@ -373,17 +372,13 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
         severity = "warning"
         sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"
         sentence += " samples: check for an offset, a delay, or opposite sign conventions."
-    yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)
+    yield remark("friction sign", severity, sentence, **numbers)
 
 
 # Forces that must fit the motion: one that is missing, energy from nowhere, factors of units.
 
 OTHERS: Final = ("friction", "spring_force", "pull")
 """With one of these a record says by itself what acts; friction needs no drive."""
-LEVELS: Final = 31
-"""Positions at which speeds are compared."""
-CLEAR: Final = 20.0
-"""The largest speed over its noise, from which speeds are compared at all."""
 IMPOSSIBLE: Final = 300.0
 """Factor between a force and the motion it causes that units make, and no mass known badly."""
 
@@ -396,13 +391,11 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
         return
     if mechanism is not None and mechanism.drives():
         return
-    yield Finding(
-        kind="drive",
-        sentence=(
-            "Neither force nor reference is given: a fit treats the motion as undriven, such as a"
-            " free decay."
-        ),
+    text = (
+        "Neither force nor reference is given: a fit treats the motion as undriven, such as a"
+        " free decay."
     )
+    yield remark("drive", "info", text)
 
 
 def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
@@ -451,12 +444,7 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
         )
     else:
         return
-    yield Finding(
-        kind="drive",
-        severity=severity,
-        sentence=sentence,
-        numbers={"gained": gained, "turned": rose, "kept": kept},
-    )
+    yield remark("drive", severity, sentence, gained=gained, turned=rose, kept=kept)
 
 
 def _swinging(swing: "Swing", record: Measurement, mechanism: Mechanism) -> Finding:
@@ -465,23 +453,19 @@ def _swinging(swing: "Swing", record: Measurement, mechanism: Mechanism) -> Find
     cure = f'give it stiffness = "{number(spring)} {turned("N/m", record.turning)}"'
     if record.turning:
         cure = f'make it a pendulum, as with length = "{number(swing.length)} m", or {cure}'
-    return Finding(
-        kind="mechanism",
-        severity="error",
-        sentence=(
-            f"The body swings by itself, at {quantity(swing.frequency, 'Hz')} in small swings, and"
-            f" the mechanism has no spring and no weight: {cure}."
-        ),
-        numbers={"frequency": swing.frequency, "stiffness": spring},
+    text = (
+        f"The body swings by itself, at {quantity(swing.frequency, 'Hz')} in small swings, and"
+        f" the mechanism has no spring and no weight: {cure}."
     )
+    return remark("mechanism", "error", text, frequency=swing.frequency, stiffness=spring)
 
 
 def _sizes(record: Measurement, mechanism: Mechanism | None) -> tuple[float, float, float]:
     """Return what energy is gained and kept, and what speed goes both ways, as shares."""
     gained, kept, turned = 0.0, 0.0, 0.0
     for part in between_gaps(record):
-        moving = motion_of(part) if np.asarray(part.time).size >= LEVELS else None
-        if moving is None or moving.fastest <= CLEAR * moving.noise:
+        moving = motion_of(part) if np.asarray(part.time).size >= FEW_SAMPLES else None
+        if moving is None or not moving.is_clear:
             continue
         position = _positions(part)
         if part.position is not None:
@@ -541,7 +525,7 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
     ends = slice(round(1 / CUTOFF), -round(1 / CUTOFF))
     position, v, most = position[ends], moving.velocity[ends], moving.fastest**2
     rises, left = [], []
-    for level in np.linspace(position.min(), position.max(), LEVELS + 2)[1:-1]:
+    for level in np.linspace(position.min(), position.max(), FEW_SAMPLES + 2)[1:-1]:
         apart = position - level
         at = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
         if at.size < 2:
@@ -582,7 +566,7 @@ def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion
     mechanism = vary(mechanism, "mechanism", record.overrides)
     if stops_of(mechanism):
         return False
-    pull = _pull(mechanism, np.linspace(x.min(), x.max(), LEVELS))
+    pull = _pull(mechanism, np.linspace(x.min(), x.max(), FEW_SAMPLES))
     work = float(np.ptp(pull)) * float(np.ptp(x))
     return work < NEGLIGIBLE * 0.5 * _mass(mechanism) * moving.fastest**2
 
@@ -624,7 +608,7 @@ def inertia_of(record: Measurement) -> float | None:
     if "force" not in known or record.time is None or not {"position", "velocity"} & {*known}:
         return None
     moving = motion_of(record)
-    if moving is None or moving.fastest <= CLEAR * moving.noise:
+    if moving is None or not moving.is_clear:
         return None
     factor, share = _factor(Axis(inertia=1.0), record, moving)
     return factor if share >= HALF and factor > 0.0 else None
@@ -674,7 +658,7 @@ def swing_of(record: Measurement) -> Swing | None:
         return None
     record, _ = without_outliers(record)
     moving = motion_of(record)
-    if moving is None or moving.fastest <= CLEAR * moving.noise:
+    if moving is None or not moving.is_clear:
         return None
     if free and _turned(moving) <= SMALL:
         return None
@@ -723,7 +707,7 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     if "drive" not in mechanism.__dataclass_fields__ or stops_of(mechanism):
         return
     moving = motion_of(record)
-    if moving is None or moving.fastest <= CLEAR * moving.noise:
+    if moving is None or not moving.is_clear:
         return
     factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
     if share < HALF or factor < 0.0 or 1.0 / DECADE < factor < DECADE:
@@ -733,15 +717,11 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
         cure = "check that time is in s (not ms), position in m, force in N (not mN)"
     severity: Severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
     unit = turned("kg", record.turning)
-    yield Finding(
-        kind="units",
-        severity=severity,
-        sentence=(
-            f"Force is {number(factor, 2)} times the force that this motion of the mechanism"
-            f" requires: {cure}, and that {number(_mass(mechanism))} {unit} is correct."
-        ),
-        numbers={"factor": factor, "explained": share},
+    text = (
+        f"Force is {number(factor, 2)} times the force that this motion of the mechanism"
+        f" requires: {cure}, and that {number(_mass(mechanism))} {unit} is correct."
     )
+    yield remark("units", severity, text, factor=factor, explained=share)
 
 
 def compares_mass(finding: Finding) -> bool:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.columns import is_barred, parts_of
-from stickslip.data.readers.layout import unit_in
+from stickslip.data.readers.layout import headed, unit_in
 from stickslip.data.readers.table import (
     FEWER_CHANNELS,
     TIME,
@@ -38,10 +38,18 @@ from stickslip.data.readers.table import (
     parsed_as,
     read_of,
 )
-from stickslip.data.tolerances import FEWEST_SAMPLES, MOST_CELLS, MOST_LISTED
+from stickslip.data.tolerances import (
+    DEEPEST,
+    FEWEST_SAMPLES,
+    LARGEST_TEXT,
+    MOST_CELLS,
+    MOST_ENTRIES,
+    MOST_LISTED,
+    MOST_SIGNALS,
+)
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.show.display import require_library
-from stickslip.units import is_unit
+from stickslip.show.formatting import joined
 
 # The structure of MATLAB files of version 5 to 7, checked before they are read.
 #
@@ -52,14 +60,12 @@ CURE: Final = "split the file, or save fewer variables"
 HEADER: Final = 128
 MATRIX: Final = 14
 COMPRESSED: Final = 15
-DEEPEST_ELEMENT: Final = 20
 SIZES: Final = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
 """Bytes of a number by the type of its element."""
 NAMES: Final = {1, 16}
 """Types of a name: plain bytes, or UTF-8 where other programs write it."""
 TEXTS: Final = {1, 2, 4, 16, 17, 18}
 """Types of a text: bytes, 16-bit numbers, or UTF-8, -16 and -32."""
-LONGEST_ELEMENT_TEXT: Final = 1_000_000
 CELL, STRUCT, CHAR = 1, 2, 4
 COMPLEX: Final = 0x800
 NUMERIC: Final = range(6, 16)
@@ -129,7 +135,7 @@ def _elements(data: memoryview, order: str) -> Iterator[Element]:
         place = after
 
 
-def _check_variable(element: Element, order: str, depth: int = DEEPEST_ELEMENT) -> int:
+def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> int:
     """Check a variable and return how many numbers it has."""
     if element.kind != MATRIX or not depth:
         raise ValueError("an element is not a variable")
@@ -169,7 +175,7 @@ def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, 
         if len(parts) != 1 or parts[0].kind not in TEXTS:
             raise ValueError("a text has no characters")
         # Other programs leave out blanks at the end of a text.
-        if size > max(LONGEST_ELEMENT_TEXT, sum(len(part.body) for part in parts)):
+        if size > max(LARGEST_TEXT, sum(len(part.body) for part in parts)):
             raise ValueError("a text is shorter than its shape")
     elif kind in {CELL, STRUCT}:
         fields = 1
@@ -194,12 +200,8 @@ def _count_fields(parts: Sequence[Element], order: str) -> int:
 # Vectors of MATLAB files as columns of a table.
 
 Found: TypeAlias = tuple[str, Any]
-LEAST_SPLIT, MOST_SPLIT = 100, 64
-"""Rows from which, and columns up to which, a matrix is one of signals."""
-DEEPEST_STRUCT: Final = 5
-MOST_ELEMENTS: Final = 1_000
-"""Elements of an array of structs that are looked at."""
-LONGEST_TEXT: Final = 1_000
+LEAST_SPLIT: Final = 100
+"""Rows from which a matrix is one of signals."""
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
 
@@ -227,11 +229,10 @@ def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
     vectors = vectors or dict(_split(found)) or dict(_cells(found))
     if not vectors:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
-        more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
         raise InputError(
             f"{path}: contains no numeric vector; contents:"
-            f" {', '.join(listed[:MOST_LISTED]) or 'nothing'}{more}. Save time and signals as"
-            " vectors of equal length."
+            f" {joined(listed, MOST_LISTED) or 'nothing'}. Save time and signals as vectors of"
+            " equal length."
         )
     _check(path, sum(value.size for value in vectors.values()))
     size = _size(vectors, names)
@@ -289,7 +290,7 @@ def _is_signals(value: Any) -> bool:
     """Whether an array, or a dataset that is not read yet, may hold one signal in each column."""
     if value.ndim != 2 or value.dtype.kind not in "iuf":
         return False
-    return bool(max(value.shape) >= LEAST_SPLIT and min(value.shape) <= MOST_SPLIT)
+    return bool(max(value.shape) >= LEAST_SPLIT and min(value.shape) <= MOST_SIGNALS)
 
 
 def _is_vector(value: Any) -> bool:
@@ -333,7 +334,7 @@ def _older(path: Path) -> Iterator[tuple[str, Any]]:
     content = loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=False)
     for name, value in content.items():
         if not name.startswith("__"):
-            yield from _unfolded(name, value, DEEPEST_STRUCT)
+            yield from _unfolded(name, value, DEEPEST)
 
 
 def _unfolded(name: str, value: Any, depth: int) -> Iterator[tuple[str, Any]]:
@@ -415,9 +416,9 @@ def _newer(path: Path) -> Iterator[tuple[str, Any]]:
     with h5py.File(path, "r") as file:
         file.visititems(add)
         _check(path, sum(sizes))  # before any is read
-        found = dict(_Hdf5(path).members(file, "", DEEPEST_STRUCT))
+        found = dict(_Hdf5(path).members(file, "", DEEPEST))
     for name, value in found.items():
-        yield from _unfolded(name, value, DEEPEST_STRUCT)
+        yield from _unfolded(name, value, DEEPEST)
 
 
 class _Hdf5:
@@ -460,17 +461,17 @@ class _Hdf5:
         if not isinstance(item, h5py.Dataset):  # a type, or a link that leads nowhere
             return None
         if "MATLAB_class" not in item.attrs and h5py.check_ref_dtype(item.dtype) is h5py.Reference:
-            return _Elements(item) if item.size <= MOST_ELEMENTS else f"{item.size} struct"
+            return _Elements(item) if item.size <= MOST_ENTRIES else f"{item.size} struct"
         kind = item.attrs.get("MATLAB_class", b"double")
         kind = kind.decode() if isinstance(kind, bytes) else str(kind)
         shape = item.shape[::-1]
-        if kind == "cell" and depth and item.size <= MOST_ELEMENTS:
+        if kind == "cell" and depth and item.size <= MOST_ENTRIES:
             cells = np.empty(item.size, dtype=object)
             for i, cell in enumerate(_Elements(item).items):
                 cells[i] = self.value(cell, f"{name}{{{i + 1}}}", depth - 1)
             return cells
         filled = "MATLAB_empty" not in item.attrs and item.dtype.kind in "iuf"
-        if kind == "char" and filled and item.size <= LONGEST_TEXT:
+        if kind == "char" and filled and item.size <= MOST_ENTRIES:
             return np.array(["".join(map(chr, np.ravel(item[()])))])
         if not filled or not (kind in {"double", "single"} or kind.startswith(("int", "uint"))):
             return f"{' × '.join(map(str, shape))} {kind}"
@@ -677,8 +678,7 @@ def _header(channel: Any) -> str:
     if channel.dtype.kind == "M":
         return f"{channel.name} [s]"
     stated = (channel.properties.get(name) for name in UNIT_PROPERTIES)
-    unit = unit_in(str(next((text for text in stated if text), "")))
-    return f"{channel.name} [{unit}]" if unit and is_unit(unit) else channel.name
+    return headed(channel.name, str(next((text for text in stated if text), "")))
 
 
 def _is_signal(channel: Any) -> bool:

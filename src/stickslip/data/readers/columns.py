@@ -11,6 +11,7 @@ from typing import Any, Final, Literal, TypeAlias
 
 from stickslip.data import measurement
 from stickslip.data.readers.layout import Layout, Repair, repairs
+from stickslip.data.tolerances import LONGEST_NAME
 from stickslip.data.units import read_gain
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, motor_of
@@ -281,19 +282,19 @@ def doubted(name: str) -> list[str] | None:
 
 # Units that stand in the names of columns, and the kinds of units that a quantity has.
 
-STYLES: Final = (
+SURE_STYLES: Final = (
     re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
     re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
     re.compile(r"(?P<name>.+?)\s*/\s*(?P<unit>\S.*)"),
+)
+"""How headers carry units, whatever these are: Weg [mm], Weg (mm), Weg in mm, Weg / mm."""
+STYLES: Final = (
+    *SURE_STYLES,
     re.compile(r"[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*(?P<name>.+)"),
     re.compile(r"(?P<name>[^\[(]+?)\s*[\[(](?P<unit>[^\[\](),;]+)[\]),;].+"),
     re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
 )
-"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
-SURE: Final = 3
-"""Of these, the first that hold whatever the unit is; in the others it may be any word."""
-LONGEST_HEADER: Final = 300
-"""Characters of a header up to which a unit is sought in it: that takes their square."""
+"""... and where it may be any other word: [mm] Weg, Weg [mm] roh, Weg_mm."""
 
 
 def is_unit_of(unit: str, quantity: str) -> bool:
@@ -343,9 +344,9 @@ def without_unit(header: str) -> str:
 
 
 def _surely(header: str) -> list[re.Match[str]]:
-    if len(header) > LONGEST_HEADER:
+    if len(header) > LONGEST_NAME:
         return []
-    return [hit for style in STYLES[:SURE] if (hit := style.fullmatch(header))]
+    return [hit for style in SURE_STYLES if (hit := style.fullmatch(header))]
 
 
 # How the files of a measurement are read, and how that is said: in Python, by options, in rigs.

@@ -30,19 +30,25 @@ from stickslip.data.readers.columns import parts_of, without_unit
 from stickslip.data.readers.layout import (
     BRACKETS,
     DOUBTED,
+    MISSING,
     Layout,
+    Separator,
     are_units,
     bare_cells,
     bytes_of,
     cells_of,
     decoded,
     doubted_parts,
+    headed,
+    is_head,
     is_number,
-    is_stamp,
+    is_row,
     layout_of,
+    marks_of,
     seconds_of,
     stated_rates,
     unit_in,
+    upper_lines,
     without_names,
 )
 from stickslip.data.readers.table import (
@@ -57,11 +63,13 @@ from stickslip.data.readers.table import (
 )
 from stickslip.data.readers.toml import decode
 from stickslip.data.tolerances import (
+    FEW_SAMPLES,
     FEWEST_SAMPLES,
     LONGEST_HEAD,
     LONGEST_LINE,
     MOST_CELLS,
     MOST_LISTED,
+    NEGLIGIBLE,
 )
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.display import require_library
@@ -201,12 +209,11 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> tuple[pd.DataF
     own = [place for place, name in enumerate(names) if name not in (TIMES, "Comment", "")]
     units = _told(segment.head, "Y_Unit_Label")
     headers = numbered_twice([names[place] for place in own])
-    headers = [
-        f"{n}{_bracketed(u)}" for n, u in zip(headers, _padded(units, len(own)), strict=True)
-    ]
+    labels = itertools.chain(units, itertools.repeat(""))
+    headers = [headed(name, label) for name, label in zip(headers, labels, strict=False)]
     dimension = next((cell for cell in segment.head.get("X_Dimension", []) if cell), "")
     unit = next((cell for cell in segment.head.get("X_Unit_Label", []) if cell), "")
-    times = f"{TIMES}{_bracketed(unit or _DIMENSIONS.get(dimension, ''))}"
+    times = headed(TIMES, unit or _DIMENSIONS.get(dimension, ""))
     columns = [place for place, name in enumerate(names) if name == TIMES]
     columns = [place for place in columns if rows[place].notna().any()]
     if len(columns) < 2:
@@ -240,15 +247,6 @@ def _counted(segment: _Segment, rows: int, decimal: str) -> Array:
         except ValueError:
             raise InputError(f"has {tag} {shown(cells[0])} in its header, no number.") from None
     return found[0] + found[1] * np.arange(rows, dtype=float)
-
-
-def _bracketed(label: str) -> str:
-    unit = unit_in(label)
-    return f" [{unit}]" if unit and is_unit(unit) else ""
-
-
-def _padded(cells: Sequence[str], width: int) -> list[str]:
-    return [*cells, *[""] * width][:width]
 
 
 def _trials(tables: Sequence[pd.DataFrame]) -> Iterator[int]:
@@ -397,7 +395,7 @@ def _names(head: Mapping[str, Sequence[str]], width: int) -> tuple[Sequence[str]
 
 
 def _channel_units(head: Mapping[str, Sequence[str]], width: int) -> Sequence[str]:
-    """Return the units of the columns; dV (Voltage) is one cell, also where blanks part cells."""
+    """Return labels of the columns' units; dV (Voltage) is one, also where blanks part cells."""
     cells = head.get("unit", [])
     joined: list[str] = []
     for cell in cells:
@@ -406,8 +404,7 @@ def _channel_units(head: Mapping[str, Sequence[str]], width: int) -> Sequence[st
             joined[-1] += f" {cell}"
         else:
             joined.append(cell)
-    units = [unit_in(cell) for cell in joined] if len(joined) == width else [""] * width
-    return [unit if unit and is_unit(unit) else "" for unit in units]
+    return joined if len(joined) == width else [""] * width
 
 
 def _group(
@@ -418,7 +415,7 @@ def _group(
 ) -> pd.DataFrame:
     """Return the values of the channels of a group by their times [ms]."""
     units = _channel_units(head, len(names))
-    headers = [f"{names[i]} [{units[i]}]" if units[i] else names[i] for i in places[1:]]
+    headers = [headed(names[i], units[i]) for i in places[1:]]
     part = rows[list(places)].set_axis([SCOPE_TIME, *headers], axis=1)
     part = part[part[SCOPE_TIME].notna()]
     times = times_in(part[SCOPE_TIME], names[places[-1]])
@@ -845,15 +842,10 @@ def dialect_of(text: str) -> Dialect | None:
 
 # Tables in text files: CSV in its dialects, and what only looks like one.
 
-HEAD: Final = 65_536
-"""Bytes that are enough to see that a file is no text."""
-LOOKED_AT: Final = 50
-"""Rows that are enough to see that a text is no table."""
-TAIL: Final = 4096
-"""Bytes at the end of a file among whose numbers a last one that is cut stands out."""
-LEAST_CODE: Final = 32
-SEPARATORS: Final = ",;\t"
-_NUMBER: Final = re.compile(r"\s*+[+-]?(\d++(?:[.,]\d*+)?|[.,]\d++)([eE][+-]?\d++)?\s*+")
+CONTROLS: Final = bytes({*range(ord(" "))} - {*b"\t\n\r\f"})
+"""Bytes that hardly stand in a text."""
+SEPARATORS: Final[tuple[Separator, ...]] = (",", ";", "\t")
+"""Marks between cells of a table that has as many words as numbers."""
 _GROUPED: Final = re.compile(
     r"""\s*[+-]?\d{1,3}(?:
         (?P<mark>[.'\ \u2019\u00a0\u202f])\d{3}(?:(?P=mark)\d{3})*(?:(?!(?P=mark))[.,]\d+)?
@@ -861,9 +853,6 @@ _GROUPED: Final = re.compile(
     re.VERBOSE,
 )
 """A number whose thousands are separated by a mark; 1,592 alone may be one with decimals."""
-_THOUSANDS: Final = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
-"""A number with a comma that may stand between thousands or before decimals."""
-_WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
 
 
 def ambiguous(file: str | Path, name: str) -> InputError:
@@ -874,58 +863,84 @@ def ambiguous(file: str | Path, name: str) -> InputError:
 def read_text(path: Path, layout: Layout | None = None) -> tables.FileTable:
     """Return a CSV table; lines before the header may be comments."""
     data = bytes_of(path)
-    if layout is not None:
-        return read_as(path, data, layout)
-    text, encoding = _decoded(path, data)
+    text, encoding = _decoded(path, data) if layout is None else (_text_in(path, data, layout), "")
     dialect = dialect_of(text)
-    if dialect is not None:
+    if dialect is not None and layout is None:
         with concerning(f"{path}:", InputError):
             return dialect.read(text)
-    lines, start = _head(path, text)
-    named = _tracks(lines)
-    lines, start = (lines[1:], start + 1) if named else (lines, start)
-    header, sample = lines[0], lines[1:]
-    separator = max(SEPARATORS, key=header.count)
-    names = named or bare_cells(header, separator)
-    first = [cells_of(header, mark) for mark in (*SEPARATORS, "|", " ")]
-    if any(all(is_number(cell) or is_stamp(cell) for cell in cells) for cells in first):
-        refuse_numbers(path, text)
-    _check_first(path, lines, start, separator, text)
-    _check_table(path, names, sample, separator, text)
-    decimal = "," if _has_decimal_comma(sample[:20], separator) else "."
-    found = Layout(encoding=encoding, separator=separator, decimal=decimal, preface=start)
-    return _parsed(path, data, names, sample, found)
+    if dialect is not None:
+        raise InputError(
+            f"{path}: is a {dialect.title}, which is read without a layout: leave it out."
+        )
+    return read_as(path, text, data, layout or _layout(path, text, encoding))
 
 
-def read_as(path: Path, data: bytes, layout: Layout) -> tables.FileTable:
-    """Return the table of a file that holds it in a known way."""
+def _text_in(path: Path, data: bytes, layout: Layout) -> str:
     try:
-        text = data.decode(layout.encoding)
+        return data.decode(layout.encoding)
     except UnicodeDecodeError as error:
         raise InputError(
             f"{path}: is not in the code page {layout.encoding} of its layout (byte"
             f" 0x{data[error.start]:02x} at {error.start})."
         ) from None
-    dialect = dialect_of(text)
-    if dialect is not None:
+
+
+def _layout(path: Path, text: str, encoding: str) -> Layout:
+    """Return how a text holds its table, with a mark between thousands only where it is sure."""
+    lines = upper_lines(text)
+    start = next((i for i, line in enumerate(lines) if line.strip() and line[0] != "#"), None)
+    if start is None:
+        raise InputError(f"{path}: has no header. Add a first line with the column names.")
+    if len(lines[start]) >= LONGEST_LINE:
         raise InputError(
-            f"{path}: is a {dialect.title}, which is read without a layout: leave it out."
+            f"{path}: is not a table: its first line has {LONGEST_LINE:,} characters or more. The"
+            " first line must hold the column names."
         )
-    many = layout.preface + LOOKED_AT
-    upper = [line.rstrip("\r") for line in text.split("\n", many)[:many]]
-    lines = upper[layout.preface :] if upper[-1] else upper[layout.preface : -1]
-    if len(lines) < 2 + layout.units_row:
+    separator = max(SEPARATORS, key=lines[start].count)
+    below = [line for line in lines[start + 1 :] if line.strip()]
+    named = separator in lines[start] and is_head(cells_of(lines[start], separator))
+    # Names in the first line above a row of numbers, or names wherever rows of numbers begin.
+    plain = named and (not below or is_row(below[0], separator))
+    if not plain and (found := layout_of(text, encoding)):
+        return replace(found.layout, thousands="") if found.assumed else found.layout
+    if not plain:
+        refuse_numbers(path, text)
+    rows = [cells_of(line, separator) for line in below]
+    if rows and not any(is_number(x) or x.casefold() in MISSING for row in rows for x in row):
+        raise InputError(
+            f"{path}: is not a table: its first {len(rows)} rows contain no number; the first"
+            f" begins with {shown(rows[0][0][:40])}. A table has a line of column names, and below"
+            " it rows of numbers separated by commas, semicolons or tabs."
+        )
+    decimal, thousands, assumed = marks_of(text, rows[:FEW_SAMPLES], separator)
+    return Layout(
+        encoding=encoding,
+        separator=separator,
+        decimal=decimal,
+        thousands="" if assumed else thousands,
+        preface=start,
+    )
+
+
+def read_as(path: Path, text: str, data: bytes, layout: Layout) -> tables.FileTable:
+    """Return the table of a text, and the bytes of that, which holds it in a known way."""
+    lines = upper_lines(text, layout.preface)
+    if len(lines) < 1 + layout.units_row:
         raise InputError(f"{path}: has no rows below the {layout.preface} lines of its preface.")
-    names = cells_of(lines[0].lstrip("\ufeff"), layout.separator)
+    names = cells_of(lines[0], layout.separator)
+    above = upper_lines(text)[: layout.preface]
+    track = cells_of(above[-1], layout.separator) if above else []
+    if track and names and tracks.is_named(track, names):
+        names = tracks.header_of(track, names)
     if layout.units_row:
         units = [unit_in(cell) for cell in cells_of(lines[1], layout.separator)]
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]
-    sample = lines[1 + layout.units_row :]
+    sample = lines[1 + layout.units_row :][:FEW_SAMPLES]
     if not layout.thousands.isascii():  # of which the parser knows none
         data = text.replace(layout.thousands, "").encode(layout.encoding)
         layout = replace(layout, thousands="")
-    rates = stated_rates(upper[: layout.preface], layout)
+    rates = stated_rates(above, layout)
     return replace(_parsed(path, data, names, sample, layout), rates=rates)
 
 
@@ -1015,7 +1030,7 @@ def _cut_number(data: bytes, layout: Layout) -> str:
     """
     if data.endswith((b"\n", b"\r")) or layout.encoding.startswith("utf-16"):
         return ""
-    lines = data[-TAIL:].decode(layout.encoding, errors="replace").splitlines()[1:]
+    lines = data[-LONGEST_HEAD:].decode(layout.encoding, errors="replace").splitlines()[1:]
     cells = [row[-1] for line in lines if (row := cells_of(line, layout.separator))]
     if len(cells) <= FEWEST_SAMPLES or not all(map(is_number, cells)):
         return ""
@@ -1048,107 +1063,20 @@ def _decoded(path: Path, data: bytes) -> tuple[str, str]:
     """Return a text and its encoding: that of Windows where only names need one."""
     text, encoding = decoded(data)
     if not encoding.startswith("utf-16"):
-        _check_text(path, data[:HEAD])
+        _check_text(path, data[:LONGEST_LINE])
     if encoding == "cp1252":
         foreign = [line for line in text.splitlines() if not line.isascii()]
-        if any(_NUMBER.fullmatch(cell) for line in foreign for cell in re.split("[,;\t]", line)):
+        if any(is_number(cell.strip()) for line in foreign for cell in re.split("[,;\t]", line)):
             decode(data, str(path))  # raises: who knows what these bytes are
     return text, encoding
 
 
-def _tracks(lines: list[str]) -> list[str]:
-    """Return the names of columns where names of tracks stand above them, else nothing."""
-    if len(lines) < 2:
-        return []
-    separator = max(SEPARATORS, key=lines[1].count)
-    above, below = bare_cells(lines[0], separator), bare_cells(lines[1], separator)
-    return (
-        tracks.header_of(above, below) if above and below and tracks.is_named(above, below) else []
-    )
-
-
-def _has_decimal_comma(rows: list[str], separator: str) -> bool:
-    """Whether numbers have decimal commas; beside commas that part cells these are in quotes."""
-    if separator != ",":
-        return re.search(r"\d,\d", "\n".join(rows)) is not None
-    cells = [cell for row in rows if '"' in row for cell in bare_cells(row, separator)]
-    found = [cell for cell in cells if _NUMBER.fullmatch(cell)]
-    sure = any("," in cell and not _THOUSANDS.fullmatch(cell) for cell in found)
-    return sure and not any("." in cell for cell in found)
-
-
 def _check_text(path: Path, head: bytes) -> None:
-    bare = sum(code < LEAST_CODE and code not in b"\t\n\r\f" for code in head)
-    if b"\0" in head or bare > len(head) / 100:
+    bare = len(head) - len(head.translate(None, CONTROLS))
+    if b"\0" in head or bare > NEGLIGIBLE * len(head):
         raise InputError(
             f"{path}: is a binary file, not a text table. Give a CSV, Parquet or MATLAB file with"
             " the matching file extension."
-        )
-
-
-def _head(path: Path, text: str) -> tuple[list[str], int]:
-    """Return the header with some rows below it, and how many lines stand before it."""
-    position = start = 0
-    # Cut by hand: a long file has more lines than anybody asks for.
-    while position < len(text):
-        end = text.find("\n", position)
-        line = text[position : len(text) if end < 0 else end]
-        if line.strip() and line[0] != "#":
-            break
-        position, start = (len(text) if end < 0 else end + 1), start + 1
-    if position >= len(text):
-        raise InputError(f"{path}: has no header. Add a first line with the column names.")
-    part = text[position : position + 20 * LONGEST_LINE]
-    lines = list(itertools.islice(part.splitlines(), LOOKED_AT + 1))
-    if len(lines[0]) > LONGEST_LINE:
-        raise InputError(
-            f"{path}: is not a table: its first line has {len(lines[0]):,} characters or more. The"
-            " first line must hold the column names."
-        )
-    return lines, start
-
-
-def _by_init(path: Path, text: str, what: str) -> str:
-    """Return the cure, after a comma, that is a rig file, if one can be written for a text."""
-    found = layout_of(text, "utf-8")
-    return f", or let `stickslip init {path.name}` write a rig file{what}" if found else ""
-
-
-def _check_first(path: Path, lines: list[str], start: int, separator: str, text: str) -> None:
-    """Refuse lines above the header that are no comments, before they are taken for it."""
-    width = len(bare_cells(lines[0], separator))
-    rows = [(index, line) for index, line in enumerate(lines) if line.strip()]
-    for (index, line), (_, below) in itertools.pairwise(rows):
-        for mark in SEPARATORS:
-            names, numbers = bare_cells(line, mark), bare_cells(below, mark)
-            if len(names) < 2 or len(names) != len(numbers) or len(names) == width:
-                continue
-            words = not any(_NUMBER.fullmatch(name) for name in names)
-            if index and words and all(_NUMBER.fullmatch(cell) for cell in numbers):
-                above = "a line precedes" if index == 1 else f"{index} lines precede"
-                raise InputError(
-                    f"{path}: {above} the header, which appears to be line {start + index + 1},"
-                    f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it"
-                    f"{_by_init(path, text, ' that skips it')}."
-                )
-
-
-def _check_table(
-    path: Path, names: list[str], sample: list[str], separator: str, text: str
-) -> None:
-    """Refuse what is no table before megabytes of it are parsed."""
-    rows = [row for row in sample if row.strip()]
-    if not rows:
-        return
-    if len(names) == 1:
-        _check_single(path, names[0], rows, text)
-    cells = [cell.strip().strip('"') for row in rows for cell in row.split(separator)]
-    if not any(_NUMBER.fullmatch(cell) or cell.lower() in _WORDS for cell in cells):
-        refuse_numbers(path, text)
-        raise InputError(
-            f"{path}: is not a table: its first {len(rows)} rows contain no number; the first"
-            f" begins with {shown(rows[0][:40])}. A table has a line of column names, followed by"
-            " rows of numbers separated by commas, semicolons or tabs."
         )
 
 
@@ -1156,21 +1084,6 @@ def refuse_numbers(path: Path, text: str) -> None:
     """Refuse a text whose rows of numbers have no names above them, whatever parts them."""
     if said := without_names(text):
         raise InputError(f"{path}: {said}.")
-
-
-def _check_single(path: Path, name: str, rows: list[str], text: str) -> None:
-    """Refuse a single column whose rows are separated by something else."""
-    for mark, words in (("|", "'|'"), (None, "blanks"), (":", "':'")):
-        parts = [row.split(mark) for row in rows]
-        several = [cells for cells in parts if len(cells) > 1]
-        # A time of day such as 12:30 is one cell, so that names must be parted as well.
-        alike = len(several) == len(rows) and len(name.split(mark)) > 1
-        if alike and all(_NUMBER.fullmatch(cells[0]) for cells in several):
-            refuse_numbers(path, text)
-            raise InputError(
-                f"{path}: has a single column {shown(name)}, with cells separated by {words}."
-                f" Separate the cells by commas, semicolons or tabs{_by_init(path, text, '')}."
-            )
 
 
 def culprit(cells: Sequence[object]) -> int:
@@ -1185,7 +1098,7 @@ def culprit(cells: Sequence[object]) -> int:
     (1, 1, 0)
     """
     texts = [cell if isinstance(cell, str) else "" for cell in cells]
-    for fits in (_GROUPED.fullmatch, lambda text: not _NUMBER.fullmatch(text)):
+    for fits in (_GROUPED.fullmatch, lambda text: not is_number(text.strip())):
         for index, text in enumerate(texts):
             if fits(text):
                 return index
@@ -1239,7 +1152,7 @@ def _first(path: Path, sheets: dict[str, str]) -> tables.FileTable:
         if dialect is not None:
             table = dialect.read(text)
         elif found is not None:
-            table = read_as(path, text.encode(), found.layout)
+            table = read_as(path, text, text.encode(), found.layout)
         return replace(table, remarks=(*remarks, *table.remarks))
     listed = joined([*map(shown, sheets)])
     raise InputError(

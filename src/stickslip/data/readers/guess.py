@@ -13,16 +13,15 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip.data import measurement
-from stickslip.data.differentiation import are_steady_readings
+from stickslip.data.differentiation import READING_INTERVAL, are_steady_readings
 from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
     COEFFICIENTS,
     GUESSED,
     INPUTS,
-    LONGEST_HEADER,
     STYLES,
-    SURE,
+    SURE_STYLES,
     VOCABULARY,
     WORDS,
     Column,
@@ -54,8 +53,12 @@ from stickslip.data.tolerances import (
     GAP,
     HALF,
     INTERVAL,
+    LARGEST_TEXT,
+    LONGEST_LINE,
+    LONGEST_NAME,
     MOST_LISTED,
     NEARLY_ALL,
+    NEGLIGIBLE,
     ROUNDED,
     ROUNDING,
     SLIGHT,
@@ -76,12 +79,6 @@ PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
-SAME_MOTION: Final = 0.99
-"""Correlation from which two positions are those of one axis."""
-LONG: Final = 4_000_000
-"""Bytes of a text from which its top is looked at first."""
-TOP: Final = 250_000
-"""Bytes of that top."""
 CHECKED: Final = 5_000
 """Samples at the top that show what a column holds."""
 WHOLE, PART, INSIDE, LETTER, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 1.9, 0.5, 0.4
@@ -92,8 +89,8 @@ OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
     **{"rad": ("rad", "deg", "rev"), "rad/s": ("rad/s", "deg/s", "rpm")},
 }
 """Units that columns without one may have, by those of SI."""
-SLOW, FAR = 1.0, 100.0
-"""Step of times [s] and span of positions [m] or [rad] that columns without a unit hardly have."""
+FAR: Final = 100.0
+"""Span of positions [m] or [rad] that columns without a unit hardly have."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -376,10 +373,10 @@ def _has_other_times(
 
 def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
     """Refuse a long text by its top, if that holds no record, before all of it is read."""
-    if not is_text(path) or path.stat().st_size <= LONG:
+    if not is_text(path) or path.stat().st_size <= LARGEST_TEXT:
         return
     with path.open("rb") as file:
-        top = file.read(TOP)
+        top = file.read(LONGEST_LINE)
     top = top if b"\n" in top else top.replace(b"\r", b"\n")
     text, encoding = text_layout.decoded(top)
     if encoding.startswith("utf-16") or dialect_of(text) is not None:
@@ -577,7 +574,7 @@ def _over_way(times: measurement.Array, speed: measurement.Array, x: measurement
     if not varied or not np.ptp(x) or np.any(steps <= 0.0):
         return 0.0
     way = np.concatenate([[0.0], np.cumsum(steps * (v[1:] + v[:-1]) / 2.0)])
-    alike = np.ptp(way) > 0.0 and np.corrcoef(way, x)[0, 1] > SAME_MOTION
+    alike = np.ptp(way) > 0.0 and np.corrcoef(way, x)[0, 1] > 1.0 - NEGLIGIBLE
     return float(np.polyfit(way, x, 1)[0]) if alike else 0.0
 
 
@@ -850,10 +847,10 @@ def _is_rival(parts: Sequence[str], quantity: str) -> bool:
 
 def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     """Return a name without the unit that it carries, one of the quantity if there is one."""
-    if len(name) > LONGEST_HEADER:
+    if len(name) > LONGEST_NAME:
         return name, None
     found = [style.fullmatch(name) for style in STYLES]
-    words = {hit["unit"].strip() for hit in found[SURE:] if hit}
+    words = {hit["unit"].strip() for hit in found[len(SURE_STYLES) :] if hit}
     parts = [(hit["name"], hit["unit"].strip()) for hit in found if hit and is_unit(hit["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in WORDS["calendar"])]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
@@ -1599,7 +1596,7 @@ def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool)
     if numbers.size < 2:
         return ""
     step, span = float(np.median(np.abs(np.diff(numbers)))), float(np.ptp(numbers))
-    if quantity == "time" and step >= SLOW:
+    if quantity == "time" and step >= READING_INTERVAL:
         return f", with {number(step, 3)} s between samples: if it counts ms, give --unit time=ms"
     if quantity == "position" and span > FAR:
         unit, cure = ("rad", "deg") if turning else ("m", "um")
@@ -1634,7 +1631,7 @@ def _second_positions(frame: QuantityTable, found: Mapping[str, Found]) -> dict[
             both = np.isfinite(x) & np.isfinite(y)
             if both.sum() < 2 or not (np.ptp(x[both]) and np.ptp(y[both])):
                 continue
-            if abs(np.corrcoef(x[both], y[both])[0, 1]) < SAME_MOTION:
+            if abs(np.corrcoef(x[both], y[both])[0, 1]) < 1.0 - NEGLIGIBLE:
                 continue
             ratio = float(np.polyfit(x[both], y[both], 1)[0])
             ratio = 1.0 if abs(ratio - 1.0) < ROUNDED else ratio
@@ -1682,8 +1679,6 @@ def _driving_doubts(frame: QuantityTable, found: Mapping[str, Found]) -> Iterabl
         left = [name for name in frame.names if name and name not in taken]
         drives = [name for name in left if _may_drive(frame, name)]
         unread = [shown(name) for name in left if not _is_named(name, WORDS["conditions"])]
-        more = f" and {len(unread) - MOST_LISTED} more" if len(unread) > MOST_LISTED else ""
-        listed = f"{', '.join(unread[:MOST_LISTED])}{more}"
         if drives:
             yield (
                 f"{UNDRIVEN[0]} that can be read as it is, but {drives[0]!r} may drive the"
@@ -1692,9 +1687,9 @@ def _driving_doubts(frame: QuantityTable, found: Mapping[str, Found]) -> Iterabl
             )
         elif unread:
             yield (
-                f"{UNDRIVEN[1]} by its name or unit; not read: {listed}. If one of"
-                " them drives the body, give it as --columns force=...; else the body is assumed"
-                " to move without a drive."
+                f"{UNDRIVEN[1]} by its name or unit; not read:"
+                f" {joined(unread, MOST_LISTED)}. If one of them drives the body, give it as"
+                " --columns force=...; else the body is assumed to move without a drive."
             )
         else:
             yield f"{UNDRIVEN[0]}: the body is assumed to move without a drive."

@@ -4,6 +4,7 @@ Times of day and dates become seconds; they are repaired on request only.
 """
 
 import csv
+import functools
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -355,7 +356,9 @@ def nearly_zero(time: Array) -> float:
     return PER_MILLE * float(np.median(usual)) if usual.size else 0.0
 
 
-SEPARATORS: Final = (";", "\t", ",", "|", " ")
+Separator: TypeAlias = Literal[";", "\t", ",", "|", " "]
+Decimal: TypeAlias = Literal[".", ","]
+SEPARATORS: Final[tuple[Separator, ...]] = get_args(Separator)
 """Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
 MARKS: Final = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " ": "blanks"}
 """What they are called."""
@@ -379,10 +382,12 @@ DOUBTED: Final = re.compile(
 )
 """A number, perhaps with its uncertainty: 3.51 ± 0.1, 3,51 +- 0,1, or 3.51(10) in last digits."""
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
-_THOUSANDS: Final = (
-    (",", re.compile(rf"(?<![.{_BLANKS}]\d\d)\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+,\d")),
-    (".", re.compile(rf"(?<![,{_BLANKS}]\d\d)\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+\.\d")),
-)
+_GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
+"""A whole number with a mark between thousands, to be put in."""
+_THOUSANDS: Final = {
+    ",": re.compile(rf"(?<![.{_BLANKS}]\d\d)\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+,\d"),
+    ".": re.compile(rf"(?<![,{_BLANKS}]\d\d)\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+\.\d"),
+}
 """By decimal mark: a number that has both this and a mark between thousands, from its first one."""
 
 
@@ -398,9 +403,9 @@ class Layout(metaclass=Described):
 
     encoding: str = "utf-8-sig"
     """Code page, such as ``"cp1252"`` of older programs under Windows."""
-    separator: str = ","
+    separator: Separator = ","
     """What stands between cells; a blank stands for any number of blanks and tabs."""
-    decimal: str = "."
+    decimal: Decimal = "."
     """Decimal mark, a point or a comma."""
     thousands: str = ""
     """Mark between thousands; empty if there is none."""
@@ -411,7 +416,7 @@ class Layout(metaclass=Described):
 
     def __post_init__(self) -> None:
         """Check all; a wrong mark would make text of numbers."""
-        for name, allowed in (("separator", SEPARATORS), ("decimal", (".", ","))):
+        for name, allowed in (("separator", SEPARATORS), ("decimal", get_args(Decimal))):
             given = getattr(self, name)
             if given not in allowed:
                 listed = ", ".join(map(repr, allowed))
@@ -528,7 +533,7 @@ def layout_of(text: str, encoding: str) -> Text | None:
     >>> found.layout.decimal, found.layout.units_row, found.names, found.units
     (',', True, ('Zeit', 'Weg'), ('s', 'mm'))
     """
-    lines = _upper(text)
+    lines = upper_lines(text)
     for width, first, separator in _tables(lines):
         table = _table(text, encoding, lines, first, width, separator)
         if table is not None:
@@ -536,7 +541,7 @@ def layout_of(text: str, encoding: str) -> Text | None:
     return None
 
 
-def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, str]]:
+def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, Separator]]:
     """Yield how many cells rows of numbers have, the first line of these, and the mark between.
 
     The mark that leaves fewest words beside numbers, and then makes most cells, parts them.
@@ -545,6 +550,7 @@ def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, str]]:
         (
             (*rows, -place, mark)
             for place, mark in enumerate(SEPARATORS)
+            if not place or any(mark in line for line in lines)
             for rows in _rows(lines, mark)
         ),
         reverse=True,
@@ -562,7 +568,7 @@ def without_names(text: str) -> str:
     >>> without_names("t;x\n1;2\n3;4\n")
     ''
     """
-    lines = _upper(text)
+    lines = upper_lines(text)
     width, first, mark = next(_tables(lines), (0, 0, ""))
     if (
         not mark
@@ -584,11 +590,11 @@ def without_names(text: str) -> str:
 
 
 def _table(
-    text: str, encoding: str, lines: Sequence[str], first: int, width: int, separator: str
+    text: str, encoding: str, lines: Sequence[str], first: int, width: int, separator: Separator
 ) -> Text | None:
     """Return the table whose rows begin at a line, if there is a header above it."""
     above = [index for index in range(first) if lines[index].strip()]
-    heads = [index for index in above if _is_head(cells_of(lines[index], separator), width)]
+    heads = [index for index in above if is_head(cells_of(lines[index], separator), width)]
     if not heads:
         return None
     header, units = heads[-1], tuple[str, ...]()
@@ -597,9 +603,7 @@ def _table(
         header, units = heads[-2], tuple(unit_in(cell) for cell in last)
     rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
     names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
-    decimal, thousands = _marks(text, rows, separator)
-    grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
-    sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
+    decimal, thousands, assumed = marks_of(text, rows, separator)
     return Text(
         layout=Layout(
             encoding=encoding,
@@ -611,20 +615,28 @@ def _table(
         ),
         names=names,
         units=_padded(units, len(names)) if units else (),
-        assumed="" if sure else next(iter(grouped), ""),
+        assumed=assumed,
         rows=rows,
     )
 
 
-def _upper(text: str) -> list[str]:
-    """Return the upper lines, cut by hand: a long file has more than anybody asks for."""
+def upper_lines(text: str, first: int = 0) -> list[str]:
+    r"""Return the upper lines from one on, cut by hand: a long file has more than anybody needs.
+
+    Examples
+    --------
+    >>> upper_lines("# rig 3\nt,x\n0,1\n", 1)
+    ['t,x', '0,1']
+    """
     found: list[str] = []
-    position = 0
+    position = line = 0
     while position < len(text) and len(found) < LOOKED_AT:
         end = text.find("\n", position)
         end = len(text) if end < 0 else end
-        found.append(text[position:end].rstrip("\r").lstrip("\ufeff"))
-        position = end + 1
+        if line >= first:
+            cut = text[position : min(end, position + LONGEST_LINE)]
+            found.append(cut.rstrip("\r").lstrip("\ufeff"))
+        position, line = end + 1, line + 1
     return found
 
 
@@ -634,10 +646,12 @@ def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]
     That is the number of words among them, negative; the number of cells that are not empty at the
     end of all rows; the first line.
     """
-    counts = [_counted(line, separator) for line in lines]
+    counted = functools.cache(lambda index: _counted(lines[index], separator))
     full = [index for index, line in enumerate(lines) if line.strip()]
     for place, index in enumerate(full):
-        following = [counts[i] for i in full[place : place + FEWEST_SAMPLES]]
+        if not counted(index)[0]:
+            continue
+        following = [counted(i) for i in full[place : place + FEWEST_SAMPLES]]
         sizes = {size for size, _, _ in following}
         if len(sizes) == 1 and min(sizes) > 0:
             words = sum(words for _, _, words in following)
@@ -659,8 +673,25 @@ def _counted(line: str, separator: str) -> tuple[int, int, int]:
     return (len(cells), width, words) if numbers > words else (0, 0, 0)
 
 
-def _is_head(cells: Sequence[str], width: int) -> bool:
-    """Whether cells above rows of a width may be their names or their units."""
+def is_row(line: str, separator: str) -> bool:
+    """Whether most cells of a line are numbers.
+
+    Examples
+    --------
+    >>> is_row("0;0,5;start", ";"), is_row("Rate;100", ";")
+    (True, False)
+    """
+    return _counted(line, separator)[0] > 0
+
+
+def is_head(cells: Sequence[str], width: int = 1) -> bool:
+    """Whether cells above rows of a width may be their names or their units.
+
+    Examples
+    --------
+    >>> is_head(["Zeit", "Weg"]), is_head(["0", "0,5"])
+    (True, False)
+    """
     named = [cell for cell in cells if cell]
     if not named or len(cells) < width:
         return False
@@ -698,8 +729,36 @@ def unit_in(cell: str) -> str:
     return bare.removeprefix("in ") if bare != "in" else bare
 
 
+def headed(name: str, label: str) -> str:
+    """Return a name with the unit of its label in brackets, if that is one.
+
+    Examples
+    --------
+    >>> headed("Weg", "in mm"), headed("Weg", "raw")
+    ('Weg [mm]', 'Weg')
+    """
+    unit = unit_in(label)
+    return f"{name} [{unit}]" if unit and is_unit(unit) else name
+
+
 def _padded(cells: Sequence[str], width: int) -> tuple[str, ...]:
     return (*cells, *[""] * (width - len(cells)))
+
+
+def marks_of(
+    text: str, rows: Sequence[Sequence[str]], separator: str
+) -> tuple[Literal[".", ","], str, str]:
+    r"""Return the decimal mark, that between thousands, and a number for which it is only assumed.
+
+    Examples
+    --------
+    >>> marks_of("0,5;1.592\n", [["0,5", "1.592"]], ";")
+    (',', '.', '1.592')
+    """
+    decimal, thousands = _marks(text, rows, separator)
+    grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
+    sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
+    return decimal, thousands, "" if sure else next(iter(grouped), "")
 
 
 def _marks(
@@ -714,17 +773,20 @@ def _marks(
     decimal: Literal[".", ","] = "."
     if separator == " " and any("." in cell for cell in numbers):
         return ".", ""
-    if separator != "," or any('"' in line for line in _upper(text)[:LOOKED_AT]):
+    if separator != "," or any('"' in line for line in upper_lines(text)[:LOOKED_AT]):
+        marked = [cell for cell in numbers if separator != "," or "," in cell]
+        if separator == "," and all(re.fullmatch(_GROUPS.format(","), cell) for cell in marked):
+            return ".", _other_mark(numbers, ".")
         last = Counter(mark for cell in numbers for mark in _last_mark(cell))
         both = any("." in cell and "," in cell for cell in numbers)
         if last[","] and (both or last[","] >= last["."]):
             decimal = ","
-    for mark, pattern in _THOUSANDS:
-        if mark != decimal or (separator == "," and '"' not in text):
-            continue
-        found = pattern.search(text)
-        if found and found[1] != separator:
-            return decimal, found[1]
+    other = "," if decimal == "." else "."
+    several = separator != "," or '"' in text
+    possible = [mark for mark in (other, *_BLANKS) if mark != separator and mark in text]
+    found = _THOUSANDS[decimal].search(text) if several and possible else None
+    if found and found[1] != separator:
+        return decimal, found[1]
     blanks = [cell for cell in numbers if any(mark in cell for mark in _BLANKS)]
     if blanks:
         return decimal, next(mark for mark in _BLANKS if mark in blanks[0])
@@ -745,5 +807,5 @@ def _other_mark(numbers: Sequence[str], decimal: str) -> str:
     """
     other = "," if decimal == "." else "."
     found = [cell for cell in numbers if other in cell]
-    whole = rf"[+-]?[1-9]\d{{0,2}}(?:\{other}\d{{3}})+"
+    whole = _GROUPS.format(other)
     return other if found and all(re.fullmatch(whole, cell) for cell in found) else ""

@@ -12,7 +12,7 @@ import pandas as pd
 from stickslip.data.measurement import Array
 from stickslip.data.readers.binary import check_parquet
 from stickslip.data.readers.table import FileTable, parsed_as, read_json
-from stickslip.data.tolerances import PER_MILLE, SLIGHT
+from stickslip.data.tolerances import FEWEST_SAMPLES, PER_MILLE, ROUNDED, SLIGHT
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.display import require_library
@@ -29,10 +29,6 @@ TURN: Final = "4096 counts/rev"
 """Counts of an angle in both."""
 STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
 """Steps of servos [deg] that count 12 bits a turn, by either convention."""
-FEWEST: Final = 20
-"""Steps from which they show that they are multiples of one."""
-MOST: Final = 0.98
-"""Share of the steps that are multiples."""
 RADIANS: Final = 13.0
 """A joint with limits does not turn as far [rad]: two turns either way."""
 SIGNED: Final = re.compile(r"(?:present|goal)(?:position|velocity|speed|current|pwm)")
@@ -145,10 +141,11 @@ def are_degrees(positions: Sequence[Array]) -> bool:
     (True, False)
     """
     gaps = [np.diff(np.unique(position)) for position in positions]
-    moved = [gap for gap in gaps if gap.size >= FEWEST]
+    moved = [gap for gap in gaps if gap.size >= 2 * FEWEST_SAMPLES]
     return bool(moved) and any(
         all(
-            np.mean(np.abs(array / step - np.rint(array / step)) < SLIGHT) > MOST for array in moved
+            np.mean(np.abs(array / step - np.rint(array / step)) < SLIGHT) > 1.0 - ROUNDED
+            for array in moved
         )
         for step in STEPS
     )

@@ -72,9 +72,7 @@ def left_out(names: Sequence[str], what: str = "another number of values") -> li
     if not names:
         return []
     they = "it has" if len(names) == 1 else "they have"
-    more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
-    listed = ", ".join(map(shown, names[:MOST_LISTED]))
-    return [f"Not read, as {they} {what}: {listed}{more}."]
+    return [f"Not read, as {they} {what}: {joined([*map(shown, names)], MOST_LISTED)}."]
 
 
 def further_cells(rows: int, width: int) -> list[str]:

@@ -5,14 +5,13 @@ import io
 import re
 import sqlite3
 import struct
-from abc import ABC, abstractmethod
 from array import array
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path, PurePath
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, Protocol
 
 import numpy as np
 import pandas as pd
@@ -33,7 +32,16 @@ from stickslip.data.readers.layout import Layout, regular_times, seconds_of, uni
 from stickslip.data.readers.table import TRIAL, FileTable, json_of, one_line, parsed_as
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
-from stickslip.data.tolerances import GAP, LARGEST_TEXT, MOST_LISTED, SLIGHT
+from stickslip.data.tolerances import (
+    GAP,
+    LARGEST_TEXT,
+    LONGEST_LINE,
+    LONGEST_NAME,
+    MOST_CELLS,
+    MOST_LISTED,
+    MOST_SIGNALS,
+    SLIGHT,
+)
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.display import require_library
@@ -60,8 +68,6 @@ COMMANDED: Final = re.compile(
     r"(^|[/_])(cmd|commands?|commanded|desired|targets?|goals?|ref)([/_]|$)"
 )
 """Names of topics whose joint states are wanted and not measured."""
-LONGEST: Final = 64
-"""Elements up to which an array in a message has a column each."""
 _STAMP: Final = (("sec", "secs"), ("nanosec", "nanosecs", "nsec", "nsecs"))
 
 
@@ -80,12 +86,26 @@ class Topic:
         return JOINT_MESSAGES.get(re.split(r"[/.]", self.kind)[-1], "")
 
 
-class Log(ABC):
+def topics_of(channels: Iterable[tuple[str, str, int]]) -> tuple[Topic, ...]:
+    """Return the topics of channels, given as topic, type and number of messages.
+
+    Examples
+    --------
+    >>> topics_of([("/arm", "JointState", 2), ("/arm", "JointState", 3)])[0].messages
+    5
+    """
+    found: dict[str, Topic] = {}
+    for name, kind, messages in channels:
+        before = found[name].messages if name in found else 0
+        found[name] = Topic(name=name, kind=kind, messages=before + messages)
+    return (*found.values(),)
+
+
+class Log(Protocol):
     """Messages of a file, each a mapping or an object with fields."""
 
     topics: Sequence[Topic]
 
-    @abstractmethod
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         """Yield the messages of some topics: topic, time of logging [ns], message."""
 
@@ -520,7 +540,7 @@ def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
         for name, value in part.items():
             yield from _flat(value, f"{path}.{name}" if path else str(name))
     elif isinstance(part, Sequence | np.ndarray):
-        if len(part) <= LONGEST:
+        if len(part) <= MOST_SIGNALS:
             for place, value in enumerate(part):
                 yield from _flat(value, f"{path}[{place}]")
     elif part is not None:
@@ -577,13 +597,12 @@ CURE: Final = "split it, or keep fewer topics"
 IN_A_PIECE: Final = "expanded bytes in a piece"
 WRONG_INDEX: Final = "its index does not fit its chunks"
 CUT: Final = "a record is longer than the file"
-LARGEST: Final = 2**28
+LARGEST: Final = 8 * MOST_CELLS
 """Bytes that one piece becomes at most, which is then in memory; writers make some megabytes."""
 RATIO: Final = 100
 """Bytes that a large file becomes at most over its own, which joints at rest do not reach."""
-BLOCK: Final = 2**20
 MCAP_MAGIC: Final = b"\x89MCAP0\r\n"
-FOOTER: Final = 37
+FOOTER: Final = struct.calcsize("<BQQQI") + len(MCAP_MAGIC)
 """Bytes of the last record of an MCAP file, with the magic behind it."""
 ROS1_MAGIC: Final = b"#ROSBAG V2.0\n"
 
@@ -618,7 +637,7 @@ class Expansion:
     def blocks(self, stream: BinaryIO, method: str, largest: float = LARGEST) -> Iterator[bytes]:
         """Yield what a piece becomes, a block at a time; end where it becomes too large."""
         own, opened = 0, METHODS[method](stream)
-        while block := opened.read(BLOCK):
+        while block := opened.read(LONGEST_LINE):
             own, self.total = own + len(block), self.total + len(block)
             check_size(self.file, own, CURE, unit=IN_A_PIECE, most=largest)
             check_size(self.file, self.total, CURE, unit="expanded bytes", most=self.most)
@@ -789,7 +808,7 @@ def _from_json(data: bytes) -> Any:
     return json_of(data)
 
 
-class _Mcap(Log):
+class _Mcap:
     """A file that is open."""
 
     def __init__(self, file: str, reader: Any) -> None:
@@ -805,20 +824,13 @@ class _Mcap(Log):
         else:
             channels, schemas = summary.channels, summary.schemas
             sizes = summary.statistics.channel_message_counts
-        found: dict[str, Topic] = {}
-        self.encodings: dict[str, str] = {}
-        for key, channel in channels.items():
-            schema = schemas.get(channel.schema_id)
-            before = found[channel.topic].messages if channel.topic in found else 0
-            found[channel.topic] = Topic(
-                name=channel.topic,
-                kind=schema.name if schema is not None else channel.message_encoding,
-                messages=before + sizes.get(key, 0),
-            )
-            self.encodings[channel.topic] = channel.message_encoding
-        self.topics: Sequence[Topic] = [*found.values()]
+        self.encodings = {chan.topic: chan.message_encoding for chan in channels.values()}
+        kinds = {key: schema.name for key, schema in schemas.items() if schema is not None}
+        self.topics: Sequence[Topic] = topics_of(
+            (chan.topic, kinds.get(chan.schema_id, chan.message_encoding), sizes.get(key, 0))
+            for key, chan in channels.items()
+        )
 
-    @override
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         other = [
             f"{topic} ({self.encodings[topic]})"
@@ -928,23 +940,16 @@ def _check(path: Path) -> None:
                 raise ValueError("its messages are computed and not stored")
 
 
-class _Bag(Log):
+class _Bag:
     """A bag that is open."""
 
     def __init__(self, reader: Any, said: _Described) -> None:
         self.reader, self.said = reader, said
-        found: dict[str, Topic] = {}
-        for source in reader.connections:
-            before = found[source.topic].messages if source.topic in found else 0
-            found[source.topic] = Topic(
-                name=source.topic, kind=source.msgtype, messages=before + source.msgcount
-            )
+        topics = topics_of((one.topic, one.msgtype, one.msgcount) for one in reader.connections)
         self.topics: Sequence[Topic] = [
-            replace(topic, messages=said.counts.get(name, topic.messages))
-            for name, topic in found.items()
+            replace(topic, messages=said.counts.get(topic.name, topic.messages)) for topic in topics
         ]
 
-    @override
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         wanted = [source for source in self.reader.connections if source.topic in topics]
         expansion = Expansion(*self.said.files) if self.said.mode == "message" else None
@@ -1067,8 +1072,6 @@ STATES: Final = ({"x": "position", "v": "velocity"}, {"theta": "position", "omeg
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
 _HEADER = re.compile(r"(?P<name>[^\[\]]*+)(?:\[(?P<unit>[^\[\]]*+)\])?+")
-LONGEST_NAME: Final = 500
-"""Characters of the name of a column at most: what is sought in names takes the square of them."""
 
 
 _PART_OF_STAMP = re.compile(

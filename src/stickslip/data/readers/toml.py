@@ -6,12 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from stickslip.data.tolerances import DEEPEST
 from stickslip.errors import InputError
 
 T = TypeVar("T")
 
-DEEPEST = 100
-"""Most tables within tables. The library takes a time that grows with the square of it."""
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
 _DEEP_KEY = re.compile(
     rf"(?:^|[\[{{,])[ \t]*+(?:{_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}}}", re.MULTILINE | re.ASCII

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.data.readers.columns import STYLES
-from stickslip.data.readers.layout import cells_of, is_number, unit_in
+from stickslip.data.readers.layout import LOOKED_AT, cells_of, is_number, unit_in
 from stickslip.data.readers.table import FileTable, numbered_twice, rows_of
 from stickslip.errors import InputError, check_columns
 from stickslip.show.formatting import quantity
@@ -181,8 +181,6 @@ MOTION_CAPTURE: Final = "bodies of motion capture"
 _BEGIN: Final = "format version"
 _TAKE: Final = "take name"
 POSITION: Final = "Position"
-ROWS_OF_HEAD: Final = 40
-"""Lines in which the rows of headers are sought."""
 
 
 def is_capture(text: str) -> bool:
@@ -202,7 +200,7 @@ def read_capture(text: str) -> FileTable:
     lines = text.lstrip("\ufeff").splitlines()
     settings = cells_of(lines[0], ",")
     stated = dict(zip(settings[::2], settings[1::2], strict=False))
-    head = [cells_of(line, ",") for line in lines[:ROWS_OF_HEAD]]
+    head = [cells_of(line, ",") for line in lines[:LOOKED_AT]]
     first = next((i for i, cells in enumerate(head) if cells and is_number(cells[0])), 0)
     above = [cells for cells in head[1:first] if any(cells)]
     if len(above) < 2:

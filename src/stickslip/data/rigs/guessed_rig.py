@@ -21,7 +21,7 @@ from stickslip.data.readers.guess import UNDRIVEN, Guess, guess_data
 from stickslip.data.readers.layout import Layout
 from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
-from stickslip.data.tolerances import HALF
+from stickslip.data.tolerances import HALF, NEGLIGIBLE
 from stickslip.errors import InputError
 from stickslip.show.formatting import joined, number, percent, printable, quantity
 
@@ -29,8 +29,6 @@ from stickslip.show.formatting import joined, number, percent, printable, quanti
 
 ROD: Final = 0.75
 """Length to the centre of mass of a rod, over that of a point mass that swings as it does."""
-RESTING: Final = 0.01
-"""Angle [rad] up to which a pendulum hangs at 0."""
 LONGEST: Final = 8
 """Entries of a table that stand on one line."""
 
@@ -161,7 +159,7 @@ def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
         yield f'mass = {{ value = "{mass:.3g} kg", vary = true }}'
         about = swing.inertia - mass * length**2
         yield f'inertia = {{ value = "{about:.3g} kg m^2", vary = true }}'
-    if guess.turning and abs(swing.rest) > RESTING:
+    if guess.turning and abs(swing.rest) > NEGLIGIBLE:  # [rad]
         of = "" if "position" in guess.columns else ", counted from where the record begins"
         yield f'rest_angle = "{swing.rest:.4g} rad"  # where it hangs at rest{of}'
     yield from _with_load(guess)

@@ -35,7 +35,7 @@ from stickslip.data.estimates import LOAD, LawEstimates
 from stickslip.data.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.data.readers import toml
 from stickslip.data.readers.columns import MOTORS, Reading, column_of, motor_constants
-from stickslip.data.readers.layout import Layout
+from stickslip.data.readers.layout import Decimal, Layout, Separator
 from stickslip.data.records import read_data
 from stickslip.data.rig import KnownLaws
 from stickslip.data.rigs import rig_models
@@ -604,18 +604,12 @@ ByJoint = Annotated[dict[str, J], BeforeValidator(_by_joint)]
 class LayoutTable(rig_models.TomlTable):
     """How a text file holds its table; `stickslip init` finds it out."""
 
-    encoding: str = "utf-8-sig"
-    """Code page, such as cp1252."""
-    separator: Literal[",", ";", "\t", "|", " "] = ","
-    """Mark between cells."""
-    decimal: Literal[".", ","] = "."
-    """Decimal mark."""
-    thousands: str = ""
-    """Mark between thousands; none if empty."""
-    preface: int = 0
-    """Lines above the header, comments and empty lines included."""
-    units_row: bool = False
-    """Whether the row below the header holds the units."""
+    encoding: str = Layout.encoding
+    separator: Separator = Layout.separator
+    decimal: Decimal = Layout.decimal
+    thousands: str = Layout.thousands
+    preface: int = Layout.preface
+    units_row: bool = Layout.units_row
 
 
 class ReadTable(rig_models.TomlTable):
