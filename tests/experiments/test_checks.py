@@ -552,6 +552,20 @@ def test_counts_on_an_interpolated_grid_have_their_own_step(rate):
     assert said == "Position is quantised in steps of 0.1 mm, 400 over its range."
 
 
+def test_the_few_samples_that_repeat_at_turns_are_no_counts():
+    count = 1e-6
+    ends = 5e-3 * np.array([0, 9, 3, 12, 1, 8, 4, 11, 2, 10, 5, 7, 0, 6])
+    at = np.repeat(200 * np.arange(len(ends)), 2)
+    at[1::2] += 1
+    x = np.interp(np.arange(at[-1]), at, np.repeat(ends, 2))
+    waves = np.repeat(np.random.default_rng(1).normal(size=len(ends)), 200)[: len(x)]
+    x = x + 5e-4 * waves * np.sin(np.pi * np.arange(len(x)) / 200) ** 2
+    t = 1e-3 * np.arange(len(x))
+    record = Measurement(time=t, position=np.round(x / count) * count, force=np.sin(t))
+    (said,) = (str(one) for one in check(record).of("quantisation"))
+    assert said == "Position is quantised in steps of 1 µm, 60,000 over its range."
+
+
 @pytest.mark.parametrize("named", [{}, {"time": ""}])
 def test_a_table_sorted_by_speed_is_in_the_order_of_its_times(tmp_path, named):
     draw = np.random.default_rng(0)

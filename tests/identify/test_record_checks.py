@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_model import RecordModel
 from stickslip.identify.problems.record_signals import Record, noise_of
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -71,6 +72,33 @@ def test_sound_forces_are_not_refused(friction):
     noise = 0.02 * np.random.default_rng(4).normal(size=len(t))
     force = INERTIA * a + friction * (LEVEL * np.sign(v) + VISCOUS * v) + noise
     refused(t, x, force)
+
+
+def test_a_block_that_is_pulled_one_way_with_friction_that_falls_is_not_refused():
+    rng, rate = np.random.default_rng(6), 50.0
+    t = np.arange(0.0, 40.0, 1.0 / rate)
+    v = np.select([t % 10 < 3, t % 10 < 6], [0.01 + 0.0 * t, 0.01 + 0.02 * (t // 10)], 0.0)
+    x = np.cumsum(v) / rate
+    force = np.where(v > 0.0, 3.0 + np.exp(-v / 0.02), 3.2)  # the spring stays stretched at rest
+    noisy = force + 0.03 * rng.normal(size=len(t))
+    refused(t, x + 2e-5 * rng.normal(size=len(t)), noisy, inertia=1.2)
+
+
+def test_a_cogging_force_that_moves_the_body_has_its_wave_number():
+    rng, w = np.random.default_rng(2), 2.0 * np.pi / 0.032
+    t = np.arange(0.0, 8.0, 1.0 / RATE)
+    way = 0.25 * np.cumsum(np.where(t % 2.0 < 1.0, 1.0, -1.0)) / RATE
+    kernel = np.hanning(102) / np.hanning(102).sum()
+    q = np.convolve(np.pad(way, 51, mode="edge"), kernel, mode="same")[51:-51]
+    cogging = 6.0 * np.sin(w * q)
+    q = q + 0.3 * cogging / (8.0 * (2.0 * np.pi * 8.0) ** 2)  # a controller gives way to it
+    v = np.gradient(q) * RATE
+    force = 8.0 * np.gradient(v) * RATE + cogging + 9.0 * np.sign(v) + 14.0 * v
+    force = force + 0.3 * rng.normal(size=len(t))
+    records = [Record(time=t, position=q, force=force)]
+    model = RecordModel(records, families=[("level",), ("level", "viscous")])
+    (found,) = model.balance.waves[0]
+    assert found == pytest.approx(w, rel=2e-3)
 
 
 def test_steps_of_an_encoder_that_a_file_rounds_are_its_noise():

@@ -1278,11 +1278,14 @@ def _own_step(values: Array) -> float:
     Between two counts an interpolation has fractions of them, which of times on two grids are whole
     numbers of a much finer step. Where a sample is repeated, both sides had the same count.
     """
-    step = step_of(values)
-    repeated = np.unique(values[1:][np.diff(values) == 0.0])
+    step, moved = step_of(values), np.abs(np.diff(values))
+    repeated = np.unique(values[1:][moved == 0.0])
     if step == 0.0 or repeated.size < FEWEST_SAMPLES:
         return step
-    return max(step, step_of(repeated))
+    held = step_of(repeated)
+    # of counts as long, each sample repeats the one before but for the way between them
+    repeats = float(np.sum(np.maximum(1.0 - moved / max(held, step), 0.0)))
+    return max(held, step) if 0.5 * repeats < np.sum(moved == 0.0) else step
 
 
 def quantised(record: Measurement) -> Iterator[Finding]:

@@ -78,21 +78,20 @@ def wrong_sign(records: Sequence[Record]) -> str:
     if first.friction or not pushed or free_form(moving):
         return ""
     rows, slides, rig = _plain_columns(moving)
-    inertia, speed = first.inertia is None, slides[1]
-    response = rows.response
+    inertia, speed, response = first.inertia is None, slides[1], rows.response
     stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
     # of a motion in one direction a level is an offset, and damping may be sought: these may drive
     laws = [one for one in slides if is_told(one, rig)]
-    if not laws:
+    ways = [float(np.sum(np.maximum(side * rows.velocity, 0.0))) for side in (1.0, -1.0)]
+    # in one direction, but for noise, a level is a constant, and friction that falls would drive
+    if not laws or min(ways) < 0.02 * max(ways):
         return ""
-    n = len(laws)
-    x = np.column_stack([*laws, *rig])
+    n, x = len(laws), np.column_stack([*laws, *rig])
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     x = x / size
     gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
     driven = rows.seen([p.record.force for p in rows.pieces])
-    other = response - driven
-    count = int(stretches.max()) + 1
+    other, count = response - driven, int(stretches.max()) + 1
     moments = np.array([x[stretches == k].T @ driven[stretches == k] for k in range(count)])
     left = []
     for k in range(count + 1):  # the last one turns all of them
@@ -100,8 +99,7 @@ def wrong_sign(records: Sequence[Record]) -> str:
         y = side[stretches] * driven + other
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
-    best = int(np.argmin(left[:count]))
-    most = 1.0 - EXPLAINED
+    best, most = int(np.argmin(left[:count])), 1.0 - EXPLAINED
     if left[best] < most * left[0]:
         if left[count] <= left[best]:
             return OTHER_SIGN

@@ -626,14 +626,17 @@ class RecordModel(Model):
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
             looked.append((capped(e), memory, e, size, float(inertia)))
 
-        none = RIGID
+        beside = np.hstack([columns(RIGID), balance.delayed(MIDDLE, RIGID)[:, None]])
+        balance.waves = waves_of(rows, frame.span, frame.noise, beside)
+        force, at = np.exp(1j * np.outer(rows.position, balance.waves[0])), len(frame.sides) + 1
+        fixed = np.hstack([fixed[:, :at], force.real, force.imag, fixed[:, at:]])
         # along less, a bristle is nothing but the moment of a turn between samples
         shortest = max(2.0 * frame.noise, *(one.turned_in for one in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
-        for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
+        for memory in [RIGID, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
         looked.sort(key=lambda one: one[0])
-        likely = [none, *(one[1] for one in looked[:KEPT])]
+        likely = [RIGID, *(one[1] for one in looked[:KEPT])]
         lagging = [balance.states(one[1]) for one in looked if one[1].length and one[1].lags]
         others = rows.seen([np.column_stack(own) for own in zip(*lagging, strict=True)])
         every = [
@@ -653,12 +656,11 @@ class RecordModel(Model):
         bristles = [one[1] for one in looked if one[1].length]
         balance.first = bristles[0].length
         kept = [one[1] for one in looked[:KEPT] if one[1].length]
-        self.memories = [none, *kept]
+        self.memories = [RIGID, *kept]
         balance.forget(self.memories)
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
         self.inertia = inertia if balance.finds_inertia else balance.inertia
-        balance.waves = waves_of(rows, frame.span, frame.noise, left)
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
 
@@ -1160,18 +1162,30 @@ def odds_of(acting: Acting) -> float:
 
 
 def waves_of(
-    rows: BalanceRows, span: float, noise: float, left: Array
+    rows: BalanceRows, span: float, noise: float, beside: Array
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return the wave numbers over the place of what is left: of forces, and of levels."""
-    step = STEPS / span
-    numbers = np.arange(40.0 * step, min(DENSEST / span, math.pi / (8.0 * noise)), step)
+    """Return the wave numbers over the place that leave least: of forces, and of levels.
+
+    They stand beside columns (n, p) of a plain balance: a force that changes with the place moves
+    the body, so that what a balance without it leaves has another phase and size.
+    """
+    numbers = np.arange(40.0 * STEPS, min(DENSEST, math.pi * span / (8.0 * noise)), STEPS) / span
     resolved = np.flatnonzero(rows.far > RESOLVED)
     few = resolved[:: max(len(resolved) // PARTS, 1)]
     if not len(numbers) or len(few) < FEW:
         return (), ()
-    e = np.clip(left[few], *np.quantile(left[few], [0.02, 0.98]))
-    e = e - np.mean(e)
-    turning = np.exp(-1j * np.outer(numbers, rows.position[few]))
-    both = (np.abs(turning @ x) for x in (e, e * np.sign(rows.velocity[few])))
-    force, level = ((float(numbers[np.argmax(power)]),) for power in both)
-    return force, level
+    place, x, found = rows.position[few], beside[few], list[float]()
+    for factor in (np.ones(len(few)), np.sign(rows.velocity[few])):
+        basis = np.linalg.qr(x)[0]
+        e = rows.response[few] - basis @ (basis.T @ rows.response[few])
+        e = np.clip(e, *np.quantile(e, [0.02, 0.98]))
+
+        def wave(number: float, f: Array = factor) -> Array:
+            return np.column_stack([f * np.cos(number * place), f * np.sin(number * place)])
+
+        def likely(number: float, e: Array = e, q: Array = basis) -> float:
+            return -float(np.sum(solved_softly(wave(number) - q @ (q.T @ wave(number)), e)[1] ** 2))
+
+        found.append(likeliest(likely, numbers)[0])
+        x = np.column_stack([x, wave(found[-1])])
+    return (found[0],), (found[1],)
