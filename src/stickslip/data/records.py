@@ -124,6 +124,10 @@ def with_motors(
     return replace(frame, names=names, units=units), gains
 
 
+UNIT_LOAD = "coefficients as forces at 1 N, as no load is known"
+"""What was done to coefficients of friction that are given without a load."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scaling:
     """How the columns of one file become numbers in SI."""
@@ -529,6 +533,14 @@ class _Files:
         names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]
         read = [self.one(path, own) for path, own in zip(paths, names, strict=True)]
         trials = tuple(record for trial in read for record in trial.records())
+        assumed = [UNIT_LOAD in one.provenance for one in trials]
+        if any(assumed) and not all(assumed):
+            without = trials[assumed.index(True)].name
+            raise InputError(
+                f"{without!r} has coefficients of friction and no load [N], and other files have"
+                " loads or forces: add a column of the load to each file, or judge the coefficients"
+                " in a measurement of their own."
+            )
         return Measurement(trials=trials, name=name)
 
     def one(self, path: "str | Path | pd.DataFrame", name: str) -> Measurement:
@@ -625,6 +637,7 @@ class _Files:
         )
         doubt = raw.pop(STATED, None)
         values, turning = scaling.scaled({k: x for k, x in raw.items() if not is_beside(k)})
+        done += (UNIT_LOAD,) * ("load" in values and "load" not in raw)
         if line is not None and turning:
             raise InputError(
                 "an angle cannot be given as two coordinates in a plane: name one"

@@ -55,9 +55,9 @@ NO_DELTA, DELTA = 0.55, 0.1
 leave 3 to 6 % to every law."""
 LENGTH = 0.7
 """E-folds of the speed over which it changes (.5, .7 and 1.4 together gained nothing)."""
-BETA = (0.0, 0.8, 1.4, 2.5, 4.2, 7.2, 12.0, 21.0, 36.0)
-BETA_PRIOR = (0.35, 0.1, 0.1, 0.1, 0.1, 0.08, 0.07, 0.06, 0.04)
-"""Deviation between blocks over the noise within."""
+BETA = (0.0, 0.8, 1.4, 2.5, 4.2, 7.2, 12.0, 21.0, 36.0, 62.0, 110.0, 190.0)
+BETA_PRIOR = (0.35, 0.1, 0.1, 0.1, 0.1, 0.08, 0.06, 0.05, 0.03, 0.01, 0.01, 0.01)
+"""Deviation between blocks over the noise within; repeats may be copies, without any noise."""
 SIDES = (
     (), ("offset",), ("offset", "viscous_direction"), ("offset", "viscous_direction", "sides"),
 )  # fmt: skip
@@ -76,8 +76,9 @@ FOLLOWS = 0.8
 RUNS, RUNS_PRIOR = (0.003, 0.02, 0.06, 0.18), (0.4, 0.25, 0.2, 0.15)
 """Deviation of friction from run to run."""
 INPUT, INPUTS_PRIOR = (0.005, 0.2), (0.5, 0.5)
-"""Change of friction by `TENS` units of an input."""
-TENS = 10.0
+"""Change of friction by `KELVINS` of the temperature, or by half the range of another input, whose
+size depends on its unit."""
+KELVINS = 10.0
 BEND = 0.05
 """Bends of friction over an input or a load, beyond its power."""
 LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
@@ -273,7 +274,9 @@ class Frame:
     size: float
     """Root mean square of the friction [N]."""
     means: Mapping[str, float]
-    """Means of the inputs."""
+    """Means of the inputs ..."""
+    spans: Mapping[str, float]
+    """... and by how much each changes where its effect has its prior size."""
     runs: int
     """Number of the runs."""
     loaded: bool
@@ -303,6 +306,10 @@ class Frame:
             load=load,
             size=size,
             means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
+            spans={
+                name: KELVINS if name == "temperature" else 0.5 * float(np.ptp(x))
+                for name, x in rows.inputs.items()
+            },
             runs=int(rows.run.max()) + 1,
             loaded=loaded,
             both=is_both_ways(rows),
@@ -626,7 +633,7 @@ class TableModel(Model):
         if frame.runs > 1:
             found.append(("run", grown[:, None] * (rows.run[:, None] == np.arange(frame.runs))))
         for name, mean in frame.means.items():
-            z = (rows.inputs[name] - mean) / TENS
+            z = (rows.inputs[name] - mean) / frame.spans[name]
             found.append((f"level*{name}", size * frame.grown(rows) * side * z))
             found.append((f"viscous*{name}", size * along * z))
             bend = [grown * z * z, size * along * z * z, grown * z * np.log(np.abs(along) + 1e-3)]
