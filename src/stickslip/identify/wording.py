@@ -212,8 +212,8 @@ def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> st
 
 
 UNIT_LOAD_SENTENCE = (
-    "No load is known: coefficients are taken as forces at 1 N, the load of the mechanism. At another"
-    " load set mechanism.load, and multiply viscous and other flow parts by it."
+    "No load is known: coefficients are taken as forces at 1 N, the load of the mechanism. At"
+    " another load set mechanism.load, and multiply viscous and other flow parts by it."
 )
 """At which load coefficients stand that were given without one."""
 
