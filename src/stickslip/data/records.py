@@ -533,14 +533,6 @@ class _Files:
         names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]
         read = [self.one(path, own) for path, own in zip(paths, names, strict=True)]
         trials = tuple(record for trial in read for record in trial.records())
-        assumed = [UNIT_LOAD in one.provenance for one in trials]
-        if any(assumed) and not all(assumed):
-            without = trials[assumed.index(True)].name
-            raise InputError(
-                f"{without!r} has coefficients of friction and no load [N], and other files have"
-                " loads or forces: add a column of the load to each file, or judge the coefficients"
-                " in a measurement of their own."
-            )
         return Measurement(trials=trials, name=name)
 
     def one(self, path: "str | Path | pd.DataFrame", name: str) -> Measurement:

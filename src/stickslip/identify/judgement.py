@@ -778,14 +778,12 @@ class Judgement:
 
     def _path_of(self, free: Free) -> str:
         """Return the path of the parameter that an entry of a shape is; "" if it is none."""
-        changed = [list(shape) for _, shape in self.named.structure]
-        changed[free.column][free.entry] *= 2.0
-        names = [name for name, _ in self.named.structure]
-        own = self.problem.tied([(n, tuple(s)) for n, s in zip(names, changed, strict=True)])
-        other = self.problem.composition(own, self.named.coefficients[None], offset=self.offset)
-        value, before = changed[free.column][free.entry], self.composition.paths()
-        paths = (k for k, x in other.paths().items() if x[0] == value and before[k][0] != value)
-        return next(paths, "")
+        changed = [(name, [*shape]) for name, shape in self.named.structure]
+        pair = changed[free.column][1][free.entry] * np.array([1.0, 2.0])
+        changed[free.column][1][free.entry] = pair
+        both = np.tile(self.named.coefficients, (2, 1))
+        found = self.problem.composition(self.problem.tied(changed), both).paths()
+        return next((path for path, x in found.items() if np.array_equal(x, pair)), "")
 
     @cached_property
     def correlation(self) -> Array:

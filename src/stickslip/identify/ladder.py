@@ -359,8 +359,8 @@ def ladder_verdict(
     of_load = {"load_exponent", "adhesion"} & {one.path for one in every}
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
-    if any(UNIT_LOAD in one.provenance for one in measurement.records()):
-        doubts.append(UNIT_LOAD_SENTENCE)
+    bare = any(UNIT_LOAD in one.provenance for one in measurement.records())
+    doubts += [UNIT_LOAD_SENTENCE] * bare
     doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
     said_next = []
     loads = np.unique(measured_loads(measurement))

@@ -69,10 +69,9 @@ FLOW_DIRECTIONS = ("viscous_direction", "power_direction")
 FALLS = ((1.0, 0.4), (2.0, 0.5), (0.5, 0.1))
 """Exponents by which a static surplus fades, with their priors: Tustin's, the usual one, and a
 slower one."""
-EXPONENTS = (0.2, 0.33, 0.5, 0.65, 0.8, 1.25, 1.5, 1.75)
-"""Powers of the speed; 1 is viscous and 2 is drag."""
-SLOW, PLAIN = (0.05, 0.1), 0.3
-"""Powers without a level, which small ones are nearly, and the least beside a level that fades."""
+EXPONENTS = (0.05, 0.1, 0.2, 0.33, 0.5, 0.65, 0.8, 1.25, 1.5, 1.75)
+"""Powers of the speed; 1 is viscous and 2 is drag. The first two are levels, nearly, and do not
+stand beside one; nor does the third beside one that fades."""
 NARROW = {"stribeck": (0.7, 0.9), "tanh": (0.5, 0.7), "saturating": (0.7, 1.0)}
 """Range of the speed of a shape, over the slowest and the fastest measured speed: beyond it the
 part is a level, or viscous."""
@@ -112,8 +111,7 @@ class Grid:
                 ((v,) if n is None else (v, n), p / len(speeds)) for v in speeds for n, p in falls
             ]
         if name == "power":
-            powers = EXPONENTS if "level" in beside else (*SLOW, *EXPONENTS)
-            powers = tuple(p for p in powers if "stribeck" not in beside or p > PLAIN)
+            powers = EXPONENTS[2 * ("level" in beside) + ("stribeck" in beside) :]
             return [((p,), 1.0 / len(powers)) for p in powers]
         if name == "logarithmic":
             return [((x * self.slowest,), 1.0 / len(REFERENCES)) for x in REFERENCES]
