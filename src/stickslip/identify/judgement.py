@@ -778,11 +778,13 @@ class Judgement:
 
     def _path_of(self, free: Free) -> str:
         """Return the path of the parameter that an entry of a shape is; "" if it is none."""
-        changed = [(name, [*shape]) for name, shape in self.named.structure]
-        pair = changed[free.column][1][free.entry] * np.array([1.0, 2.0])
-        changed[free.column][1][free.entry] = pair
+        structure = self.named.structure
+        pair = structure[free.column][1][free.entry] * np.array([1.0, 2.0])
+        changed: list[list[Array | float]] = [[*shape] for _, shape in structure]
+        changed[free.column][free.entry] = pair
+        own = [(name, tuple(x)) for name, x in zip(family_of(structure), changed, strict=True)]
         both = np.tile(self.named.coefficients, (2, 1))
-        found = self.problem.composition(self.problem.tied(changed), both).paths()
+        found = self.problem.composition(self.problem.tied(own), both).paths()
         return next((path for path, x in found.items() if np.array_equal(x, pair)), "")
 
     @cached_property

@@ -359,8 +359,7 @@ def ladder_verdict(
     of_load = {"load_exponent", "adhesion"} & {one.path for one in every}
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
-    bare = any(UNIT_LOAD in one.provenance for one in measurement.records())
-    doubts += [UNIT_LOAD_SENTENCE] * bare
+    doubts += [UNIT_LOAD_SENTENCE] * any(UNIT_LOAD in x.provenance for x in measurement.records())
     doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
     said_next = []
     loads = np.unique(measured_loads(measurement))

@@ -527,8 +527,7 @@ def load_of(mechanism: Mechanism) -> float:
 
 def check_loads(measurement: Measurement) -> None:
     """Refuse trials of which some only have a measured load."""
-    records = measurement.records()
-    loads = {("load" in one.quantities(), UNIT_LOAD in one.provenance) for one in records}
+    loads = {("load" in x.quantities(), UNIT_LOAD in x.provenance) for x in measurement.records()}
     if len(loads) > 1:
         raise InputError(
             "load (N) was measured in only some of the trials: give Measurement.load [N] for each"

@@ -363,7 +363,7 @@ def ends_of(rows: Rows) -> "NDArray[np.bool_]":
 def _matern(distance: Array) -> Array:
     """Return the sum of Matern correlations of order 3/2 at distances."""
     scaled = ((share, math.sqrt(3.0) * distance / length) for length, share in LENGTHS.items())
-    return np.sum([share * (1.0 + d) * np.exp(-d) for share, d in scaled], axis=0)
+    return np.asarray(sum(share * (1.0 + d) * np.exp(-d) for share, d in scaled))
 
 
 def is_both_ways(rows: Rows) -> bool:
@@ -856,8 +856,9 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
             model = TableModel(readings, frame, weights, reference)
         posterior = Posterior(model, structures, priors, begin=begin, most=MOST if turn else FIRST)
         if not turn:
-            structures, priors = _kept(posterior, priors)
-            structures, priors = _with_jumps(structures, priors, readings.rows)
+            kept = [k for some in _near(posterior, LOST) for k in some]
+            structures = [structures[k] for k in kept]
+            structures, priors = _with_jumps(structures, priors[kept], readings.rows)
         begin, before = [posterior.best], weights
         best = posterior.nodes.index(posterior.best)
         structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
@@ -916,13 +917,6 @@ def _finer_still(
                 prior = found[posterior.structures[k]] - math.log(len(many))
                 found |= dict.fromkeys(many, prior)
     return [*found], np.array([*found.values()])
-
-
-def _kept(posterior: Posterior, priors: Array) -> tuple[list[Structure], Array]:
-    """Return the structures that have a share, and the best of each family."""
-    near, others = _near(posterior, LOST)
-    kept = [*near, *others]
-    return [posterior.structures[k] for k in kept], priors[kept]
 
 
 def _with_jumps(
