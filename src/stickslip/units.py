@@ -250,7 +250,9 @@ def _converted(base: Any, target: str, unit: str) -> Decimal:
     same_kind = base.dimensionality == wanted.dimensionality and _counted(base) == _counted(wanted)
     if not same_kind:
         kind = "a pure number or in %" if target == "1" else f"in {target} or a unit of that kind"
-        raise ParameterError(f"must be {kind}, not in {unit}")
+        mass = base.is_compatible_with("kg") and wanted.is_compatible_with("N")
+        weight = "; of a mass that rests on it, the weight is in kgf" * mass
+        raise ParameterError(f"must be {kind}, not in {unit}{weight}")
     return Decimal(base.to(wanted.units).magnitude)
 
 

@@ -130,6 +130,7 @@ def test_degrees_become_radians():
     [
         ("1 kgg", "kg", "unknown unit 'kgg', got '1 kgg'; write for example \"1 kg\""),
         ("60 mm", "kg", "must be in kg or a unit of that kind, not in mm"),
+        ("1 kg", "N", "in N or a unit of that kind, not in kg; of a mass .* the weight is in kgf"),
         ("30 deg", "1", "must be a pure number or in %, not in deg"),
         ("60 rpm", "Hz", "not in rpm"),
         ("20 degC", "m", "an offset zero"),

@@ -18,6 +18,7 @@ from stickslip import (
     SpringBlock,
     Stribeck,
     fit,
+    load_measurement,
     load_rig,
     select,
     simulate,
@@ -594,7 +595,7 @@ def test_a_verdict_on_specimens_states_that_of_another_one():
     verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
     own, other = verdict.friction, verdict.other_specimen
     assert np.all(other.high - other.low > 1.5 * (own.high - own.low))
-    assert "mean of the 6 runs or specimens" in verdict.words.lede
+    assert "any of the 6 runs or specimens" in verdict.words.lede
     assert [one.term for one in verdict.findings if one.asserted] == ["run"]
     assert verdict.drawing().other is other
 
@@ -638,3 +639,64 @@ def test_another_table_may_be_off_by_as_much_as_friction_drifts():
     later = Measurement(velocity=v[:20], friction=(4.0 + 2.0 * v[:20]) * 1.35)
     found = select(AXIS, None, measured, validate=later)
     assert found.inside > 0.9
+
+
+def test_an_input_may_have_any_unit():
+    # effects of a pressure had prior sizes by 10 Pa, which left friction open by 39 %
+    random, v = np.random.default_rng(3), np.tile([2.0, 6.0, 11.0, 17.0, 25.0, 33.0], 4)
+    pressure = np.repeat([10e5, 20e5, 40e5, 60e5], 6)
+    friction = 0.42 - 1.1e-8 * (pressure - 30e5) - 0.002 * v + 0.004 * random.normal(size=24)
+    bands = []
+    for unit in (1e5, 1.0):
+        table = Measurement(velocity=v, friction=friction, inputs={"pressure": pressure / unit})
+        bands.append(select(AXIS, None, table).friction)
+    assert np.allclose(bands[0].low, bands[1].low, rtol=1e-6)
+    assert np.median((bands[1].high - bands[1].low) / bands[1].median) < 0.1
+
+
+def test_copies_of_readings_say_no_more_than_these():
+    random = np.random.default_rng(7)
+    friction = stribeck(SPEEDS) * (1.0 + 0.01 * random.normal(size=len(SPEEDS)))
+    widths = []
+    for count in (1, 2):
+        v, y = np.repeat(SPEEDS, count), np.repeat(friction, count)
+        band = select(AXIS, None, Measurement(velocity=v, friction=y)).friction
+        widths.append(np.median(band.high - band.low))
+    assert widths[1] > 0.7 * widths[0]
+
+
+def test_a_power_of_the_speed_may_be_small():
+    random, v = np.random.default_rng(2), np.geomspace(1e-3, 0.5, 24)
+    friction = 3.0 * v**0.1 * (1.0 + 0.004 * random.normal(size=24))
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
+    assert verdict.family == ("power",)
+    exponent = next(x for x in verdict.parameters if x.path == "friction.viscous_exponent")
+    assert exponent.low < 0.1 < exponent.high
+
+
+@pytest.mark.parametrize("fall", [3.0, 0.004])
+def test_levels_that_no_speed_shows_are_open(fall):
+    # the level where the fall goes on beyond the fastest speed, the surplus below the slowest
+    random = np.random.default_rng(3)
+    friction = (5.0 + 4.0 * np.exp(-SPEEDS / fall)) * (1.0 + 0.004 * random.normal(size=20))
+    verdict = select(AXIS, None, Measurement(velocity=SPEEDS, friction=friction))
+    found = {x.path: x for x in verdict.parameters}
+    level, surplus = (found[f"friction.{x}_coefficient"] for x in ("kinetic", "static"))
+    assert (level.low == -np.inf) == (fall == 3.0)
+    assert (surplus.high == np.inf) == (fall == 0.004)
+    assert level.low < 5.0 < level.high
+    assert surplus.low < 9.0 < surplus.high
+
+
+def test_coefficients_without_a_load_are_stated_at_one_newton(tmp_path):
+    mu = [0.241, 0.229, 0.222, 0.212, 0.205, 0.201]
+    v = [0.01, 0.03, 0.1, 0.2, 0.3, 1.0]
+    rows = "\n".join(f"{x},{y}" for x, y in zip(v, mu, strict=True))
+    loaded = "\n".join(f"{x},{50.0 * y},50" for x, y in zip(v, mu, strict=True))
+    bare, other = tmp_path / "bare.csv", tmp_path / "loaded.csv"
+    bare.write_text(f"velocity [m/s],friction [1]\n{rows}\n")
+    other.write_text(f"velocity [m/s],friction [N],load [N]\n{loaded}\n")
+    verdict = select(AXIS, None, load_measurement(bare))
+    assert any(one.startswith("No load is known") for one in verdict.words.cannot_tell)
+    with pytest.raises(InputError, match=r"only some of the trials.*coefficients of friction need"):
+        select(AXIS, None, load_measurement([bare, other]))

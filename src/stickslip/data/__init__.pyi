@@ -64,6 +64,7 @@ from stickslip.data.readers.table_reader import is_data_file as is_data_file
 from stickslip.data.readers.table_reader import log_files as log_files
 from stickslip.data.readers.toml import parse as parse
 from stickslip.data.readers.toml import read_bytes as read_bytes
+from stickslip.data.records import UNIT_LOAD as UNIT_LOAD
 from stickslip.data.records import load_measurement as load_measurement
 from stickslip.data.records import read_data as read_data
 from stickslip.data.rig import CarriedLaw as CarriedLaw

@@ -124,6 +124,10 @@ def with_motors(
     return replace(frame, names=names, units=units), gains
 
 
+UNIT_LOAD = "coefficients as forces at 1 N, as no load is known"
+"""What was done to coefficients of friction that are given without a load."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scaling:
     """How the columns of one file become numbers in SI."""
@@ -625,6 +629,7 @@ class _Files:
         )
         doubt = raw.pop(STATED, None)
         values, turning = scaling.scaled({k: x for k, x in raw.items() if not is_beside(k)})
+        done += (UNIT_LOAD,) * ("load" in values and "load" not in raw)
         if line is not None and turning:
             raise InputError(
                 "an angle cannot be given as two coordinates in a plane: name one"

@@ -757,22 +757,35 @@ class Judgement:
         """Whether intervals of the named law have no lower and no upper end, by path.
 
         Shapes of draws end where no reading is: what lies there would go on. A static surplus that
-        fades below the slowest speed may be of any size.
+        fades below the slowest speed may be of any size, and so may the level below one that fades
+        above the fastest.
         """
         found, paths = dict[str, tuple[bool, bool]](), self.composition.paths()
         for free in self.problem.free(self.named)[0] if self.named.structure else ():
-            term, shape = self.named.structure[free.column]
-            same = (path for path, x in paths.items() if x[0] == shape[free.entry])
-            if (path := next(same, "")) not in self.named_values:
+            term = self.named.structure[free.column][0]
+            if (path := self._path_of(free)) not in self.named_values:
                 continue
             x, tail = self.named_values[path], 0.5 * (1.0 - LEVEL)
             below, above = x < free.low * (1.0 + AT_END), x > free.high / (1.0 + AT_END)
             ends = float(np.mean(below)) > tail, float(np.mean(above)) > tail
             found[path] = ends
-            surplus = f"{path.rpartition('.')[0]}.static_coefficient"
-            if term in SURPLUSES and ends[0] and surplus in paths:
-                found[surplus] = False, True
+            for level in paths if term in SURPLUSES else ():
+                if level.endswith("static_coefficient") and ends[0]:
+                    found[level] = False, True
+                elif level.endswith("kinetic_coefficient") and ends[1]:
+                    found[level] = True, False
         return found
+
+    def _path_of(self, free: Free) -> str:
+        """Return the path of the parameter that an entry of a shape is; "" if it is none."""
+        structure = self.named.structure
+        pair = structure[free.column][1][free.entry] * np.array([1.0, 2.0])
+        changed: list[list[Array | float]] = [[*shape] for _, shape in structure]
+        changed[free.column][free.entry] = pair
+        own = [(name, tuple(x)) for name, x in zip(family_of(structure), changed, strict=True)]
+        both = np.tile(self.named.coefficients, (2, 1))
+        found = self.problem.composition(self.problem.tied(own), both).paths()
+        return next((path for path, x in found.items() if np.array_equal(x, pair)), "")
 
     @cached_property
     def correlation(self) -> Array:

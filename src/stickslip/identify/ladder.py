@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.data import Checks, Measurement
+from stickslip.data import UNIT_LOAD, Checks, Measurement
 from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import (
     MOST,
@@ -43,6 +43,7 @@ from stickslip.identify.verdict import (
 )
 from stickslip.identify.wording import (
     NO_FRICTION,
+    UNIT_LOAD_SENTENCE,
     Words,
     advice_sentence,
     band_sentence,
@@ -213,8 +214,8 @@ def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int) -> 
     if new < DIFFERENT * mine:
         return ""
     return (
-        f"That is the mean of the {runs} runs or specimens measured: friction of another one is"
-        f" known to ± {percent(new)}."
+        f"That is any of the {runs} runs or specimens measured: friction of another one is known"
+        f" to ± {percent(new)}."
     )
 
 
@@ -358,6 +359,7 @@ def ladder_verdict(
     of_load = {"load_exponent", "adhesion"} & {one.path for one in every}
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
+    doubts += [UNIT_LOAD_SENTENCE] * any(UNIT_LOAD in x.provenance for x in measurement.records())
     doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
     said_next = []
     loads = np.unique(measured_loads(measurement))

@@ -69,8 +69,9 @@ FLOW_DIRECTIONS = ("viscous_direction", "power_direction")
 FALLS = ((1.0, 0.4), (2.0, 0.5), (0.5, 0.1))
 """Exponents by which a static surplus fades, with their priors: Tustin's, the usual one, and a
 slower one."""
-EXPONENTS = (0.2, 0.33, 0.5, 0.65, 0.8, 1.25, 1.5, 1.75)
-"""Powers of the speed; 1 is viscous and 2 is drag."""
+EXPONENTS = (0.05, 0.1, 0.2, 0.33, 0.5, 0.65, 0.8, 1.25, 1.5, 1.75)
+"""Powers of the speed; 1 is viscous and 2 is drag. The first two are levels, nearly, and do not
+stand beside one; nor does the third beside one that fades."""
 NARROW = {"stribeck": (0.7, 0.9), "tanh": (0.5, 0.7), "saturating": (0.7, 1.0)}
 """Range of the speed of a shape, over the slowest and the fastest measured speed: beyond it the
 part is a level, or viscous."""
@@ -94,8 +95,8 @@ class Grid:
         """Number of speeds of a shape."""
         return max(4, math.ceil(self.fine * math.log(self.fastest / self.slowest)))
 
-    def shapes(self, name: str) -> list[tuple[Shape, float]]:
-        """Return the shapes of a part with their prior probabilities.
+    def shapes(self, name: str, beside: Family = ()) -> list[tuple[Shape, float]]:
+        """Return the shapes of a part of a family with their prior probabilities.
 
         Examples
         --------
@@ -110,7 +111,8 @@ class Grid:
                 ((v,) if n is None else (v, n), p / len(speeds)) for v in speeds for n, p in falls
             ]
         if name == "power":
-            return [((p,), 1.0 / len(EXPONENTS)) for p in EXPONENTS]
+            powers = EXPONENTS[2 * ("level" in beside) + ("stribeck" in beside) :]
+            return [((p,), 1.0 / len(powers)) for p in powers]
         if name == "logarithmic":
             return [((x * self.slowest,), 1.0 / len(REFERENCES)) for x in REFERENCES]
         return [((), 1.0)]
@@ -119,7 +121,7 @@ class Grid:
         """Yield families with the shape of each term, and the logarithm of their prior."""
         for family in names:
             place = FAMILIES.get(" ".join(family), max(FAMILIES.values()))
-            for some in itertools.product(*(self.shapes(one) for one in family)):
+            for some in itertools.product(*(self.shapes(one, family) for one in family)):
                 prior = math.fsum(math.log(p) for _, p in some) - PLACE * place
                 yield family, [shape for shape, _ in some], prior
 

@@ -211,6 +211,13 @@ def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> st
     return f"The law states ${symbol}$ for inputs of 0; at {at}, the median, it is {value} ({own})."
 
 
+UNIT_LOAD_SENTENCE = (
+    "No load is known: coefficients are taken as forces at 1 N, the load of the mechanism. At"
+    " another load set mechanism.load, and multiply viscous and other flow parts by it."
+)
+"""At which load coefficients stand that were given without one."""
+
+
 def load_sentence(load: float) -> str:
     """Return at which load [N] a law stands where friction is not in proportion to it."""
     return (

@@ -9,7 +9,14 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, as_recorded, command_of, unit_of_input, with_voltage
+from stickslip.data import (
+    UNIT_LOAD,
+    Measurement,
+    as_recorded,
+    command_of,
+    unit_of_input,
+    with_voltage,
+)
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identify.fits.settings import ROUNDING
@@ -520,11 +527,11 @@ def load_of(mechanism: Mechanism) -> float:
 
 def check_loads(measurement: Measurement) -> None:
     """Refuse trials of which some only have a measured load."""
-    loads = {"load" in record.quantities() for record in measurement.records()}
+    loads = {("load" in x.quantities(), UNIT_LOAD in x.provenance) for x in measurement.records()}
     if len(loads) > 1:
         raise InputError(
             "load (N) was measured in only some of the trials: give Measurement.load [N] for each"
-            " trial, or for none to use that of the mechanism."
+            " trial, or for none to use that of the mechanism; coefficients of friction need it."
         )
 
 

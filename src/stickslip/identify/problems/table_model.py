@@ -6,7 +6,7 @@ r"""A table of friction over speed, loads, inputs and runs, as a model of the po
         + s_i\, \delta(\log |v_i|) + u_{\text{block}} + e_i
 
 :math:`s` is the direction of motion and :math:`N_0` the mean load. :math:`\delta` is a Gaussian
-process (Matern 3/2 over `LENGTH` e-folds of the speed) by knots, so that any number of rows costs
+process (Matern 3/2 over `LENGTHS`, in e-folds) by knots, so that any number of rows costs
 the same. Readings at one speed, load and run are a *block*, whose common error is part of the
 noise; so are stated errors and the step to which readings were rounded. All other terms are always
 there, with the sizes in the table `TERMS` below: what the design cannot tell widens the band by
@@ -53,11 +53,12 @@ RHO = (0.0, 0.35, 0.7, 1.4, 2.8, 5.6, 11.0, 22.0, 45.0)
 NO_DELTA, DELTA = 0.55, 0.1
 """Prior of a law without it, and the size above which it is unlikely (half-normal): real joints
 leave 3 to 6 % to every law."""
-LENGTH = 0.7
-"""E-folds of the speed over which it changes (.5, .7 and 1.4 together gained nothing)."""
-BETA = (0.0, 0.8, 1.4, 2.5, 4.2, 7.2, 12.0, 21.0, 36.0)
-BETA_PRIOR = (0.35, 0.1, 0.1, 0.1, 0.1, 0.08, 0.07, 0.06, 0.04)
-"""Deviation between blocks over the noise within."""
+LENGTHS = {0.7: 0.3, 2.0: 0.7}
+"""E-folds of the speed over which its parts change, with their shares of the variance. Without the
+smooth part a misfit of a law over decades was a drift of a sorted file (band 36 noises wide)."""
+BETA = (0.0, 0.8, 1.4, 2.5, 4.2, 7.2, 12.0, 21.0, 36.0, 62.0, 110.0, 190.0)
+BETA_PRIOR = (0.35, 0.1, 0.1, 0.1, 0.1, 0.08, 0.06, 0.05, 0.03, 0.01, 0.01, 0.01)
+"""Deviation between blocks over the noise within; repeats may be copies, without any noise."""
 SIDES = (
     (), ("offset",), ("offset", "viscous_direction"), ("offset", "viscous_direction", "sides"),
 )  # fmt: skip
@@ -76,8 +77,9 @@ FOLLOWS = 0.8
 RUNS, RUNS_PRIOR = (0.003, 0.02, 0.06, 0.18), (0.4, 0.25, 0.2, 0.15)
 """Deviation of friction from run to run."""
 INPUT, INPUTS_PRIOR = (0.005, 0.2), (0.5, 0.5)
-"""Change of friction by `TENS` units of an input."""
-TENS = 10.0
+"""Change of friction by `KELVINS` of the temperature, or by half the range of another input, whose
+size depends on its unit."""
+KELVINS = 10.0
 BEND = 0.05
 """Bends of friction over an input or a load, beyond its power."""
 LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
@@ -273,7 +275,9 @@ class Frame:
     size: float
     """Root mean square of the friction [N]."""
     means: Mapping[str, float]
-    """Means of the inputs."""
+    """Means of the inputs ..."""
+    spans: Mapping[str, float]
+    """... and by how much each changes where its effect has its prior size."""
     runs: int
     """Number of the runs."""
     loaded: bool
@@ -303,6 +307,10 @@ class Frame:
             load=load,
             size=size,
             means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
+            spans={
+                name: KELVINS if name == "temperature" else 0.5 * float(np.ptp(x))
+                for name, x in rows.inputs.items()
+            },
             runs=int(rows.run.max()) + 1,
             loaded=loaded,
             both=is_both_ways(rows),
@@ -317,7 +325,7 @@ class Frame:
     def knots(self) -> Array:
         """Logarithms of speeds at which what no law says has its values (k,)."""
         low, high = math.log(self.slowest) - 1.3, math.log(self.fastest) + 0.8
-        return np.linspace(low, high, math.ceil((high - low) / (0.45 * LENGTH)) + 1)
+        return np.linspace(low, high, math.ceil((high - low) / (0.45 * min(LENGTHS))) + 1)
 
     @cached_property
     def _root(self) -> Array:
@@ -353,9 +361,9 @@ def ends_of(rows: Rows) -> "NDArray[np.bool_]":
 
 
 def _matern(distance: Array) -> Array:
-    """Return Matern's correlation of order 3/2 at distances over `LENGTH`."""
-    d = math.sqrt(3.0) * distance / LENGTH
-    return np.asarray((1.0 + d) * np.exp(-d))
+    """Return the sum of Matern correlations of order 3/2 at distances."""
+    scaled = ((share, math.sqrt(3.0) * distance / length) for length, share in LENGTHS.items())
+    return np.asarray(sum(share * (1.0 + d) * np.exp(-d) for share, d in scaled))
 
 
 def is_both_ways(rows: Rows) -> bool:
@@ -433,26 +441,21 @@ def finer(
 ) -> list[Structure]:
     """Return a structure and those whose shapes, or power of the load, are a part of a step off."""
     names = tuple(name for name, _ in structure)
-    of_load = [
-        shape[len(PARTS[name].shapes) :] if name in PARTS else () for name, shape in structure
-    ]
-    own = [
-        shape[: len(PARTS[name].shapes)] if name in PARTS else shape for name, shape in structure
-    ]
+    ends = [len(PARTS[name].shapes if name in PARTS else shape) for name, shape in structure]
+    own = [shape[:end] for (_, shape), end in zip(structure, ends, strict=True)]
+    of_load = [shape[end:] for (_, shape), end in zip(structure, ends, strict=True)]
     plain = tuple("stribeck" if name == "hersey" else name for name in names)
     powers = {power for (power,) in filter(None, of_load)}
     step = 3.0 * part * STEP
     loads = [0.0] if powers <= {1.0} or not frame.loaded else [-step, 0.0, step]
-    found = []
-    for shapes in grid.finer(plain, own, part):
-        for more in loads:
-            found.append(
-                tuple(
-                    (name, (*shape, *(power + more for power in extra)))
-                    for name, shape, extra in zip(names, shapes, of_load, strict=True)
-                )
-            )
-    return found
+    return [
+        tuple(
+            (name, (*shape, *(power + more for power in extra)))
+            for name, shape, extra in zip(names, shapes, of_load, strict=True)
+        )
+        for shapes in grid.finer(plain, own, part)
+        for more in loads
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -499,12 +502,6 @@ class Reference:
     def __call__(self, rows: Rows) -> Array:
         """Return the size (n,) [N]."""
         return np.maximum(np.abs(self.curve(rows)), LEAST * self.frame.size)
-
-
-def smoothed(readings: Readings, frame: Frame) -> Array:
-    """Return running medians of the size of friction over speed and direction (n,)."""
-    grown = frame.grown(readings.rows)
-    return running_medians(readings, grown) * grown
 
 
 def running_medians(readings: Readings, grown: Array | float = 1.0) -> Array:
@@ -626,7 +623,7 @@ class TableModel(Model):
         if frame.runs > 1:
             found.append(("run", grown[:, None] * (rows.run[:, None] == np.arange(frame.runs))))
         for name, mean in frame.means.items():
-            z = (rows.inputs[name] - mean) / TENS
+            z = (rows.inputs[name] - mean) / frame.spans[name]
             found.append((f"level*{name}", size * frame.grown(rows) * side * z))
             found.append((f"viscous*{name}", size * along * z))
             bend = [grown * z * z, size * along * z * z, grown * z * np.log(np.abs(along) + 1e-3)]
@@ -838,12 +835,11 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
     frame = Frame.of(readings)
     grid = Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
     known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
-    smooth = smoothed(readings, frame)
-    order = np.argsort(readings.rows.speed, kind="stable")
-    logs = np.log(readings.rows.speed[order])
-    over = (smooth / frame.grown(readings.rows))[order]
-    reference = Reference(frame, SmoothCurve(frame, logs, over))
-    weights = first_weights(readings, frame, smooth)
+    grown, order = frame.grown(readings.rows), np.argsort(readings.rows.speed, kind="stable")
+    over = running_medians(readings, grown)
+    smooth = SmoothCurve(frame, np.log(readings.rows.speed[order]), over[order])
+    reference = Reference(frame, smooth)
+    weights = first_weights(readings, frame, over * grown)
     model = TableModel(readings, frame, weights, reference)
     structures, priors = structures_of(frame, grid, known)
     posterior = Posterior(model, structures, priors, begin=model.begin(), most=0)
@@ -860,8 +856,9 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
             model = TableModel(readings, frame, weights, reference)
         posterior = Posterior(model, structures, priors, begin=begin, most=MOST if turn else FIRST)
         if not turn:
-            structures, priors = _kept(posterior, priors)
-            structures, priors = _with_jumps(structures, priors, readings.rows)
+            kept = [k for some in _near(posterior, LOST) for k in some]
+            structures = [structures[k] for k in kept]
+            structures, priors = _with_jumps(structures, priors[kept], readings.rows)
         begin, before = [posterior.best], weights
         best = posterior.nodes.index(posterior.best)
         structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
@@ -920,13 +917,6 @@ def _finer_still(
                 prior = found[posterior.structures[k]] - math.log(len(many))
                 found |= dict.fromkeys(many, prior)
     return [*found], np.array([*found.values()])
-
-
-def _kept(posterior: Posterior, priors: Array) -> tuple[list[Structure], Array]:
-    """Return the structures that have a share, and the best of each family."""
-    near, others = _near(posterior, LOST)
-    kept = [*near, *others]
-    return [posterior.structures[k] for k in kept], priors[kept]
 
 
 def _with_jumps(

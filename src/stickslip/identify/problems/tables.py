@@ -90,8 +90,6 @@ MANY = 200
 """Rows from which laws are compared at the rows alone."""
 BELOW_NOISE = 0.7
 """Deviation of what no law says over the noise up to which a law is exact."""
-NEW = 2.0
-"""Degrees of freedom, at least, with which another specimen differs from those measured."""
 REST = 0.8
 """Part of the friction at the next speeds below which a slow reading may be one at rest ..."""
 REST_PRIOR = 0.05
@@ -593,10 +591,10 @@ class TableProblem(Problem):
         rng: np.random.Generator,
     ) -> Array:
         """Return what a run adds (k, n): one of those measured, or another one."""
-        runs, count = len(effects), effects.shape[1]
+        runs, count = effects.shape
         which = rng.integers(runs, size=count)
         sizes = np.concatenate([np.full(one.random.shape[1], RUNS[one.node[6]]) for one in draws])
-        other = sizes * rng.standard_t(max(runs - 1.0, NEW), size=count)
+        other = sizes * rng.normal(size=count)  # draws have a deviation each
         is_new = new or np.all(rows.run == -2)
         effect = other if is_new else effects[which, np.arange(count)]
         return np.asarray(np.outer(effect, self.model.reference(rows) * rows.direction))
