@@ -9,9 +9,9 @@ from typing_extensions import override
 
 from stickslip import Dahl, ElastoPlastic, LuGre
 from stickslip.friction import BristleLaw, law
-from stickslip.identify.fits.estimation import bristle_integration
-from stickslip.identify.fits.estimation.bristle_integration import Path, follow
-from stickslip.identify.fits.estimation.parameters import with_arrays
+from stickslip.identify.fits.parameters import with_arrays
+from stickslip.identify.fits.shooting import bristle_integration
+from stickslip.identify.fits.shooting.bristle_integration import Path, follow
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 

@@ -41,6 +41,8 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.trials import compared
+from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import turned
@@ -190,8 +192,19 @@ class RecordKind(BandKind):
             except NotToldError:  # which runs under what was recorded may tell
                 if request.route is not None or "friction" in request.measurement.quantities():
                     raise
+        self._refuse_signs(request)
         begin, late = self._begun(request)
         return fit_records(begin=begin, late=late, **request.arguments("law", "settings"))
+
+    def _refuse_signs(self, request: Request) -> None:
+        """Refuse records whose force has another sign, as `select` does."""
+        records = list[Record]()
+        with suppress(InputError):  # what no balance takes, runs may
+            records = records_of(
+                request.mechanism, request.measurement, unknown=["mechanism.inertia"]
+            )
+        if records:
+            refuse_wrong_signs(records)
 
     def _begun(self, request: Request) -> tuple[dict[str, float], tuple[float, float] | None]:
         """Return values that a balance has of what simulated segments look for, by path.

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.estimation.bristle_integration import Path, balancing, follow
-from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE
-from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, PerturbedLaws
+from stickslip.identify.fits.levenberg_marquardt import AGREE
+from stickslip.identify.fits.parameters import MOVED, FreeParameters, PerturbedLaws
 from stickslip.identify.fits.settings import NEGLIGIBLE, ROUNDS, SETTLED
+from stickslip.identify.fits.shooting.bristle_integration import Path, balancing, follow
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.estimation.levenberg_marquardt import STEEPEST, ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, not_whole
+from stickslip.identify.fits.levenberg_marquardt import STEEPEST, ResidualJacobian
+from stickslip.identify.fits.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, SURE
 from stickslip.identify.fits.shooting.initial_states import (
     FirstDeflections,

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian
 from stickslip.identify.fits.settings import CHANCE, NEGLIGIBLE, TAKES_PART
 
 Array = NDArray[np.float64]

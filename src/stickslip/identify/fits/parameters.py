@@ -460,7 +460,7 @@ class PerturbedLaws:
     Examples
     --------
     >>> from stickslip import Coulomb
-    >>> from stickslip.identify.fits.estimation.parameters import FreeParameter
+    >>> from stickslip.identify.fits.parameters import FreeParameter
     >>> from stickslip.quantities import Quantity
     >>> level = FreeParameter(
     ...     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5

@@ -23,17 +23,17 @@ from stickslip.data import (
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
-from stickslip.identify.fits.estimation.jackknife import Inference
-from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
-from stickslip.identify.fits.force_map.holds import HoldFinding
-from stickslip.identify.fits.force_map.start_values import MECHANISM, SENSOR
-from stickslip.identify.fits.records.problems import ShootingBuilder
+from stickslip.identify.fits.known_forces import inside
+from stickslip.identify.fits.levenberg_marquardt import OptimizeResult, ResidualJacobian
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters, told
 from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
-from stickslip.identify.fits.series.applied_force import inside
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SETTLED
+from stickslip.identify.fits.shooting.holds import HoldFinding
+from stickslip.identify.fits.shooting.jackknife import Inference
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
+from stickslip.identify.fits.shooting.problems import ShootingBuilder
+from stickslip.identify.fits.shooting.start_values import MECHANISM, SENSOR
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.show.described import Described

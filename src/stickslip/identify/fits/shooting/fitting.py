@@ -27,14 +27,8 @@ from stickslip.identify.fits.contact_inputs import (
     recorded_inputs,
     unvaried,
 )
-from stickslip.identify.fits.estimation.estimates import (
-    bounds_met,
-    estimates_of,
-    offset_left_out,
-    sentences_of,
-)
-from stickslip.identify.fits.estimation.jackknife import NORMAL_95, Displaced, Inference, infer
-from stickslip.identify.fits.estimation.levenberg_marquardt import (
+from stickslip.identify.fits.known_forces import driven, drives_itself, inside
+from stickslip.identify.fits.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
     ResidualJacobian,
@@ -42,19 +36,25 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import (
     search,
     step_of,
 )
-from stickslip.identify.fits.estimation.parameters import told
-from stickslip.identify.fits.force_map.holds import HoldFinding
-from stickslip.identify.fits.records.fit import RecordFit, scale_of
-from stickslip.identify.fits.records.problems import (
+from stickslip.identify.fits.parameters import told
+from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
+from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.estimates import (
+    bounds_met,
+    estimates_of,
+    offset_left_out,
+    sentences_of,
+)
+from stickslip.identify.fits.shooting.fit import RecordFit, scale_of
+from stickslip.identify.fits.shooting.holds import HoldFinding
+from stickslip.identify.fits.shooting.jackknife import NORMAL_95, Displaced, Inference, infer
+from stickslip.identify.fits.shooting.multiple_shooting import Shooting
+from stickslip.identify.fits.shooting.problems import (
     FitSetup,
     RouteChoice,
     Wanted,
     simulated,
 )
-from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
-from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
-from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms import Mechanism, input_names, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing

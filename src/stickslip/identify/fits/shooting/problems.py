@@ -12,33 +12,26 @@ from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import as_loaded, load_of, loaded
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.force_map.force_balance import motions_of
-from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
-from stickslip.identify.fits.force_map.start_values import MECHANISM, StartEstimate, constant_of
-from stickslip.identify.fits.records.scanning import (
+from stickslip.identify.fits.known_forces import drives_itself, is_mass, mass_of, positions_of
+from stickslip.identify.fits.parameters import WIDE, FreeParameter, FreeParameters
+from stickslip.identify.fits.settings import Hold, RecordSettings
+from stickslip.identify.fits.shooting.holds import HoldFinding, hold_of
+from stickslip.identify.fits.shooting.initial_states import RecordedMotion
+from stickslip.identify.fits.shooting.measured_motions import PlainBalance, motions_of
+from stickslip.identify.fits.shooting.multiple_shooting import Shooting
+from stickslip.identify.fits.shooting.scanning import (
     least_of,
     lengthened_starts,
     scanned,
     surplus_starts,
 )
-from stickslip.identify.fits.series.applied_force import drives_itself
-from stickslip.identify.fits.series.inverse_dynamics import (
-    is_mass,
-    mass_of,
-    mechanism_unknown,
-    positions_of,
-    regressed,
-)
-from stickslip.identify.fits.settings import Hold, RecordSettings
-from stickslip.identify.fits.shooting.initial_states import RecordedMotion
-from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.segments import (
     measured_quantity,
     segments_of,
     usual_segment,
     with_usual_segment,
 )
+from stickslip.identify.fits.shooting.start_values import MECHANISM, StartEstimate, constant_of
 from stickslip.identify.fits.validation import Parameters, check_varied
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import full_path, parameters
@@ -165,7 +158,7 @@ def simulated(
 ) -> FitSetup:
     """Return the problem of simulated segments.
 
-    It starts from given values, or from the regression of forces, whichever leaves less; without a
+    It starts from given values, or from a plain balance of forces, whichever leaves less; without a
     force, from the runs that do.
     """
     if choice.settings.position_zeros:
@@ -181,8 +174,9 @@ def simulated(
     if alone:
         inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
     else:
-        found = regressed(mechanism, under_load, wanted.unknown)
-        inertia = found["inertia"] if "inertia" in found.names else mass_of(mechanism)
+        weighed = any(path.endswith(("inertia", "mass")) for path in wanted.unknown)
+        found = PlainBalance.of(mechanism, under_load, inertia=weighed)
+        inertia = found.values["inertia"]
         sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
         rough = StartEstimate.of(found, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
@@ -225,7 +219,7 @@ def _stroke(measurement: Measurement) -> float:
 def _mechanism_unknowns(
     mechanism: Mechanism, unknown: Sequence[str], inertia: float, level: float
 ) -> Iterator[FreeParameter]:
-    """Yield the unknowns of a mechanism under friction of a level [N]."""
+    """Yield the unknowns of a mechanism under friction of a level [N], with wide bounds."""
     known = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
     }
@@ -233,7 +227,15 @@ def _mechanism_unknowns(
     for path in dict.fromkeys(full_path(name, quantities) for name in unknown):
         quantity, value = known[path]
         begin = inertia if is_mass(mechanism, path) and inertia > 0.0 else value
-        yield mechanism_unknown(path, quantity, begin, level)
+        log, most = quantity.above is not None, WIDE * (level + abs(begin))
+        yield FreeParameter(
+            path=path,
+            quantity=quantity,
+            start=begin,
+            low=begin / WIDE if log else max(quantity.low, -most),
+            high=WIDE * begin if log else min(quantity.high, most),
+            log=log,
+        )
 
 
 def refuse_overrides(measurement: Measurement, paths: Collection[str]) -> None:

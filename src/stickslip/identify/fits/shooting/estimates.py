@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.identify.fits.estimation.jackknife import Inference
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import WIDE, FreeParameter, FreeParameters
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian
+from stickslip.identify.fits.parameters import WIDE, FreeParameter, FreeParameters
 from stickslip.identify.fits.results import READINGS, Estimate
 from stickslip.identify.fits.settings import NEGLIGIBLE, TAKES_PART
+from stickslip.identify.fits.shooting.jackknife import Inference
 from stickslip.mechanisms import Mechanism
 from stickslip.show import formatting
 from stickslip.show.formatting import fixed, number

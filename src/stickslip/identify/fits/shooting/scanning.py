@@ -14,13 +14,12 @@ from stickslip.data import Measurement
 from stickslip.errors import ConvergenceError
 from stickslip.friction import Coulomb
 from stickslip.identify.fits.contact_inputs import load_of
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian, improve
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.force_map.start_values import StartEstimate
-from stickslip.identify.fits.series.inverse_dynamics import LITTLE
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian, improve
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.segments import segments_of
+from stickslip.identify.fits.shooting.start_values import LITTLE, StartEstimate
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import number

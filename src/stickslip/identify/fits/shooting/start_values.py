@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.estimation.parameters import (
+from stickslip.identify.fits.motions import SLOW
+from stickslip.identify.fits.parameters import (
     WIDE,
     FreeParameter,
     FreeParameters,
@@ -17,14 +18,16 @@ from stickslip.identify.fits.estimation.parameters import (
     refuse_open,
     with_ranges,
 )
-from stickslip.identify.fits.force_map.force_balance import SLOW
-from stickslip.identify.fits.series.inverse_dynamics import LITTLE, MOST, InverseDynamics
+from stickslip.identify.fits.settings import MOST
+from stickslip.identify.fits.shooting.measured_motions import PlainBalance
 from stickslip.identify.fits.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 
 Array = NDArray[np.float64]
 
+LITTLE = 0.01
+"""Share of a force that is next to nothing of it, and of samples that are few of them."""
 SURPLUS = 0.2
 """Static surplus to begin with, over the kinetic level; that level itself is tried, too."""
 FAST = 0.5
@@ -67,11 +70,10 @@ class StartEstimate:
     Examples
     --------
     >>> from stickslip import Axis, Measurement
-    >>> from stickslip import inverse_dynamics
     >>> t = np.arange(0.0, 20.0, 0.01)
     >>> force = -6.0 * np.sin(2.0 * t) + 5.0 * np.sign(np.cos(2.0 * t)) + 0.5
     >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
-    >>> found = inverse_dynamics(Axis(inertia=3.0), record, robust=True)
+    >>> found = PlainBalance.of(Axis(inertia=3.0), record, inertia=True)
     >>> rough = StartEstimate.of(found, load=1.0, stroke=1.0)
     >>> round(rough.level, 1), round(rough.offset, 1)
     (5.0, 0.5)
@@ -133,9 +135,9 @@ class StartEstimate:
 
     @classmethod
     def of(
-        cls, found: InverseDynamics, *, load: float, stroke: float, offset: float | None = None
+        cls, found: PlainBalance, *, load: float, stroke: float, offset: float | None = None
     ) -> "StartEstimate":
-        """Return what a regression of forces says; the offset is looked for if it is not given.
+        """Return what a plain balance says; the offset is looked for if it is not given.
 
         Of bristles it says nothing: they are taken to yield within a part of the stroke [m].
         """
@@ -144,7 +146,7 @@ class StartEstimate:
         ahead, back = v > SLOW * speed, v < -SLOW * speed
         two_sided = bool(min(np.mean(ahead), np.mean(back)) > LITTLE)
         if offset is None:
-            offset = found["offset"] if two_sided else 0.0
+            offset = found.values["offset"] if two_sided else 0.0
         size, fast = np.abs(f - offset), np.abs(v) >= FAST * speed
 
         def level(side: NDArray[np.bool_]) -> float:
@@ -154,7 +156,7 @@ class StartEstimate:
         whole = level(ahead | back)
         own: dict[str, Any] = {
             # where speeds hardly differ a level passes for a viscous part, and the other way round
-            "viscous": min(max(found["viscous"], 0.0), MOST * whole * load / speed),
+            "viscous": min(max(found.values["viscous"], 0.0), MOST * whole * load / speed),
             "offset": offset,
             "load": load,
             "speed": speed,
