@@ -8,13 +8,6 @@ from scipy.optimize import nnls
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identify.fits.contact_inputs import VARIES, inputs_along
-from stickslip.identify.fits.known_forces import (
-    applied_force,
-    driven,
-    goes_straight,
-    known_forces,
-    positions_of,
-)
 from stickslip.identify.fits.motions import (
     HIGHEST,
     LEAST,
@@ -25,6 +18,13 @@ from stickslip.identify.fits.motions import (
     passed_by_balance,
     second_differences,
     smoothed,
+)
+from stickslip.identify.fits.record_forces import (
+    applied_force,
+    driven,
+    goes_straight,
+    known_forces,
+    positions_of,
 )
 from stickslip.identify.fits.settings import ROUNDS, SETTLED
 from stickslip.mechanisms import Mechanism, input_names

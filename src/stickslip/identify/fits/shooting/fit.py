@@ -23,9 +23,9 @@ from stickslip.data import (
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
-from stickslip.identify.fits.known_forces import inside
 from stickslip.identify.fits.levenberg_marquardt import OptimizeResult, ResidualJacobian
 from stickslip.identify.fits.parameters import FreeParameter, FreeParameters, told
+from stickslip.identify.fits.record_forces import inside
 from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SETTLED

@@ -27,7 +27,6 @@ from stickslip.identify.fits.contact_inputs import (
     recorded_inputs,
     unvaried,
 )
-from stickslip.identify.fits.known_forces import driven, drives_itself, inside
 from stickslip.identify.fits.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
@@ -37,6 +36,7 @@ from stickslip.identify.fits.levenberg_marquardt import (
     step_of,
 )
 from stickslip.identify.fits.parameters import told
+from stickslip.identify.fits.record_forces import driven, drives_itself, inside
 from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.estimates import (

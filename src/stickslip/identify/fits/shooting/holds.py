@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from stickslip.data import Measurement
-from stickslip.identify.fits.known_forces import driven
+from stickslip.identify.fits.record_forces import driven
 from stickslip.identify.fits.settings import Hold, RecordSettings
 from stickslip.show.formatting import fixed
 

@@ -18,12 +18,6 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError
 from stickslip.identify.fits.contact_inputs import check_loads, inputs_along, load_along
-from stickslip.identify.fits.known_forces import (
-    applied_force,
-    goes_straight,
-    known_forces,
-    positions_of,
-)
 from stickslip.identify.fits.motions import (
     HIGHEST,
     LEAST,
@@ -36,10 +30,17 @@ from stickslip.identify.fits.motions import (
     second_differences,
     smoothed,
 )
-from stickslip.identify.fits.settings import Hold
+from stickslip.identify.fits.record_forces import (
+    applied_force,
+    goes_straight,
+    known_forces,
+    positions_of,
+)
+from stickslip.identify.fits.settings import MOST, Hold
 from stickslip.identify.fits.shooting.bristle_integration import Path
 from stickslip.identify.fits.signals import play
 from stickslip.mechanisms import Mechanism
+from stickslip.show.formatting import number
 
 Array = NDArray[np.float64]
 
@@ -132,6 +133,8 @@ class PlainBalance:
     """Filtered velocities (n,) [m/s]."""
     friction: Array
     """Force less inertia and springs (n,) [N]: friction and offset."""
+    left: float
+    """What the balance leaves of the forces, over their root mean square."""
 
     @classmethod
     def of(cls, mechanism: Mechanism, measurement: Measurement, *, inertia: bool) -> "PlainBalance":
@@ -168,7 +171,25 @@ class PlainBalance:
             time=time,
             velocity=velocity,
             friction=friction,
+            left=float(np.linalg.norm(wanted - table @ values) / (np.linalg.norm(wanted) + 1e-300)),
         )
+
+    def refuse_nonsense(self, *, driven: bool) -> None:
+        """Refuse a motion that friction would have to drive, and forces that explain nothing."""
+        said = ", ".join(f"{name} {number(x)}" for name, x in self.values.items())
+        if not driven and max(self.values["level"], self.values["viscous"]) < 0.0:
+            raise InputError(
+                "no drive was given, and friction alone cannot cause this motion: linear regression"
+                f" gives {said}. Give the force if there was one; only a free decay needs none."
+            )
+        if driven and self.values["inertia"] < 0.0 and self.left > MOST:
+            raise InputError(
+                f"inertia and sliding friction leave {100.0 * self.left:.0f} % of the force: linear"
+                f" regression gives {said}, which therefore says nothing. Friction may hold the"
+                " body for most of the record, so that it moves by deflection only, or another"
+                " force acts. Record moves in which the body slides; check the meaning of each"
+                " column."
+            )
 
 
 def motions_of(

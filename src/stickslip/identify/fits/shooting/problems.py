@@ -12,8 +12,14 @@ from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import as_loaded, load_of, loaded
-from stickslip.identify.fits.known_forces import drives_itself, is_mass, mass_of, positions_of
 from stickslip.identify.fits.parameters import WIDE, FreeParameter, FreeParameters
+from stickslip.identify.fits.record_forces import (
+    driven,
+    drives_itself,
+    is_mass,
+    mass_of,
+    positions_of,
+)
 from stickslip.identify.fits.settings import Hold, RecordSettings
 from stickslip.identify.fits.shooting.holds import HoldFinding, hold_of
 from stickslip.identify.fits.shooting.initial_states import RecordedMotion
@@ -176,6 +182,7 @@ def simulated(
     else:
         weighed = any(path.endswith(("inertia", "mass")) for path in wanted.unknown)
         found = PlainBalance.of(mechanism, under_load, inertia=weighed)
+        found.refuse_nonsense(driven=driven(measurement))
         inertia = found.values["inertia"]
         sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
         rough = StartEstimate.of(found, **sizes)

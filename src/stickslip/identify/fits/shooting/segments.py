@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stickslip.data import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
 from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits.contact_inputs import loaded, with_inputs
-from stickslip.identify.fits.known_forces import (
+from stickslip.identify.fits.record_forces import (
     applied_force,
     driven,
     drives_itself,
