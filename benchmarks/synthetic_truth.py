@@ -25,7 +25,7 @@ from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticD
 from stickslip.errors import StickslipError
 from stickslip.identify.fits import RecordFit
 from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.jackknife import infer
+from stickslip.identify.fits.shooting.estimates import infer
 
 ALWAYS = "coulomb-viscous"
 ROUTES = ("shooting",)

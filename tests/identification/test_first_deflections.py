@@ -9,8 +9,12 @@ from scipy import integrate
 from stickslip import Axis, Dahl, LuGre, Measurement, RecordSettings, fit, simulate
 from stickslip.friction import law
 from stickslip.identify.fits.parameters import FreeParameters
-from stickslip.identify.fits.shooting.bristle_integration import Path, follow
-from stickslip.identify.fits.shooting.initial_states import FirstDeflections, RecordedMotion
+from stickslip.identify.fits.shooting.initial_states import (
+    FirstDeflections,
+    Path,
+    RecordedMotion,
+    follow,
+)
 from stickslip.identify.fits.shooting.problems import RouteChoice, simulated
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled

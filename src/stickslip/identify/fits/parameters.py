@@ -39,8 +39,6 @@ SURPLUS_AT_REST = 0.4
 """What a level has over that which it does not fall below, over the latter."""
 OFFSET = "measurement.offset.force."
 """Path of the constant force of a joint, before its name."""
-JOINTS = "mechanism.joints."
-"""Path of the parameters of a joint of a robot, before its number."""
 MOVED = 1e-5
 """Share of its size by which a parameter is moved for slopes."""
 
@@ -414,35 +412,7 @@ def told(
     free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
 ) -> FreeParameters:
     """Return the unknowns of a record with the units that their values read in."""
-    if measurement.joint_names():
-        return by_joint(free_parameters, mechanism)
     return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
-
-
-def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParameters:
-    """Return the unknowns of several joints with the units that their values read in.
-
-    Where the load of a contact is 1, levels are forces, or torques of a joint that turns.
-    """
-    turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
-    contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}
-    items = []
-    for item in free_parameters.items:
-        quantity, turning = item.quantity, False
-        if item.path.startswith("friction."):
-            contact = contacts[item.path.split(".")[1]]
-            turning = turns[contact.slips[0]]
-            if contact.load == 1.0:
-                quantity = replace(quantity, unit=quantity.force_unit)
-        elif item.path.startswith(OFFSET):
-            turning = turns[item.path.removeprefix(OFFSET)]
-        elif item.path.startswith(JOINTS) and quantity.or_unit:
-            number = int(item.path.removeprefix(JOINTS).partition(".")[0])
-            if mechanism.units[number] != "rad":
-                quantity = replace(quantity, unit=quantity.or_unit)
-        unit = turned(quantity.unit, turning)
-        items.append(replace(item, quantity=replace(quantity, unit=unit)))
-    return replace(free_parameters, items=tuple(items))
 
 
 def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:

@@ -40,17 +40,20 @@ from stickslip.identify.fits.record_forces import driven, drives_itself, inside
 from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.estimates import (
+    NORMAL_95,
+    Displaced,
+    Inference,
     bounds_met,
     estimates_of,
+    infer,
     offset_left_out,
     sentences_of,
 )
 from stickslip.identify.fits.shooting.fit import RecordFit, scale_of
-from stickslip.identify.fits.shooting.holds import HoldFinding
-from stickslip.identify.fits.shooting.jackknife import NORMAL_95, Displaced, Inference, infer
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.problems import (
     FitSetup,
+    HoldFinding,
     RouteChoice,
     Wanted,
     simulated,

@@ -26,6 +26,7 @@ from stickslip.identify.fits.motions import (
     filtered_motion,
     mean_force,
     passed_by_balance,
+    play,
     positive_noise,
     second_differences,
     smoothed,
@@ -37,8 +38,7 @@ from stickslip.identify.fits.record_forces import (
     positions_of,
 )
 from stickslip.identify.fits.settings import MOST, Hold
-from stickslip.identify.fits.shooting.bristle_integration import Path
-from stickslip.identify.fits.signals import play
+from stickslip.identify.fits.shooting.initial_states import Path
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import number
 
@@ -78,7 +78,7 @@ class Piece:
 
 def pieces_of(mechanism: Mechanism, measurement: Measurement, hold: Hold) -> Iterator[Piece]:
     """Yield the stretches of records that are long enough to be filtered."""
-    for number, given in enumerate(measurement.records()):
+    for which, given in enumerate(measurement.records()):
         record = with_voltage(mechanism, given, hold)
         set_up = as_recorded(mechanism, record)
         for one in between_gaps(record):
@@ -97,7 +97,7 @@ def pieces_of(mechanism: Mechanism, measurement: Measurement, hold: Hold) -> Ite
                 force = np.interp(time, recorded, force)
             mass, rest = known_forces(set_up, motion.position, motion.velocity, force)
             yield Piece(
-                number=number,
+                number=which,
                 mechanism=set_up,
                 record=one,
                 time=time,
