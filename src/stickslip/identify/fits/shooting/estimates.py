@@ -112,10 +112,6 @@ class Displaced:
     shared: bool = True
     """Whether it is one number of all records, and not that of one record alone."""
 
-    def of(self, rows: NDArray[np.bool_]) -> "Displaced":
-        """Return the same of some rows."""
-        return replace(self, rows=self.rows[rows])
-
     def followed(self, jacobian: ResidualJacobian, scale: Array) -> Array:
         """Return how far estimates (p,) follow: one Gauss-Newton step.
 
@@ -484,28 +480,13 @@ def _sources(inference: Inference, index: int) -> dict[str, float]:
 
 def _bound_reason(item: FreeParameter, side: str, value: float) -> str:
     if item.above and side == "lower":
-        return f"it is not above the {in_words(item.above)}"
+        return f"it is not above the {formatting.parameter_words(item.above)}"
     return f"it reached its {side} bound, {with_unit(value, item)}"
 
 
 def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
     """Return a value of an unknown with its unit."""
     return formatting.with_unit(number(value, digits), item.quantity.unit)
-
-
-def in_words(path: str) -> str:
-    """Return a parameter in words.
-
-    Examples
-    --------
-    >>> in_words("friction.kinetic_coefficient")
-    'kinetic coefficient'
-    >>> in_words("measurement.offset.force.elbow")
-    'constant force'
-    """
-    if path.startswith("measurement.offset.force."):
-        return "constant force"
-    return formatting.parameter_words(path)
 
 
 def step_intervals(
@@ -535,8 +516,8 @@ def sentences_of(
 ) -> tuple[str, ...]:
     """Return what the record cannot tell."""
     lines = [
-        f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is not identified:"
-        f" {estimate.reason}."
+        f"{formatting.parameter_words(estimate.path)} ({estimate.quantity.symbol}) is not"
+        f" identified: {estimate.reason}."
         for estimate in estimates
         if estimate.reason and not estimate.quantity.nuisance
     ]

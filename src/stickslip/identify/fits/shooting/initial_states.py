@@ -27,8 +27,9 @@ from stickslip.engine.kernels.states import NUDGE
 from stickslip.engine.solver import states_along
 from stickslip.friction import FrictionLaw, bound
 from stickslip.identify.fits.levenberg_marquardt import AGREE
-from stickslip.identify.fits.parameters import MOVED, FreeParameters, PerturbedLaws
+from stickslip.identify.fits.parameters import MOVED, FreeParameters, with_arrays
 from stickslip.identify.fits.settings import NEGLIGIBLE, ROUNDING, ROUNDS, SETTLED
+from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
 
@@ -503,30 +504,45 @@ class FirstDeflections:
     @cached_property
     def slopes(self) -> Array:
         """Their slopes by the unknowns (k, b, p)."""
-        own = self._copies(slopes=True)
-        found = self._at_starts(self._along(own))
-        table = np.zeros((*found.shape[:2], own.free_parameters))
-        moved = found[..., 1 : 1 + len(own.moved)]
-        table[..., list(own.columns)] = (moved - found[..., :1]) / own.moved
+        law, moved, columns = self._moved()
+        found = self._at_starts(self._along(law, 1 + len(moved)))
+        table = np.zeros((*found.shape[:2], len(self.free_parameters)))
+        table[..., columns] = (found[..., 1:] - found[..., :1]) / moved
         return np.nan_to_num(table)
 
     @cached_property
     def _followed(self) -> Array:
         """Deflections along the motion (b, n, 1)."""
-        return self._along(self._copies(slopes=False))[..., :1]
+        return self._along(vary(self.law, "friction", self._values()), 1)
 
-    def _copies(self, *, slopes: bool) -> PerturbedLaws:
-        return PerturbedLaws.of(
-            self.law, self.free_parameters, self.values, constant="", slopes=slopes
-        )
+    def _values(self) -> dict[str, float]:
+        """Return values of the law's parameters that are looked for, by path."""
+        pairs = zip(self.free_parameters.paths, self.values.tolist(), strict=True)
+        return {path: x for path, x in pairs if path.startswith("friction.")}
 
-    def _along(self, own: PerturbedLaws) -> Array:
+    def _moved(self) -> tuple[Any, Array, list[int]]:
+        """Return a law with arrays (1 + m,): in each copy but the first a parameter is moved.
+
+        And by how much (m,), and which of the unknowns it is.
+        """
+        values, items = self._values(), self.free_parameters.items
+        columns = [i for i, item in enumerate(items) if item.path in values]
+        moved = MOVED * np.array([
+            _size(values[items[i].path], items[i].start, items[i].high) for i in columns
+        ])  # fmt: skip
+        table = {path: np.full(1 + len(moved), x) for path, x in values.items()}
+        for k, i in enumerate(columns):
+            table[items[i].path][1 + k] += moved[k]
+        return with_arrays(vary(self.law, "friction", values), table), moved, columns
+
+    def _along(self, law: Any, copies: int) -> Array:
         """Return deflections along the motion (b, n, copies); 0 where they cannot be found."""
-        first = np.zeros((own.bristles, own.count))
+        bristles = len(self.law.states)
+        first = np.zeros((bristles, copies))
         with np.errstate(all="ignore"):  # a law that fails far out is refused by its runs
             if self.path.velocity[0] == 0.0:  # at rest bristles balance the other forces
-                first[:] = balancing(own.law, self.path, self.motion.held, own.bristles)
-            return np.nan_to_num(follow(own.law, self.path, first))
+                first[:] = balancing(law, self.path, self.motion.held, bristles)
+            return np.nan_to_num(follow(law, self.path, first))
 
     def _at_starts(self, states: Array) -> Array:
         """Return deflections at the starts (k, b, copies), straight between samples."""
@@ -536,3 +552,11 @@ class FirstDeflections:
         share = np.clip(share, 0.0, 1.0)[:, None]
         found = states[:, at - 1] * (1.0 - share) + states[:, at] * share
         return np.asarray(found.transpose(1, 0, 2))
+
+
+def _size(value: float, start: float, high: float) -> float:
+    """Return the size that a parameter is moved by a share of; it may be 0 at a bound."""
+    room = 1e-3 * high if np.isfinite(high) else 0.0
+    return max(
+        abs(value), abs(start) if value == 0.0 else 0.0, room if value == 0.0 else 0.0, 1e-12
+    )
