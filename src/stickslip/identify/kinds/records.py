@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
@@ -198,11 +198,12 @@ class RecordKind(BandKind):
 
     def _refuse_signs(self, request: Request) -> None:
         """Refuse records whose force has another sign, as `select` does."""
-        records = list[Record]()
+        records, law = list[Record](), cast("Any", self.owner(request.law))
         with suppress(InputError):  # what no balance takes, runs may
-            records = records_of(
-                request.mechanism, request.measurement, unknown=["mechanism.inertia"]
+            chosen: Parameters[Any] = Parameters.of(
+                request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
             )
+            records = records_of(chosen.mechanism, request.measurement, unknown=chosen.unknown)
         if records:
             refuse_wrong_signs(records)
 
