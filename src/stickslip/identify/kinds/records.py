@@ -31,6 +31,7 @@ from stickslip.identify.fits import (
     RecordFit,
     RecordSettings,
     check_inputs,
+    drives_itself,
     fit_records,
     goes_straight,
     inside,
@@ -198,6 +199,8 @@ class RecordKind(BandKind):
 
     def _refuse_signs(self, request: Request) -> None:
         """Refuse records whose force has another sign, as `select` does."""
+        if drives_itself(request.mechanism, request.measurement):
+            return
         records, law = list[Record](), cast("Any", self.owner(request.law))
         with suppress(InputError):  # what no balance takes, runs may
             chosen: Parameters[Any] = Parameters.of(
