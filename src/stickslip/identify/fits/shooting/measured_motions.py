@@ -19,8 +19,10 @@ from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError
 from stickslip.identify.fits.contact_inputs import check_loads, inputs_along, load_along
 from stickslip.identify.fits.motions import (
+    HARMONICS,
     HIGHEST,
     LEAST,
+    ORDER,
     PATH,
     FilteredMotion,
     filtered_motion,
@@ -28,7 +30,6 @@ from stickslip.identify.fits.motions import (
     passed_by_balance,
     play,
     positive_noise,
-    second_differences,
     smoothed,
 )
 from stickslip.identify.fits.record_forces import (
@@ -37,13 +38,19 @@ from stickslip.identify.fits.record_forces import (
     known_forces,
     positions_of,
 )
-from stickslip.identify.fits.settings import MOST, Hold
+from stickslip.identify.fits.settings import MOST, ROUNDS, SETTLED, Hold
 from stickslip.identify.fits.shooting.initial_states import Path
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import number
 
 Array = NDArray[np.float64]
 
+HUBER = 1.345
+"""Residuals beyond this many standard deviations weigh less; 95 % as efficient as least squares."""
+POSITION_SHARE, PARALLEL_SHARE = 0.1, 0.02
+"""Shares of the sampling frequency that filters of the position, and of all columns, pass."""
+MARGIN = 49
+"""Samples dropped at the start, where filters and differences begin."""
 CHATTER = 2.0
 """Reach within which positions that bristles follow are chatter, over the noise that is left."""
 OVERSAMPLED = 0.25
@@ -139,15 +146,14 @@ class PlainBalance:
     @classmethod
     def of(cls, mechanism: Mechanism, measurement: Measurement, *, inertia: bool) -> "PlainBalance":
         """Return the balance of a measurement, with its inertia if that is looked for."""
-        parts, motions, mass = list[Array](), list[Array](), 0.0
-        for one in pieces_of(mechanism, measurement, "zero"):
-            v, dt = one.motion.velocity, float(one.time[1] - one.time[0])
-            near = smoothed(one.raw, PATH * min(one.passed, HIGHEST))
-            a = second_differences(near, dt)
-            columns = [one.rest, v, np.sign(v), np.ones_like(v), a, one.mass * a]
-            parts.append(smoothed(np.column_stack(columns), one.passed))
-            motions.append(np.stack([one.time, v]))
-            mass = one.mass
+        parts, mass = list[Array](), 0.0
+        for given in measurement.records():
+            record = with_voltage(mechanism, given, "zero")
+            set_up = as_recorded(mechanism, record)
+            for one in between_gaps(record):
+                if np.asarray(one.time).size >= LEAST:
+                    mass, columns = _columns(set_up, one)
+                    parts.append(columns)
         if not parts:
             longest = max(len(np.asarray(piece.time)) for record in measurement.records()
                           for piece in between_gaps(record))  # fmt: skip
@@ -156,21 +162,18 @@ class PlainBalance:
                 f" {LEAST} samples without a gap, and the longest has {longest}: record longer, or"
                 " resample at even times."
             )
-        whole = np.concatenate(parts)
-        table, wanted = whole[:, 1:4], whole[:, 0] - whole[:, 5]
+        rest, velocity, level, offset, a, taken, time = np.concatenate(parts).T
+        table, wanted = np.column_stack([velocity, level, offset]), rest - taken
         if inertia:
-            table, wanted = whole[:, 1:5], whole[:, 0]
-        size = np.linalg.norm(table, axis=0) + 1e-300
-        values = np.linalg.lstsq(table / size, wanted, rcond=1e-9)[0] / size
+            table, wanted = np.column_stack([table, a]), rest
+        values = _solved(table, wanted)
         names = ("viscous", "level", "offset", "inertia")
         found = {"inertia": mass} | dict(zip(names, values.tolist(), strict=False))
-        friction = wanted - table[:, 3:] @ values[3:]
-        time, velocity = np.concatenate(motions, axis=1)
         return cls(
             values={name: found[name] for name in names},
             time=time,
             velocity=velocity,
-            friction=friction,
+            friction=wanted - table[:, 3:] @ values[3:],
             left=float(np.linalg.norm(wanted - table @ values) / (np.linalg.norm(wanted) + 1e-300)),
         )
 
@@ -190,6 +193,55 @@ class PlainBalance:
                 " force acts. Record moves in which the body slides; check the meaning of each"
                 " column."
             )
+
+
+def _columns(mechanism: Mechanism, record: Measurement) -> tuple[float, Array]:
+    """Return what moves [kg], and filtered columns (n, 6) with the times, of one stretch.
+
+    Forces but for friction, velocities, their signs, ones, accelerations and what inertia takes.
+    """
+    time, x = np.asarray(record.time, dtype=float), positions_of(record)
+    dt = float(np.ptp(time)) / (len(time) - 1)
+    smooth = _both_ways(x, _share(x, POSITION_SHARE))
+    v = np.gradient(smooth, dt)
+    applied = applied_force(mechanism, record)
+    force = 0.0 * x if applied is None else applied
+    kept = slice(min(MARGIN, len(x) // 20), None)
+    x, v, a, force = smooth[kept], v[kept], np.gradient(v, dt)[kept], force[kept]
+    mass, rest = known_forces(mechanism, x, v, force)
+    columns = np.column_stack([rest, v, np.sign(v), np.ones_like(v), a, mass * a])
+    return mass, np.column_stack([_both_ways(columns, _share(x, PARALLEL_SHARE)), time[kept]])
+
+
+def _share(x: Array, least: float) -> float:
+    """Return what a filter passes, over half the sampling frequency."""
+    mean = float(np.std(np.diff(x))) / max(2.0 * np.pi * float(np.std(x)), 1e-300)
+    return 2.0 * min(max(least, HARMONICS * mean), max(HIGHEST, least))
+
+
+def _both_ways(columns: Array, share: float) -> Array:
+    from scipy import signal
+
+    b, a = signal.butter(ORDER, share)
+    return np.asarray(signal.filtfilt(b, a, columns, axis=0, padlen=3 * (max(len(a), len(b)) - 1)))
+
+
+def _solved(table: Array, wanted: Array) -> Array:
+    """Return least-squares values (p,), large residuals weighing less (Huber)."""
+    size = np.linalg.norm(table, axis=0)
+    scaled = table / np.where(size > 0.0, size, 1.0)
+    values = np.asarray(np.linalg.lstsq(table, wanted, rcond=None)[0], dtype=float)
+    for _ in range(ROUNDS):
+        residual = wanted - table @ values
+        deviation = 1.4826 * float(np.median(np.abs(residual))) or 1.0
+        weights = np.minimum(1.0, HUBER * deviation / np.maximum(np.abs(residual), 1e-300))
+        weighted = scaled.T * weights
+        before = values
+        normal = np.linalg.lstsq(weighted @ scaled, weighted @ wanted, rcond=1e-12)[0]
+        values = np.asarray(normal / np.where(size > 0.0, size, 1.0), dtype=float)
+        if np.max(np.abs(values - before) * size) <= SETTLED * np.max(np.abs(values) * size):
+            break
+    return values
 
 
 def motions_of(
