@@ -47,7 +47,7 @@ from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings,
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, law
 from stickslip.identify.fits import RecordFit
-from stickslip.identify.fits.records.fitting import fit_record
+from stickslip.identify.fits.shooting.fitting import fit_record
 from stickslip.mechanisms import DCMotor, PositionLoop
 from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import PID, closed_loop

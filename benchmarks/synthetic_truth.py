@@ -24,8 +24,8 @@ from benchmarks.rigs import FREE, TRUTHS, Random, Rig, draw, record
 from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit
 from stickslip.errors import StickslipError
 from stickslip.identify.fits import RecordFit
-from stickslip.identify.fits.estimation.jackknife import infer
 from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.estimates import infer
 
 ALWAYS = "coulomb-viscous"
 ROUTES = ("shooting",)

@@ -6,8 +6,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import Quantity
 
 Array = NDArray[np.float64]

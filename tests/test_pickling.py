@@ -27,7 +27,6 @@ from stickslip import (
     ensemble,
     fit,
     identify,
-    inverse_dynamics,
     load_measurement,
     load_rig,
     plan,
@@ -132,7 +131,6 @@ MADE = {
     ),
     "checks": lambda: check(series()),
     "finding": lambda: check(series()).findings[0],
-    "inverse dynamics": lambda: inverse_dynamics(AXIS, series()),
     "settings": lambda: load_rig().reading,
 }
 """How one of each kind of result is made."""

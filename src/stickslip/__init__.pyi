@@ -67,7 +67,6 @@ from stickslip.friction import Tustin as Tustin
 from stickslip.friction import Viscous as Viscous
 from stickslip.friction import WarmViscous as WarmViscous
 from stickslip.identify.fits import RecordSettings as RecordSettings
-from stickslip.identify.fits import inverse_dynamics as inverse_dynamics
 from stickslip.identify.kinds import fit as fit
 from stickslip.identify.kinds import plan as plan
 from stickslip.identify.kinds import select as select
@@ -168,7 +167,6 @@ __all__ = [
     "ensemble",
     "export",
     "fit",
-    "inverse_dynamics",
     "load_measurement",
     "load_rig",
     "optimise",

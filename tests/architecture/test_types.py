@@ -24,7 +24,7 @@ from tools.lowest import lowest
 import stickslip
 import stickslip.show.plots
 from stickslip.friction import LAWS
-from stickslip.identify.fits.records.fitting import OwnRouteName
+from stickslip.identify.fits.shooting.fitting import OwnRouteName
 from stickslip.identify.kinds.registry import OWN
 from stickslip.lazy import Door
 from stickslip.mechanisms import MECHANISMS

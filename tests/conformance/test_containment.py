@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip.friction import FrictionLaw, bound, contained_laws, laws
-from stickslip.identify.fits.estimation.parameters import starting_law
+from stickslip.identify.fits.parameters import starting_law
 from stickslip.study.testing.suites import ORDINARY
 
 PAIRS = [(kind, one) for kind in laws().values() for one in kind.contained]

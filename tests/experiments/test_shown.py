@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip import Axis, Measurement, SpringBlock, fit, inverse_dynamics, simulate
-from stickslip.errors import UnknownNameError
+from stickslip import Axis, Measurement, SpringBlock, fit, simulate
 from stickslip.friction import Coulomb
 from stickslip.show import plots
 
@@ -101,14 +100,6 @@ def test_a_run_is_a_collection_of_its_columns():
 
 
 def test_no_public_result_prints_its_arrays():
-    wave = np.sin(TIME * 3.0)
-    record = Measurement(
-        time=TIME, position=wave, force=0.2 * np.sign(np.cos(TIME * 3.0)) - 9.0 * wave
-    )
-    least = inverse_dynamics(Axis(inertia=1.0), record)
-    assert re.match(r"<InverseDynamics: inertia = .* ± .*; \d+ samples, residual .* %", repr(least))
-    with pytest.raises(UnknownNameError, match="Did you mean 'inertia'"):
-        least["inertias"]
     along = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED) + 0.01 * np.sin(SPEED))
     fitted = fit(Axis(inertia=1.0), Coulomb, along)
     again = Measurement(velocity=SPEED, friction=2.02 * np.sign(SPEED))

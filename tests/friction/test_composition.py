@@ -29,7 +29,7 @@ from stickslip.friction import (
 from stickslip.friction.notation import Around, Product, Sum, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Slip
-from stickslip.identify.fits.estimation.parameters import starting_law
+from stickslip.identify.fits.parameters import starting_law
 from stickslip.maths import Latches
 from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import Quantity, fields_of

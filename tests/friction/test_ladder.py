@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.friction import FrictionLaw, containment_of, law, laws, usual_specifications
 from stickslip.friction.notation import canonical, read
-from stickslip.identify.fits.estimation.parameters import starting_law
+from stickslip.identify.fits.parameters import starting_law
 
 KINDS = list(dict.fromkeys(specification.law for specification in usual_specifications()))
 PAIRS = [(rich, kind) for rich in KINDS for kind in KINDS if containment_of(rich, kind)]

@@ -14,7 +14,7 @@ from tests.pair_cases import PUSH, Pair, axis
 from stickslip import Axis, Dahl, FixedStep, Measurement, RecordSettings, fit, simulate
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identify.fits.estimation.bristle_integration import Path, follow
+from stickslip.identify.fits.shooting.initial_states import Path, follow
 from stickslip.maths import Latches, latched
 from stickslip.mechanisms import given_inputs
 from stickslip.mechanisms.drives import Sine

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, fit, simulate
-from stickslip.identify.fits.estimation.estimates import estimates_of
-from stickslip.identify.fits.estimation.jackknife import infer
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.shooting.estimates import estimates_of, infer
 from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity
 

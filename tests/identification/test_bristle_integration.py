@@ -9,9 +9,9 @@ from typing_extensions import override
 
 from stickslip import Dahl, ElastoPlastic, LuGre
 from stickslip.friction import BristleLaw, law
-from stickslip.identify.fits.estimation import bristle_integration
-from stickslip.identify.fits.estimation.bristle_integration import Path, follow
-from stickslip.identify.fits.estimation.parameters import with_arrays
+from stickslip.identify.fits.parameters import with_arrays
+from stickslip.identify.fits.shooting import initial_states
+from stickslip.identify.fits.shooting.initial_states import Path, follow
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
@@ -51,7 +51,7 @@ def test_machine_code_moves_bristles_as_arrays_do(
     copies = with_arrays(whole, {f"friction.{field}": np.array([1e5, 1.001e5])})
     start = np.full((len(whole.states), 2), 1e-5)
     found = follow(copies, motion(3000), start)
-    monkeypatch.setattr(bristle_integration, "states_along", lambda *_: None)
+    monkeypatch.setattr(initial_states, "states_along", lambda *_: None)
     plain = follow(copies, motion(3000), start)
     np.testing.assert_allclose(found, plain, atol=tolerance * np.max(np.abs(plain)), rtol=0.0)
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, fit, load_measurement
-from stickslip.identify.fits.records.fitting import fit_record
-from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.fitting import fit_record
 
 AXIS = Axis(inertia=95.0)
 ONE = RecordSettings(starts=1)
@@ -20,31 +19,6 @@ def emps(data_dir):
         data_dir / "emps" / "train.parquet",
         columns={"time": "t_s", "position": "q_meas_m", "force": "force_N"},
     )
-
-
-def filtered(emps, **options):
-    return inverse_dynamics(Axis(inertia=1.0), emps, cutoff=100, decimate=10, **options)
-
-
-def test_least_squares_give_the_published_parameters_to_every_printed_digit(emps):
-    found = filtered(emps)
-    assert found.names == ("inertia", "viscous", "level", "offset")
-    # four decimals are printed; the last may be rounded the other way
-    np.testing.assert_allclose(found.values, [95.1089, 203.5034, 20.3935, -3.1648], atol=1e-4)
-    for deviation, printed in zip(
-        found.deviations, ("0.1085", "1.146", "0.1012", "0.0444"), strict=True
-    ):
-        digits = len(printed.partition(".")[2])
-        assert deviation == pytest.approx(float(printed), abs=0.51 * 10.0**-digits)
-    assert 100 * found.relative_error == pytest.approx(4.0834, abs=1e-4)
-
-
-def test_least_squares_by_direction_give_the_published_parameters(emps):
-    found = filtered(emps, directional=True, offset=False)
-    names = ("inertia", "viscous+", "level+", "viscous-", "level-")
-    values = [found[name] for name in names]
-    np.testing.assert_allclose(values, [95.1540, 166.7061, 20.1440, 240.4236, 20.6277], atol=1e-4)
-    assert 100 * found.relative_error == pytest.approx(3.1117, abs=1e-4)
 
 
 @pytest.mark.slow

@@ -8,10 +8,14 @@ from scipy import integrate
 
 from stickslip import Axis, Dahl, LuGre, Measurement, RecordSettings, fit, simulate
 from stickslip.friction import law
-from stickslip.identify.fits.estimation.bristle_integration import Path, follow
-from stickslip.identify.fits.estimation.parameters import FreeParameters
-from stickslip.identify.fits.records.problems import RouteChoice, simulated
-from stickslip.identify.fits.shooting.initial_states import FirstDeflections, RecordedMotion
+from stickslip.identify.fits.parameters import FreeParameters
+from stickslip.identify.fits.shooting.initial_states import (
+    FirstDeflections,
+    Path,
+    RecordedMotion,
+    follow,
+)
+from stickslip.identify.fits.shooting.problems import RouteChoice, simulated
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 

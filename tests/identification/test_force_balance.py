@@ -20,11 +20,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identify.fits.force_map.force_balance import (
-    mean_force,
-    passed_by_balance,
-    travelled,
-)
+from stickslip.identify.fits.motions import mean_force, passed_by_balance
+from stickslip.identify.fits.shooting.measured_motions import travelled
 from stickslip.mechanisms.drives import Sampled
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
@@ -199,7 +196,7 @@ def test_a_path_of_bristles_keeps_what_it_travels_and_loses_its_chatter(noise):
     rests = np.mod(t, 2.0) > 1.0
     x[rests] = 0.0
     raw = x + np.random.default_rng(1).normal(0.0, noise, len(t))
-    found = travelled(raw, 0.2)
+    found = travelled(raw)
     assert np.ptp(found) == pytest.approx(np.ptp(x), abs=4.0 * noise)  # extremes of the noise
     inside = rests & (np.mod(t, 1.0) > 0.1) & (np.mod(t, 1.0) < 0.9)
     way, of_raw = (np.abs(np.diff(one))[inside[1:]].sum() for one in (found, raw))

@@ -27,8 +27,8 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw
-from stickslip.identify.fits.estimation.bristle_integration import Path as Motion
-from stickslip.identify.fits.estimation.bristle_integration import follow
+from stickslip.identify.fits.shooting.initial_states import Path as Motion
+from stickslip.identify.fits.shooting.initial_states import follow
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from stickslip import (
     TwoMassAxis,
     fit,
 )
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters, told
 from stickslip.quantities import fields_of
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
-from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
+from stickslip.identify.fits.shooting.problems import HoldFinding, hold_of
 from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)

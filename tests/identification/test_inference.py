@@ -8,8 +8,8 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, fit
-from stickslip.identify.fits.estimation.jackknife import block_sums, effective_size, infer
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian
+from stickslip.identify.fits.shooting.estimates import block_sums, effective_size, infer
 
 
 def autoregression(count, decay, random):

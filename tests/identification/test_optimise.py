@@ -5,7 +5,7 @@ import pytest
 from tests.linear import Linear
 
 from stickslip.errors import ConvergenceError
-from stickslip.identify.fits.estimation.levenberg_marquardt import (
+from stickslip.identify.fits.levenberg_marquardt import (
     JITTER,
     LeastSquaresProblem,
     ResidualJacobian,
@@ -13,7 +13,7 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import (
     search,
     step_of,
 )
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import Quantity
 
 RANDOM = np.random.default_rng(3)

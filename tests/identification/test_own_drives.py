@@ -9,9 +9,9 @@ from tests.support import quick
 
 from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, fit, simulate
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identify.fits.records.fitting import route_of
-from stickslip.identify.fits.records.problems import RouteChoice
 from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.fitting import route_of
+from stickslip.identify.fits.shooting.problems import RouteChoice
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
 

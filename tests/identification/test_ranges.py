@@ -7,7 +7,7 @@ from tests.support import UNAIDED
 
 from stickslip.errors import ParameterError
 from stickslip.identify.fits import starting_law
-from stickslip.identify.fits.force_map.start_values import StartEstimate
+from stickslip.identify.fits.shooting.start_values import StartEstimate
 from stickslip.quantities import Quantity, fields_of
 
 SEEN = {

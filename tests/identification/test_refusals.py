@@ -20,7 +20,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError, ParameterError
-from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
+from stickslip.identify.fits import PlainBalance
 from stickslip.mechanisms import TwoMassAxis
 from stickslip.mechanisms.drives import Sampled
 
@@ -127,7 +127,7 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
     force = force - 0.03 * np.cos(0.5 * np.pi * time)
     record = Measurement(time=time, position=position, force=force)
     axis = Axis(inertia=1.0)
-    assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
+    assert PlainBalance.of(axis, record, inertia=True).values["inertia"] < 0.0
     found = fit(
         axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"], route="balance"
     )
@@ -301,7 +301,7 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
     position = 1e-4 * sum(a * np.sin(2.0 * np.pi * f * time + f) for a, f in parts)
     record = Measurement(time=time, position=position, force=1e5 * position)
     axis = Axis(inertia=5.0)
-    assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
+    assert PlainBalance.of(axis, record, inertia=True).values["inertia"] < 0.0
     found = fit(axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"])
     assert any("which cannot be: something else acts" in one for one in found.remarks)
     assert found.mechanism.inertia == 5.0

@@ -19,8 +19,8 @@ from stickslip import (
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.friction import law as law_type
 from stickslip.identify.fits import route_of
-from stickslip.identify.fits.estimation.levenberg_marquardt import search
-from stickslip.identify.fits.records import fitting
+from stickslip.identify.fits.levenberg_marquardt import search
+from stickslip.identify.fits.shooting import fitting
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse
 
 QUICK = RecordSettings(starts=1)

@@ -9,11 +9,11 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, Pendulum, fit, simulate
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identify.fits.estimation.levenberg_marquardt import improve
-from stickslip.identify.fits.records.fitting import fit_record
-from stickslip.identify.fits.records.problems import RouteChoice, simulated
+from stickslip.identify.fits.levenberg_marquardt import improve
 from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.fitting import fit_record
 from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Ways, followed
+from stickslip.identify.fits.shooting.problems import RouteChoice, simulated
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Capsule, Coulomb, Measurement, fit, simulate
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
 from stickslip.identify.fits.shooting.multiple_shooting import Segment, Shooting
 from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import Sine

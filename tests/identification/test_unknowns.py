@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import Quantity
 
 LEVEL = FreeParameter(

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from stickslip import Coulomb, Measurement, TowedBlock, load_measurement, select
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.friction import RATE_STATE_FORMS, RateState
-from stickslip.identify.fits.estimation.levenberg_marquardt import step_of
+from stickslip.identify.fits.levenberg_marquardt import step_of
 from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.identify.problems import rate_state_slider as slider
 from stickslip.identify.problems.velocity_step_paths import path_of

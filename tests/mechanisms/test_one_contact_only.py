@@ -10,7 +10,6 @@ from stickslip import (
     SpringBlock,
     TwoFeet,
     fit,
-    inverse_dynamics,
     plan,
     select,
     simulate,
@@ -43,7 +42,6 @@ CALLS = {
     "fit": lambda m, law: fit(m, law, RECORD),
     "select": lambda m, law: select(m, law, RECORD),
     "plan": plan,
-    "inverse_dynamics": lambda m, _: inverse_dynamics(m, RECORD),
     "criteria_of": lambda m, law: criteria_of(
         simulate(m, law, t_end=0.1, solver=PLAIN), m
     ),

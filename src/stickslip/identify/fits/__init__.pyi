@@ -15,40 +15,35 @@ from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_i
 from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import unvaried as unvaried
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
-from stickslip.identify.fits.estimation.estimates import TOGETHER as TOGETHER
-from stickslip.identify.fits.estimation.estimates import offset_left_out as offset_left_out
-from stickslip.identify.fits.estimation.jackknife import BLOCKS as BLOCKS
-from stickslip.identify.fits.estimation.jackknife import effective_size as effective_size
-from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
-from stickslip.identify.fits.estimation.levenberg_marquardt import ResidualJacobian as ResidualJacobian
-from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch
-from stickslip.identify.fits.estimation.levenberg_marquardt import improve as improve
-from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
-from stickslip.identify.fits.estimation.parameters import OFFSET as OFFSET
-from stickslip.identify.fits.estimation.parameters import Sizes as Sizes
-from stickslip.identify.fits.estimation.parameters import refuse_open as refuse_open
-from stickslip.identify.fits.estimation.parameters import required_of as required_of
-from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
-from stickslip.identify.fits.estimation.parameters import with_arrays as with_arrays
-from stickslip.identify.fits.estimation.parameters import with_known as with_known
-from stickslip.identify.fits.estimation.parameters import with_ranges as with_ranges
-from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
-from stickslip.identify.fits.force_map.force_balance import mean_frequency as mean_frequency
-from stickslip.identify.fits.force_map.force_balance import positive_noise as positive_noise
-from stickslip.identify.fits.force_map.force_balance import reach_of as reach_of
-from stickslip.identify.fits.force_map.force_balance import smoothed as smoothed
 from stickslip.identify.fits.gears import gear_torques as gear_torques
 from stickslip.identify.fits.gears import transmitted_along as transmitted_along
-from stickslip.identify.fits.records.fit import Prediction as Prediction
-from stickslip.identify.fits.records.fit import RecordFit as RecordFit
-from stickslip.identify.fits.records.fit import Score as Score
-from stickslip.identify.fits.records.fitting import RouteName as RouteName
-from stickslip.identify.fits.records.fitting import fit_records as fit_records
-from stickslip.identify.fits.records.fitting import route_of as route_of
-from stickslip.identify.fits.records.problems import RouteChoice as RouteChoice
-from stickslip.identify.fits.records.problems import Wanted as Wanted
-from stickslip.identify.fits.records.problems import refuse_overrides as refuse_overrides
-from stickslip.identify.fits.records.problems import simulated as simulated
+from stickslip.identify.fits.levenberg_marquardt import AGREE as AGREE
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian as ResidualJacobian
+from stickslip.identify.fits.levenberg_marquardt import Watch as Watch
+from stickslip.identify.fits.levenberg_marquardt import improve as improve
+from stickslip.identify.fits.motions import FilteredMotion as FilteredMotion
+from stickslip.identify.fits.motions import HARMONICS as HARMONICS
+from stickslip.identify.fits.motions import HIGHEST as HIGHEST
+from stickslip.identify.fits.motions import mean_frequency as mean_frequency
+from stickslip.identify.fits.motions import play as play
+from stickslip.identify.fits.motions import positive_noise as positive_noise
+from stickslip.identify.fits.motions import reach_of as reach_of
+from stickslip.identify.fits.motions import smoothed as smoothed
+from stickslip.identify.fits.parameters import FreeParameters as FreeParameters
+from stickslip.identify.fits.parameters import OFFSET as OFFSET
+from stickslip.identify.fits.parameters import Sizes as Sizes
+from stickslip.identify.fits.parameters import refuse_open as refuse_open
+from stickslip.identify.fits.parameters import required_of as required_of
+from stickslip.identify.fits.parameters import starting_law as starting_law
+from stickslip.identify.fits.parameters import with_arrays as with_arrays
+from stickslip.identify.fits.parameters import with_known as with_known
+from stickslip.identify.fits.parameters import with_ranges as with_ranges
+from stickslip.identify.fits.record_forces import applied_force as applied_force
+from stickslip.identify.fits.record_forces import drives_itself as drives_itself
+from stickslip.identify.fits.record_forces import goes_straight as goes_straight
+from stickslip.identify.fits.record_forces import inside as inside
+from stickslip.identify.fits.record_forces import known_forces as known_forces
+from stickslip.identify.fits.record_forces import positions_of as positions_of
 from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
 from stickslip.identify.fits.results import Estimate as Estimate
 from stickslip.identify.fits.results import Fit as Fit
@@ -59,26 +54,30 @@ from stickslip.identify.fits.results import far_above_dry as far_above_dry
 from stickslip.identify.fits.rig_uncertainties import refuse_load as refuse_load
 from stickslip.identify.fits.rig_uncertainties import span_of as span_of
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of as uncertainties_of
-from stickslip.identify.fits.series.applied_force import applied_force as applied_force
-from stickslip.identify.fits.series.applied_force import drives_itself as drives_itself
-from stickslip.identify.fits.series.applied_force import goes_straight as goes_straight
-from stickslip.identify.fits.series.applied_force import inside as inside
-from stickslip.identify.fits.series.inverse_dynamics import HARMONICS as HARMONICS
-from stickslip.identify.fits.series.inverse_dynamics import HIGHEST as HIGHEST
-from stickslip.identify.fits.series.inverse_dynamics import InverseDynamics as InverseDynamics
-from stickslip.identify.fits.series.inverse_dynamics import MOST as MOST
-from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
-from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
-from stickslip.identify.fits.series.inverse_dynamics import positions_of as positions_of
 from stickslip.identify.fits.settings import Hold as Hold
+from stickslip.identify.fits.settings import MOST as MOST
 from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
 from stickslip.identify.fits.settings import SETTLED as SETTLED
 from stickslip.identify.fits.settings import SURE as SURE
 from stickslip.identify.fits.settings import TAKES_PART as TAKES_PART
+from stickslip.identify.fits.shooting.estimates import BLOCKS as BLOCKS
+from stickslip.identify.fits.shooting.estimates import TOGETHER as TOGETHER
+from stickslip.identify.fits.shooting.estimates import effective_size as effective_size
+from stickslip.identify.fits.shooting.estimates import offset_left_out as offset_left_out
+from stickslip.identify.fits.shooting.fit import Prediction as Prediction
+from stickslip.identify.fits.shooting.fit import RecordFit as RecordFit
+from stickslip.identify.fits.shooting.fit import Score as Score
+from stickslip.identify.fits.shooting.fitting import RouteName as RouteName
+from stickslip.identify.fits.shooting.fitting import fit_records as fit_records
+from stickslip.identify.fits.shooting.fitting import route_of as route_of
+from stickslip.identify.fits.shooting.measured_motions import PlainBalance as PlainBalance
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting as Shooting
-from stickslip.identify.fits.signals import play as play
+from stickslip.identify.fits.shooting.problems import RouteChoice as RouteChoice
+from stickslip.identify.fits.shooting.problems import Wanted as Wanted
+from stickslip.identify.fits.shooting.problems import refuse_overrides as refuse_overrides
+from stickslip.identify.fits.shooting.problems import simulated as simulated
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel
 from stickslip.identify.fits.travel_model import Trial as Trial
@@ -107,7 +106,6 @@ from stickslip.identify.fits.validation import varied_paths as varied_paths
 __all__ = [
     "Estimate",
     "Fit",
-    "InverseDynamics",
     "Prediction",
     "RecordFit",
     "RecordSettings",
@@ -115,6 +113,5 @@ __all__ = [
     "drives_itself",
     "durations",
     "fit_records",
-    "inverse_dynamics",
     "starting_law",
 ]

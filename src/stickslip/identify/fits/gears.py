@@ -8,7 +8,9 @@ from scipy.optimize import nnls
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identify.fits.contact_inputs import VARIES, inputs_along
-from stickslip.identify.fits.force_map.force_balance import (
+from stickslip.identify.fits.motions import (
+    HIGHEST,
+    LEAST,
     PATH,
     FilteredMotion,
     filtered_motion,
@@ -17,10 +19,10 @@ from stickslip.identify.fits.force_map.force_balance import (
     second_differences,
     smoothed,
 )
-from stickslip.identify.fits.series.applied_force import applied_force, driven, goes_straight
-from stickslip.identify.fits.series.inverse_dynamics import (
-    HIGHEST,
-    LEAST,
+from stickslip.identify.fits.record_forces import (
+    applied_force,
+    driven,
+    goes_straight,
     known_forces,
     positions_of,
 )
@@ -128,7 +130,7 @@ def gear_torques(
 
     Examples
     --------
-    >>> from stickslip.identify.fits.force_map.force_balance import filtered_motion
+    >>> from stickslip.identify.fits.motions import filtered_motion
     >>> t = np.arange(0.0, 20.0, 0.01)
     >>> x, v, weight = np.sin(t), np.cos(t), -2.0 * np.sin(np.sin(t))
     >>> motor = 0.1 * np.sign(v) - weight

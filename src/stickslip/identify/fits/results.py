@@ -4,7 +4,7 @@ import html
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, final
 
@@ -26,7 +26,6 @@ from stickslip.show.formatting import (
     interval,
     is_skewed,
     joined,
-    lower_first,
     number,
     parameter_words,
     printable,
@@ -90,10 +89,6 @@ class ModelError:
     def __str__(self) -> str:
         """Return what it is and what it does."""
         return f"{self.finding} {self.consequence}"
-
-    def at(self, joint: str) -> "ModelError":
-        """Return the same with the name of the joint that it is of."""
-        return replace(self, finding=f"At the {joint}: {lower_first(self.finding)}")
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the error as plain numbers and strings."""

@@ -38,6 +38,8 @@ ROUNDS = 200
 STEP = 1e-3
 """Share by which a parameter of a mechanism is moved to see what depends on it: neither the error
 of a run, 1e-8, nor curvature changes more than the third digit of a difference."""
+MOST = 0.5
+"""Share of a force that explains it: where a balance leaves more, it says nothing of its parts."""
 CHANCE = 0.05
 """Chance with which an interval misses, and with which a test finds what is not there."""
 SURE = 3.0

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
@@ -31,6 +31,7 @@ from stickslip.identify.fits import (
     RecordFit,
     RecordSettings,
     check_inputs,
+    drives_itself,
     fit_records,
     goes_straight,
     inside,
@@ -41,6 +42,8 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.trials import compared
+from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import turned
@@ -190,8 +193,22 @@ class RecordKind(BandKind):
             except NotToldError:  # which runs under what was recorded may tell
                 if request.route is not None or "friction" in request.measurement.quantities():
                     raise
+        self._refuse_signs(request)
         begin, late = self._begun(request)
         return fit_records(begin=begin, late=late, **request.arguments("law", "settings"))
+
+    def _refuse_signs(self, request: Request) -> None:
+        """Refuse records whose force has another sign, as `select` does."""
+        if drives_itself(request.mechanism, request.measurement):
+            return
+        records, law = list[Record](), cast("Any", self.owner(request.law))
+        with suppress(InputError):  # what no balance takes, runs may
+            chosen: Parameters[Any] = Parameters.of(
+                request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
+            )
+            records = records_of(chosen.mechanism, request.measurement, unknown=chosen.unknown)
+        if records:
+            refuse_wrong_signs(records)
 
     def _begun(self, request: Request) -> tuple[dict[str, float], tuple[float, float] | None]:
         """Return values that a balance has of what simulated segments look for, by path.

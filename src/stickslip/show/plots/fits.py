@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.identify import JointLawFit, JointVerdict, Verdict, draw_joints
-from stickslip.identify.fits import Fit, RecordFit, inverse_dynamics, load_of
+from stickslip.identify.fits import Fit, PlainBalance, RecordFit, load_of
 from stickslip.show.formatting import scale_of
 from stickslip.show.plots import axes as drawing
 from stickslip.show.plots.laws import MAP_SIZES, MapLaw, draw_friction_map
@@ -117,7 +117,7 @@ STEADY: Final = 0.05
 
 
 class MapPoints(NamedTuple):
-    """Friction against velocity by inverse dynamics."""
+    """Friction against velocity by a plain balance."""
 
     velocity: drawing.Array
     """Slip velocities (n,) [m/s]."""
@@ -158,9 +158,9 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
 
 
 def map_points(fit: RecordFit) -> MapPoints | None:
-    """Return friction against velocity by inverse dynamics; None where there is none."""
+    """Return friction against velocity by a plain balance; None where there is none."""
     try:
-        found = inverse_dynamics(fit.mechanism, fit.measurement, vary=())
+        found = PlainBalance.of(fit.mechanism, fit.measurement, inertia=False)
         load_now = load_of(fit.mechanism)
     except InputError:  # too short, without a position, or of several coordinates
         return None
@@ -198,7 +198,7 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[drawing.Array, drawi
     if "position" not in record.quantities():
         return None
     try:
-        found = inverse_dynamics(fit.mechanism, record, vary=())
+        found = PlainBalance.of(fit.mechanism, record, inertia=False)
     except InputError:  # too short to be filtered
         position = np.asarray(record.values("position"), dtype=float)
         return record.time, np.gradient(position, record.time)
@@ -385,7 +385,7 @@ def draw_fitted_map(
 def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Target = None) -> Axes:
     """Plot measured friction against velocity, and the law that was fitted to it.
 
-    Friction that was not measured is what inverse dynamics makes of the record.
+    Friction that was not measured is what a balance of forces leaves.
 
     Parameters
     ----------

@@ -18,8 +18,8 @@ from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.estimation.levenberg_marquardt import STEEPEST, ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, not_whole
+from stickslip.identify.fits.levenberg_marquardt import STEEPEST, ResidualJacobian
+from stickslip.identify.fits.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, SURE
 from stickslip.identify.fits.shooting.initial_states import (
     FirstDeflections,
@@ -249,25 +249,6 @@ class Shooting:
             units=units,
             ways=cache(ways),
         )
-
-    def carried(self, seen: ResidualJacobian) -> Array:
-        """Return the residuals (n,) at the values, and from the local states, of an answer.
-
-        The answer may be that of the same record with another mechanism: the local states stay
-        where they are, so that the difference of the residuals is smooth in what was changed.
-        """
-        law, mechanisms = self._changed(seen.values)
-        begun = self._begun(law, seen.values, range(len(self.segments)))
-        found = []
-        for k, one in enumerate(self.segments):
-            state = np.where(one.known, one.guess, seen.memory[k].state)
-            mechanism = mechanisms[id(one.mechanism)]
-            run = _bare(one, mechanism, law, begun[k], state)
-            column = None if run is None else run.states.index(_state_of(mechanism, self.quantity))
-            predicted = np.inf if run is None else run.at(one.times)[:, column]
-            left = one.measured - predicted
-            found.append(left - left.mean() if one.zero and run is not None else left)
-        return np.concatenate(found)
 
     def zeros(self, seen: ResidualJacobian, scale: float = 1.0) -> Mapping[int, ZeroEstimate]:
         """Return where positions count from, by the last segment of each record that tells it."""

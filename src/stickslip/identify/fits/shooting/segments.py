@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from stickslip.data import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
 from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits.contact_inputs import loaded, with_inputs
-from stickslip.identify.fits.series.applied_force import (
+from stickslip.identify.fits.motions import GAP
+from stickslip.identify.fits.record_forces import (
     applied_force,
     driven,
     drives_itself,
@@ -19,7 +20,6 @@ from stickslip.identify.fits.series.applied_force import (
 from stickslip.identify.fits.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import FIRST, Segment
 from stickslip.identify.fits.shooting.sampled_loops import LoopInSegment
-from stickslip.identify.fits.signals import GAP
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
 from stickslip.mechanisms.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.show.formatting import joined, number

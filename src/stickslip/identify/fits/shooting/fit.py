@@ -23,17 +23,16 @@ from stickslip.data import (
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.fits.contact_inputs import typical_inputs
-from stickslip.identify.fits.estimation.jackknife import Inference
-from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, ResidualJacobian
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
-from stickslip.identify.fits.force_map.holds import HoldFinding
-from stickslip.identify.fits.force_map.start_values import MECHANISM, SENSOR
-from stickslip.identify.fits.records.problems import ShootingBuilder
+from stickslip.identify.fits.levenberg_marquardt import OptimizeResult, ResidualJacobian
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters, told
+from stickslip.identify.fits.record_forces import inside
 from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
-from stickslip.identify.fits.series.applied_force import inside
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SETTLED
+from stickslip.identify.fits.shooting.estimates import Inference
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
+from stickslip.identify.fits.shooting.problems import HoldFinding, ShootingBuilder
+from stickslip.identify.fits.shooting.start_values import MECHANISM, SENSOR
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.show.described import Described
@@ -244,21 +243,8 @@ class RecordFit(Fit[AnyLaw_co]):
             self.estimates,
             self.inference.correlation,
             levels="per load" if weighed else levels_at(self.mechanism),
-            largest_speed=self._largest_speeds(records),
+            largest_speed=_largest(records),
         )
-
-    def _largest_speeds(self, records: Sequence[Measurement]) -> float | dict[str, float] | None:
-        """Return the largest slip speed in the records; by contact of laws by contact."""
-        if not isinstance(self.law, Laws):
-            return _largest(records)
-        joints = {
-            one.name: _largest(
-                [r.joints[one.slips[0]] for r in records if one.slips[0] in r.joints]
-            )
-            for one in self.mechanism.contacts()
-            if one.name in dict(self.law.members)
-        }
-        return {name: speed for name, speed in joints.items() if speed is not None} or None
 
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
@@ -277,13 +263,11 @@ class RecordFit(Fit[AnyLaw_co]):
     def held(self) -> FreeParameters:
         """Friction that acts and was not fitted, with its values as start values.
 
-        That is damping of a joint or of a single coordinate, such as that of a robot's file, and
-        parameters of the law that were given.
+        That is damping of a single coordinate, and parameters of the law that were given.
         """
         free = self.free_parameters.paths
-        joints = tuple(getattr(self.mechanism, "joints", ()))
-        whole = [] if joints or len(self.mechanism.coordinates) > 1 else ["mechanism.damping"]
-        damping = {f"mechanism.joints.{i}.damping" for i in range(len(joints))}.union(whole)
+        damping = {"mechanism.damping", "mechanism.joints.0.damping"}
+        damping = damping if len(self.mechanism.coordinates) == 1 else set()
         own = [one for one in parameters(self.mechanism, "mechanism") if one[0] in damping]
         law = [one for one in parameters(self.law, "friction") if not one[1].structural]
         items = (
@@ -299,12 +283,8 @@ class RecordFit(Fit[AnyLaw_co]):
 
         Friction that is held and acts, and how the force runs between samples.
         """
-        joints = tuple(getattr(self.mechanism, "joints", ()))
-        names = {f"mechanism.joints.{i}.damping": one.joint for i, one in enumerate(joints)}
         shown = [
-            f"{one.path}{f' ({names[one.path]})' if one.path in names else ''}"
-            f" = {quantity(one.start, one.quantity.unit)}"
-            for one in self.held.items
+            f"{one.path} = {quantity(one.start, one.quantity.unit)}" for one in self.held.items
         ]
         held = f"Held, and acting beside what is fitted: {joined(shown)}." if shown else ""
         if any(

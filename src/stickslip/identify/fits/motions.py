@@ -1,8 +1,7 @@
-"""Friction from motion and force: what a force leaves when inertia and springs are taken off.
+"""Motions along a record: filtered positions and velocities, rests, and noise of the sensor.
 
-Force, acceleration and the friction that a law predicts pass the same filter, forward and backward:
-what it smears at reversals, it smears in all of them, and no estimate shifts. Rows at rest count:
-friction there balances the other forces, as far as a law can hold it.
+Columns of a balance pass the same filter, forward and backward: what it smears at reversals, it
+smears in all of them, and no estimate shifts.
 """
 
 import functools
@@ -11,33 +10,61 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import butter, sosfilt, sosfilt_zi
 
-from stickslip.data import (
-    Measurement,
-    as_recorded,
-    between_gaps,
-    noise_of,
-    step_of,
-    usual_top_speed,
-    with_voltage,
-)
-from stickslip.identify.fits.contact_inputs import check_loads, inputs_along, load_along
-from stickslip.identify.fits.estimation.bristle_integration import Path
-from stickslip.identify.fits.series.applied_force import applied_force, goes_straight
-from stickslip.identify.fits.series.inverse_dynamics import (
-    HARMONICS,
-    HIGHEST,
-    LEAST,
-    check_even,
-    known_forces,
-    positions_of,
-    times_of,
-)
-from stickslip.identify.fits.settings import Hold
-from stickslip.identify.fits.signals import LowPass, low_pass, play
-from stickslip.mechanisms import Mechanism
+from stickslip.data import noise_of, step_of, usual_top_speed
 
 Array = NDArray[np.float64]
+
+
+GAP = 3.0
+"""Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
+ORDER = 4
+"""Order of filters."""
+
+
+@dataclass(frozen=True, eq=False)
+class LowPass:
+    """A filter, with the states that take scipy's filter longer to find than a column to pass."""
+
+    sections: Array
+    """Sections of second order (m, 6)."""
+    settled: Array
+    """Their states after a constant 1 (m, 2)."""
+
+    def passed(self, x: Array) -> Array:
+        """Return columns (n, ...) after the filter, forward and backward, as `sosfiltfilt` does.
+
+        Beyond their ends they go on point-mirrored, and before these as a constant.
+        """
+        n = 3 * (ORDER + 1)
+        found = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
+        settled = self.settled.reshape(*self.settled.shape, *(1,) * (x.ndim - 1))
+        for _ in ("forward", "backward"):
+            found = sosfilt(self.sections, found, axis=0, zi=settled * found[0])[0][::-1]
+        return np.asarray(found[n:-n])
+
+
+def low_pass(h: float, fc: float, most: float = 0.9) -> LowPass:
+    """Return the filter of fourth order with a band [Hz] at steps h [s]."""
+    sections = np.asarray(butter(ORDER, min(2.0 * h * fc, most), output="sos"))
+    return LowPass(sections, np.asarray(sosfilt_zi(sections)))
+
+
+def play(path: Array, reach: float) -> Array:
+    """Return positions (n,) that follow a path only where it leaves their reach, as play does.
+
+    Chatter of less than the reach is gone: noise at rest must not relax a bristle.
+    """
+    found, at = [], float(path[0])
+    for x in path.tolist():  # comparisons, as `min` and `max` take thrice as long
+        if at < x - reach:
+            at = x - reach
+        elif at > x + reach:
+            at = x + reach
+        found.append(at)
+    return np.array(found)
+
 
 QUIET = 0.005
 """Standard deviation that noise may leave in velocities, over the largest speed. The less they are
@@ -60,87 +87,12 @@ FEWEST = 5.0
 PATH = 4.0
 """What a filter of positions passes, over that of what is made of them: it changes nothing that
 passes, and leaves out noise that accelerations or bristles would see."""
-CHATTER = 2.0
-"""Reach within which positions that bristles follow are chatter, over the noise that is left."""
-OVERSAMPLED = 0.25
-"""Most that the filter passes over half the frequency of these samples."""
-
-
-def motions_of(
-    mechanism: Mechanism, measurement: Measurement, *, hold: Hold, samples: float
-) -> list[tuple[int, Path, float]]:
-    """Return records between gaps: which it is, its motion, and what held it at first [N].
-
-    Bristles follow the motion as finely as noise allows even where the common filter passes less:
-    unlike friction, what they do is not linear in the motion, and no filter makes up for it.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> t = np.arange(0.0, 20.0, 0.01)
-    >>> record = Measurement(time=t, position=np.sin(2.0 * t), force=np.cos(t))
-    >>> ((number, path, held),) = motions_of(Axis(inertia=3.0), record, hold="zero", samples=2e3)
-    >>> number, len(path.travel), round(held, 6)
-    (0, 1999, 1.0)
-    """
-    check_loads(measurement)
-    found = []
-    for number, given in enumerate(measurement.records()):
-        times_of(given)
-        record = with_voltage(mechanism, given, hold)
-        set_up = as_recorded(mechanism, record)
-        for piece in between_gaps(record):
-            if np.asarray(piece.time).size >= LEAST:
-                path, held, rests = _motion(set_up, piece, hold, samples)
-                found += [(number, path, held)] * (not rests)
-    return found
-
-
-def _motion(
-    mechanism: Mechanism, record: Measurement, hold: Hold, samples: float
-) -> tuple[Path, float, bool]:
-    """Return a motion, what held it at first, and whether it rests all along."""
-    time = np.asarray(record.time)
-    dt = check_even(time)
-    raw = positions_of(record)
-    passed, finest = (passed_by_balance(raw, resolved=fine) for fine in (False, True))
-    motion = filtered_motion(raw, dt, passed, tracked="position" in record.quantities())
-    x, v = motion.position, motion.velocity
-    applied = applied_force(mechanism, record)
-    joined = goes_straight(record, hold)
-    force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
-    _, rest = known_forces(mechanism, x, v, force)
-    inputs = inputs_along(mechanism, record, time, position=x, velocity=v, force=force)
-    every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
-    picked = slice(None, None, every)
-    path = Path(
-        time=time[picked],
-        velocity=v[picked],
-        load=load_along(mechanism, record, len(x))[picked],
-        travel=np.diff(travelled(raw, finest)[picked]),
-        inputs={name: one[picked] for name, one in inputs.items()},
-    )
-    return path, float(rest[0]), bool(motion.resting.all())
-
-
-def travelled(raw: Array, finest: float) -> Array:
-    """Return positions (n,) along which bristles move, freed of chatter.
-
-    Noise of positions at rest relaxes a bristle: they stay where they are within its reach. Beyond
-    it they are the measured ones again: left behind by the reach, as by play, they would lose a way
-    at each reversal, and Dahl friction seemed 7 to 20 % stiffer than it was, with 80 um to yield
-    and 0.6 to 2 um of noise; so, 2 to 3 %.
-    """
-    band = widened(finest)
-    x = smoothed(raw, band)
-    moved = np.diff(play(x, CHATTER * positive_noise(raw) * math.sqrt(band)), prepend=math.inf)
-    found: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
-    return found
-
-
-def widened(passed: float) -> float:
-    """Return what a filter of positions passes, of what is made of them and filtered again."""
-    return PATH * min(passed, HIGHEST)
+HARMONICS = 20.0
+"""Filters pass at least so many times the mean frequency of a motion, where reversals are seen."""
+HIGHEST = 0.2
+"""They stay below this share of the sampling frequency."""
+LEAST = 30
+"""Samples without a gap that are filtered at least."""
 
 
 def mean_force(force: Array, *, joined: bool) -> Array:

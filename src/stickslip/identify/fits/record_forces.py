@@ -1,12 +1,17 @@
-"""The force that drives a record: as measured, or by the controller that was asked for a motion."""
+"""The forces along a record: of what drives it, and of a mechanism but for friction."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data import Measurement, command_of
 from stickslip.errors import InputError
+from stickslip.identify.fits.settings import ROUNDING
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
-from stickslip.quantities import turned
+from stickslip.quantities import turned, vary
 
 Array = NDArray[np.float64]
 
@@ -112,3 +117,61 @@ def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
     rate = np.gradient(asked, time)
     force: Array = stiffness * asked + float(getattr(mechanism, "damping", 0.0)) * rate
     return force
+
+
+def positions_of(record: Measurement) -> Array:
+    """Return positions (n,) [m] as measured, or from the velocity."""
+    if "position" in record.quantities():
+        return np.asarray(record.values("position"))
+    if "velocity" not in record.quantities():
+        raise InputError("a force balance needs the position or the velocity in time.")
+    v, t = np.asarray(record.values("velocity")), np.asarray(record.time)
+    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(t)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tuple[float, Array]:
+    """Return the mass [kg], and the forces (n,) [N] on it but for friction and a constant."""
+    if len(mechanism.coordinates) != 1:
+        raise InputError(
+            f"a force balance needs a mechanism of one coordinate, and"
+            f" {type(mechanism).__name__} has {len(mechanism.coordinates)}: give position and"
+            f" force of each of {', '.join(mechanism.coordinates)} by its name, zeros where nothing"
+            " drives it."
+        )
+    if "offset" in mechanism.__dataclass_fields__:
+        mechanism = vary(mechanism, "mechanism", {"mechanism.offset": 0.0})
+    (name,) = mechanism.coordinates
+    q: Mapping[str, Any] = defaultdict(float, {name: x})
+    q_dot: Mapping[str, Any] = defaultdict(float, {name: v})
+    h = 1e-6 * max(float(np.ptp(x)), 1e-9)
+    ahead, back = (
+        mechanism.potential_energy(0.0, defaultdict(float, {**q, name: x + side * h})) + 0.0 * x
+        for side in (1.0, -1.0)
+    )
+    forces = mechanism.forces(0.0, q, q_dot, {"drive": applied})[name]
+    return mass_of(mechanism), np.asarray(forces - (ahead - back) / (2.0 * h) + 0.0 * x)
+
+
+def mass_of(mechanism: Mechanism) -> float:
+    """Return what moves as the coordinate that slips does, all else being at rest in it [kg]."""
+    name = slip_of(mechanism)
+    one = mechanism.kinetic_energy(defaultdict(float), defaultdict(float, {name: 1.0}))
+    return 2.0 * float(one)
+
+
+def is_mass(mechanism: Mechanism, path: str) -> bool:
+    """Whether a parameter of a mechanism is its mass as it moves, and nothing else.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> is_mass(Axis(inertia=2.0), "mechanism.inertia")
+    True
+    >>> is_mass(Pendulum(mass=2.0, length=0.5), "mechanism.mass")
+    False
+    """
+    if path not in ("mechanism.inertia", "mechanism.mass"):
+        return False
+    mass = mass_of(mechanism)
+    return bool(abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= ROUNDING * mass)

@@ -39,8 +39,6 @@ SURPLUS_AT_REST = 0.4
 """What a level has over that which it does not fall below, over the latter."""
 OFFSET = "measurement.offset.force."
 """Path of the constant force of a joint, before its name."""
-JOINTS = "mechanism.joints."
-"""Path of the parameters of a joint of a robot, before its number."""
 MOVED = 1e-5
 """Share of its size by which a parameter is moved for slopes."""
 
@@ -414,35 +412,7 @@ def told(
     free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
 ) -> FreeParameters:
     """Return the unknowns of a record with the units that their values read in."""
-    if measurement.joint_names():
-        return by_joint(free_parameters, mechanism)
     return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
-
-
-def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParameters:
-    """Return the unknowns of several joints with the units that their values read in.
-
-    Where the load of a contact is 1, levels are forces, or torques of a joint that turns.
-    """
-    turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
-    contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}
-    items = []
-    for item in free_parameters.items:
-        quantity, turning = item.quantity, False
-        if item.path.startswith("friction."):
-            contact = contacts[item.path.split(".")[1]]
-            turning = turns[contact.slips[0]]
-            if contact.load == 1.0:
-                quantity = replace(quantity, unit=quantity.force_unit)
-        elif item.path.startswith(OFFSET):
-            turning = turns[item.path.removeprefix(OFFSET)]
-        elif item.path.startswith(JOINTS) and quantity.or_unit:
-            number = int(item.path.removeprefix(JOINTS).partition(".")[0])
-            if mechanism.units[number] != "rad":
-                quantity = replace(quantity, unit=quantity.or_unit)
-        unit = turned(quantity.unit, turning)
-        items.append(replace(item, quantity=replace(quantity, unit=unit)))
-    return replace(free_parameters, items=tuple(items))
 
 
 def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
@@ -451,103 +421,6 @@ def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
         if item.path.startswith("friction."):
             quantity = replace(quantity, unit=quantity.force_unit)
         yield replace(item, quantity=quantity)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PerturbedLaws:
-    """A law at some values, copies with one parameter moved each, and plain ones for bristles.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb
-    >>> from stickslip.identify.fits.estimation.parameters import FreeParameter
-    >>> from stickslip.quantities import Quantity
-    >>> level = FreeParameter(
-    ...     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5
-    ... )
-    >>> own = PerturbedLaws.of(
-    ...     Coulomb(kinetic_coefficient=0.5), FreeParameters((level,)), np.array([0.4]), constant=""
-    ... )
-    >>> forces = own.law.force(np.array([[-0.1], [0.1]]), 10.0)
-    >>> forces[:, 0], own.slopes_of(forces).round(6)[:, 0]
-    (array([-4.,  4.]), array([-10.,  10.]))
-    """
-
-    law: Any
-    """The law; parameters that are looked for are arrays (copies,)."""
-    base: FrictionLaw
-    """The same law with numbers."""
-    constant: int | None
-    """Which unknown is the constant force beside the law."""
-    offset: float | None
-    """Value of that unknown."""
-    moved: Array
-    """By how much the parameter of each moved copy was moved (m,)."""
-    columns: tuple[int, ...]
-    """Which unknown each moved copy is of."""
-    free_parameters: int
-    """Number of unknowns."""
-
-    @property
-    def bristles(self) -> int:
-        """Number of bristles, for each of which there is one more copy."""
-        return len(self.base.states)
-
-    @property
-    def count(self) -> int:
-        """Number of copies."""
-        return 1 + len(self.moved) + self.bristles
-
-    @classmethod
-    def of(
-        cls,
-        law: FrictionLaw,
-        free_parameters: FreeParameters,
-        values: Array,
-        *,
-        constant: str,
-        slopes: bool = True,
-    ) -> "PerturbedLaws":
-        """Return the copies of a law at values (p,) of the unknowns."""
-        items = free_parameters.items
-        own = [i for i, item in enumerate(items) if item.path.startswith("friction.")]
-        numbers = {items[i].path: float(values[i]) for i in own}
-        base = vary(law, "friction", numbers)
-        sizes = [_size(float(values[i]), items[i].start, items[i].high) for i in own]
-        moved = MOVED * np.array(sizes) if slopes else np.zeros(0)
-        table = {
-            path: np.full(1 + len(moved) + len(base.states), value)
-            for path, value in numbers.items()
-        }
-        for k in range(len(moved)):
-            table[items[own[k]].path][1 + k] += moved[k]
-        at = next((i for i, item in enumerate(items) if item.path == constant), None)
-        return cls(
-            law=with_arrays(base, table),
-            base=base,
-            constant=at,
-            offset=None if at is None else float(values[at]),
-            moved=moved,
-            columns=tuple(own) if slopes else (),
-            free_parameters=len(items),
-        )
-
-    def slopes_of(self, forces: Array) -> Array:
-        """Return slopes by the unknowns (n, p) from the forces of the copies (n, copies)."""
-        table = np.zeros((len(forces), self.free_parameters))
-        moved = forces[:, 1 : 1 + len(self.moved)]
-        table[:, list(self.columns)] = (moved - forces[:, :1]) / self.moved
-        if self.constant is not None:
-            table[:, self.constant] = 1.0
-        return table
-
-
-def _size(value: float, start: float, high: float) -> float:
-    """Return the size that a parameter is moved by a share of; it may be 0 at a bound."""
-    room = 1e-3 * high if np.isfinite(high) else 0.0
-    return max(
-        abs(value), abs(start) if value == 0.0 else 0.0, room if value == 0.0 else 0.0, 1e-12
-    )
 
 
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:

@@ -1,9 +1,14 @@
-"""The problems that records become, by route, and where their searches begin."""
+"""The problems of runs that records become, the hold of their force, and where searches begin.
+
+A held force acts half a sample later than one along straight lines. How late the recorded force
+acts is one of the unknowns of a force balance along the record
+(:mod:`stickslip.identify.problems.records`). Intervals of estimates include what is left open.
+"""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,26 +17,17 @@ from stickslip.data import Measurement
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import as_loaded, load_of, loaded
-from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identify.fits.force_map.force_balance import motions_of
-from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
-from stickslip.identify.fits.force_map.start_values import MECHANISM, StartEstimate, constant_of
-from stickslip.identify.fits.records.scanning import (
-    least_of,
-    lengthened_starts,
-    scanned,
-    surplus_starts,
-)
-from stickslip.identify.fits.series.applied_force import drives_itself
-from stickslip.identify.fits.series.inverse_dynamics import (
+from stickslip.identify.fits.parameters import WIDE, FreeParameter, FreeParameters
+from stickslip.identify.fits.record_forces import (
+    driven,
+    drives_itself,
     is_mass,
     mass_of,
-    mechanism_unknown,
     positions_of,
-    regressed,
 )
 from stickslip.identify.fits.settings import Hold, RecordSettings
 from stickslip.identify.fits.shooting.initial_states import RecordedMotion
+from stickslip.identify.fits.shooting.measured_motions import PlainBalance, motions_of
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.segments import (
     measured_quantity,
@@ -39,11 +35,115 @@ from stickslip.identify.fits.shooting.segments import (
     usual_segment,
     with_usual_segment,
 )
+from stickslip.identify.fits.shooting.start_values import (
+    MECHANISM,
+    StartEstimate,
+    constant_of,
+    least_of,
+    lengthened_starts,
+    scanned,
+    surplus_starts,
+)
 from stickslip.identify.fits.validation import Parameters, check_varied
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import full_path, parameters
+from stickslip.show.formatting import fixed
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HoldFinding:
+    """How the force runs between its samples, and what a record says of that."""
+
+    hold: Hold
+    """What fits take."""
+    given: bool = False
+    """Whether the user gave it."""
+    lateness: float = math.nan
+    """By how many samples the force acts later than along straight lines: 0 for these, 0.5 if it is
+    held; not a number where it was not estimated."""
+    half_width: float = math.inf
+    """Half width of its 95 % interval."""
+
+    @property
+    def told(self) -> bool:
+        """Whether the record tells it: closer than the two holds lie."""
+        return self.half_width < 0.5
+
+    @property
+    def unsure(self) -> float:
+        """Half samples by which the force may act earlier or later than fits take; 0 if given."""
+        if self.given:
+            return 0.0
+        taken = 0.5 if self.hold == "zero" else 0.0
+        return 2.0 * (abs(self.lateness - taken) + self.half_width) if self.told else 1.0
+
+    @property
+    def sentence(self) -> str:
+        """What is to be said; nothing where the user gave it."""
+        if self.given:
+            return ""
+        what = f'the force {MEANING[self.hold]} (hold = "{self.hold}")'
+        if not self.told:
+            return (
+                f"Assumed: between samples, {what}. The record does not tell, and intervals include"
+                " half a sample. Give the hold if it is known."
+            )
+        late = f"{fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)}"
+        return (
+            f"Estimated from the record: between samples, {what}; {late} samples late, where"
+            " straight lines have 0 and a held force 0.5."
+        )
+
+    def applied(self, settings: RecordSettings) -> RecordSettings:
+        """Return settings with this hold."""
+        return replace(settings, hold=self.hold)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all as numbers and texts; None for what is not known."""
+        known = math.isfinite(self.half_width)
+        return {
+            "hold": self.hold,
+            "given": self.given,
+            "samples_late": self.lateness if known else None,
+            "half_width": self.half_width if known else None,
+        }
+
+
+MEANING: Final[dict[Hold, str]] = {
+    "zero": "keeps its value until the next one",
+    "first": "goes straight to the next value",
+}
+
+
+def hold_of(
+    measurement: Measurement, given: Hold | None, late: tuple[float, float] | None = None
+) -> HoldFinding | None:
+    """Return how the force of a record runs between its samples, by how `late` it acts.
+
+    That is a number of samples with the half width of its interval, if a balance told it.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0.0, 0.1, 0.2], position=[0.0, 0.1, 0.3], force=[1.0, 2.0, 0.0])
+    >>> hold_of(record, None, (0.02, 0.1)).hold, hold_of(record, None).hold
+    ('first', 'zero')
+    """
+    records = measurement.records()
+    known = measurement.quantities()
+    if "friction" in known or any(record.time is None for record in records):
+        return None
+    if not ("force" in known and driven(measurement)):
+        return None
+    if given is not None:
+        return HoldFinding(hold=given, given=True)
+    value, half = late or (math.nan, math.inf)
+    # commands are usual, where an estimate is worth nothing
+    hold: Hold = "first" if value < 0.25 and half < 0.5 else "zero"
+    return HoldFinding(hold=hold, lateness=value, half_width=half)
+
+
 SOME = 2_500
 """Samples of a record that starts are looked for with, and first bristles are followed along."""
 
@@ -165,7 +265,7 @@ def simulated(
 ) -> FitSetup:
     """Return the problem of simulated segments.
 
-    It starts from given values, or from the regression of forces, whichever leaves less; without a
+    It starts from given values, or from a plain balance of forces, whichever leaves less; without a
     force, from the runs that do.
     """
     if choice.settings.position_zeros:
@@ -181,8 +281,10 @@ def simulated(
     if alone:
         inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
     else:
-        found = regressed(mechanism, under_load, wanted.unknown)
-        inertia = found["inertia"] if "inertia" in found.names else mass_of(mechanism)
+        weighed = any(path.endswith(("inertia", "mass")) for path in wanted.unknown)
+        found = PlainBalance.of(mechanism, under_load, inertia=weighed)
+        found.refuse_nonsense(driven=driven(measurement))
+        inertia = found.values["inertia"]
         sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
         rough = StartEstimate.of(found, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
@@ -225,7 +327,7 @@ def _stroke(measurement: Measurement) -> float:
 def _mechanism_unknowns(
     mechanism: Mechanism, unknown: Sequence[str], inertia: float, level: float
 ) -> Iterator[FreeParameter]:
-    """Yield the unknowns of a mechanism under friction of a level [N]."""
+    """Yield the unknowns of a mechanism under friction of a level [N], with wide bounds."""
     known = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
     }
@@ -233,7 +335,15 @@ def _mechanism_unknowns(
     for path in dict.fromkeys(full_path(name, quantities) for name in unknown):
         quantity, value = known[path]
         begin = inertia if is_mass(mechanism, path) and inertia > 0.0 else value
-        yield mechanism_unknown(path, quantity, begin, level)
+        log, most = quantity.above is not None, WIDE * (level + abs(begin))
+        yield FreeParameter(
+            path=path,
+            quantity=quantity,
+            start=begin,
+            low=begin / WIDE if log else max(quantity.low, -most),
+            high=WIDE * begin if log else min(quantity.high, most),
+            log=log,
+        )
 
 
 def refuse_overrides(measurement: Measurement, paths: Collection[str]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
-from stickslip.identify.fits.estimation.parameters import FreeParameters
+from stickslip.identify.fits.parameters import FreeParameters
 from stickslip.identify.fits.settings import ROUNDS, SETTLED
 from stickslip.show.formatting import count, number
 

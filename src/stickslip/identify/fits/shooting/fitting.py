@@ -1,9 +1,8 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
-from functools import partial
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -27,14 +26,7 @@ from stickslip.identify.fits.contact_inputs import (
     recorded_inputs,
     unvaried,
 )
-from stickslip.identify.fits.estimation.estimates import (
-    bounds_met,
-    estimates_of,
-    offset_left_out,
-    sentences_of,
-)
-from stickslip.identify.fits.estimation.jackknife import NORMAL_95, Displaced, Inference, infer
-from stickslip.identify.fits.estimation.levenberg_marquardt import (
+from stickslip.identify.fits.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
     ResidualJacobian,
@@ -42,23 +34,33 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import (
     search,
     step_of,
 )
-from stickslip.identify.fits.estimation.parameters import told
-from stickslip.identify.fits.force_map.holds import HoldFinding
-from stickslip.identify.fits.records.fit import RecordFit, scale_of
-from stickslip.identify.fits.records.problems import (
+from stickslip.identify.fits.parameters import FreeParameter, told
+from stickslip.identify.fits.record_forces import driven, drives_itself, inside
+from stickslip.identify.fits.rig_uncertainties import refuse_load, uncertainties_of
+from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.estimates import (
+    NORMAL_95,
+    Displaced,
+    Inference,
+    bounds_met,
+    estimates_of,
+    infer,
+    offset_left_out,
+    sentences_of,
+)
+from stickslip.identify.fits.shooting.fit import RecordFit, scale_of
+from stickslip.identify.fits.shooting.multiple_shooting import Shooting
+from stickslip.identify.fits.shooting.problems import (
     FitSetup,
+    HoldFinding,
     RouteChoice,
     Wanted,
     simulated,
 )
-from stickslip.identify.fits.rig_uncertainties import refuse_load, span_of, uncertainties_of
-from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
-from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms import Mechanism, input_names, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
-from stickslip.quantities import vary
+from stickslip.quantities import parameters, vary
 from stickslip.show.formatting import joined, number, quantity
 
 # Which way records are fitted, by what was measured.
@@ -128,10 +130,7 @@ Array = NDArray[np.float64]
 
 
 def displacements(
-    again: Callable[[Measurement], Shooting],
-    best: ResidualJacobian,
-    mechanism: Mechanism,
-    measurement: Measurement,
+    problem: Shooting, best: ResidualJacobian, mechanism: Mechanism, measurement: Measurement
 ) -> tuple[Displaced, ...]:
     """Return how far stated uncertainties of a mechanism move the residuals of a fit.
 
@@ -140,59 +139,52 @@ def displacements(
     """
     uncertainties = uncertainties_of(mechanism, measurement)
     stated = dict.fromkeys(path for pair in uncertainties for one in pair for path in one)
-    if not stated:
-        return ()
     refuse_load(stated, measurement)
-    problem = again(measurement)
-    paths = [path for path in stated if path not in problem.free_parameters.paths]
-    record_of = problem.spans[:, 0].astype(int)[best.segment]
     found = []
-    for path in paths:
-        errors = [{**shared, **own}.get(path, 0.0) for own, shared in uncertainties]
-        rows = _moved_by_rig(again, best, mechanism, measurement, path, errors, record_of)
-        common = np.array([path in shared for _, shared in uncertainties])[record_of]
-        if common.any():
-            found.append(Displaced(path=path, rows=rows * common))
-        for own in (~common & (record_of == k) for k, error in enumerate(errors) if error):
-            if own.any():
-                found.append(Displaced(path=path, rows=rows * own, shared=False))
+    for path in [path for path in stated if path not in problem.free_parameters.paths]:
+        every = np.zeros(len(best.residual))
+        for k, (record, (own, shared)) in enumerate(
+            zip(measurement.records(), uncertainties, strict=True)
+        ):
+            if error := {**shared, **own}.get(path, 0.0):
+                set_up = vary(mechanism, "mechanism", record.overrides)
+                rows, slopes = _slopes_by_rig(problem, best, set_up, path, k)
+                moved = np.zeros_like(every)
+                moved[rows] = -error * slopes
+                if path in shared:
+                    every += moved
+                else:
+                    found.append(Displaced(path=path, rows=moved, shared=False))
+        if every.any():
+            found.append(Displaced(path=path, rows=every))
     return tuple(found)
 
 
-def _moved_by_rig(
-    again: Callable[[Measurement], Shooting],
-    best: ResidualJacobian,
-    mechanism: Mechanism,
-    measurement: Measurement,
-    path: str,
-    errors: Sequence[float],
-    record_of: NDArray[np.intp],
-) -> Array:
-    """Return by how much the uncertainty of a parameter in each record moves the residuals (n,)."""
-    records = measurement.records()
-    spans = np.array(
-        [
-            span_of(vary(mechanism, "mechanism", record.overrides), path, error)
-            if error
-            else (0.0, 1.0)
-            for record, error in zip(records, errors, strict=True)
-        ]
+def _slopes_by_rig(
+    problem: Shooting, best: ResidualJacobian, mechanism: Mechanism, path: str, record: int
+) -> tuple[NDArray[np.bool_], Array]:
+    """Return which rows (n,) are of a record, and their slopes by a parameter of the mechanism."""
+    known = {name: (quantity, x) for name, quantity, x in parameters(mechanism, "mechanism")}
+    item, value = known[path]
+    free = problem.free_parameters
+    more = replace(free, items=(*free.items, FreeParameter(path=path, quantity=item, start=value)))
+    of_segment = problem.spans[:, 0].astype(int)
+    values = np.append(best.values, value)
+    near = ResidualJacobian(
+        values=values,
+        residual=best.residual,
+        slopes=np.zeros((0, 0)),
+        segment=best.segment,
+        memory=best.memory,
     )
-    sides = []
-    for ends in spans.T.tolist():
-        changed = tuple(
-            replace(record, overrides={**record.overrides, path: end}) if error else record
-            for record, end, error in zip(records, ends, errors, strict=True)
-        )
-        whole = replace(measurement, trials=changed) if measurement.trials else changed[0]
-        sides.append(again(whole).carried(best))
-    if not all(np.all(np.isfinite(side)) for side in sides):
+    chosen = np.flatnonzero(of_segment == record).tolist()
+    seen = problem.with_free_parameters(more).linearise(values, near, only=chosen)
+    if not seen.finite:
         raise ConvergenceError(
             f"the uncertainty of {path} cannot be propagated: the record cannot be simulated with"
             " values close to the stated one. Leave the uncertainty out."
         )
-    slopes = np.array(errors) / (spans[:, 1] - spans[:, 0])
-    return np.asarray((sides[1] - sides[0]) * slopes[record_of])
+    return of_segment[best.segment] == record, seen.slopes[:, -1]
 
 
 def fit_records(
@@ -327,9 +319,7 @@ def finished(
         for room in ("friction", "mechanism")
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
-    again = partial(ready.build, length=ready.length)
-    doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
-    moved = displacements(again, best, mechanism, measurement) if doubted else ()
+    moved = displacements(ready.problem, best, mechanism, measurement)
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)

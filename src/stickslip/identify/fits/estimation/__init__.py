@@ -1,1 +1,0 @@
-"""Parameters, least squares, and how surely the estimates are known."""

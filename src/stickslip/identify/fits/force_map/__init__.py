@@ -1,1 +1,0 @@
-"""Friction along the measured motion: measured directly, or by inverse dynamics."""

@@ -1,1 +1,0 @@
-"""Fits to records in time and to measured friction."""

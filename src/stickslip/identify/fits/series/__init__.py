@@ -1,1 +1,0 @@
-"""What is computed from records in time before any fit."""
