@@ -41,7 +41,9 @@ LIBRARIES = ("stickslip", "numpy", "scipy", "llvmlite", "heyoka", "mujoco", "dra
 def machine() -> str:
     """Return what the times were taken on."""
     versions = {package: version(package) for package in LIBRARIES}
-    libraries = ", ".join(f"{package} {found}" for package, found in versions.items() if found)
+    libraries = ", ".join(
+        f"{package} {results}" for package, results in versions.items() if results
+    )
     return (
         f"Machine: {processor()}, {os.cpu_count()} cores;"
         f" {platform.system()}, Python {platform.python_version()}, {libraries}."
@@ -95,8 +97,8 @@ def main() -> None:
     chosen = parser.parse_args().cases
     if chosen == [COMPILE]:
         compiling = importlib.import_module("benchmarks.compiling")
-        for found in (compiling.run(), compiling.default_calls()):
-            print("\n".join([f"## {found.title}", "", *tables.section(found)]))
+        for match in (compiling.run(), compiling.default_calls()):
+            print("\n".join([f"## {match.title}", "", *tables.section(match)]))
         print(machine())
         return
     parts = {case: [name for name in chosen if name.partition(":")[0] == case] for case in CASES}

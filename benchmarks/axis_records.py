@@ -280,12 +280,12 @@ def _reference(random: np.random.Generator, t: Array, calm: float) -> Array:
     """Return a motion (n,): a sum of sines, then moves of all speeds with dwells."""
     end = float(t[-1])
     turn = 0.4 * end
-    found = np.zeros_like(t)
+    result = np.zeros_like(t)
     for f in random.uniform(0.12, 1.4, 4):
         size = calm * random.uniform(0.15, 0.5) / max(f, 0.4)
-        found += size * np.sin(2.0 * np.pi * f * t + random.uniform(0.0, 2.0 * np.pi))
-    found /= 1.0 + np.exp((t - turn) / 0.08)
-    found -= found[-1]
+        result += size * np.sin(2.0 * np.pi * f * t + random.uniform(0.0, 2.0 * np.pi))
+    result /= 1.0 + np.exp((t - turn) / 0.08)
+    result -= result[-1]
     at, begun = 0.0, turn
     while begun < end - 1.5:
         target = calm * random.uniform(-1.2, 1.2)
@@ -293,10 +293,10 @@ def _reference(random: np.random.Generator, t: Array, calm: float) -> Array:
         lasting = min(max(abs(target - at) / speed, 0.25), 4.0)
         goal = at + math.copysign(min(abs(target - at), speed * lasting), target - at)
         u = np.clip((t - begun) / lasting, 0.0, 1.0)
-        found += (goal - at) * u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+        result += (goal - at) * u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
         at = goal
         begun += lasting + random.uniform(0.15, 0.6)
-    return found
+    return result
 
 
 def _simulated(
@@ -341,8 +341,8 @@ def _simulated(
         readings.append(q)
         commands.append(command)
         frictions.append(total / STEPS)
-    found = (np.array(one) for one in (readings, positions, commands, frictions))
-    return tuple(found)  # type: ignore[return-value]
+    result = (np.array(item) for item in (readings, positions, commands, frictions))
+    return tuple(result)  # type: ignore[return-value]
 
 
 def _link(plant: Plant, h: float) -> Callable[[float, float], float]:

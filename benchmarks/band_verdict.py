@@ -75,8 +75,8 @@ def handed_over(verdict: BandVerdict) -> HandedOver | None:
 
 def offset_beside(verdict: BandVerdict) -> float:
     """Return the constant force of the mechanism that was found: one that was given is no part."""
-    found = not verdict.judgement.offset
-    return float(getattr(verdict.mechanism, "offset", 0.0)) if found else 0.0
+    result = not verdict.judgement.offset
+    return float(getattr(verdict.mechanism, "offset", 0.0)) if result else 0.0
 
 
 def told(judgement: Judgement) -> bool:
@@ -109,18 +109,20 @@ class Judged:
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
         self.verdict = self._selected()
-        told = [one.term for one in self.verdict.findings if one.asserted]
+        told = [finding.term for finding in self.verdict.findings if finding.asserted]
         own = told if rig.kind == "tables" else []
         memory = ["memory"] if getattr(self.verdict.judgement.problem, "memory", "") else []
         self.family = (*self.verdict.family, *own, *memory)
-        self.set = [(*one, *own, *memory) for one in self.verdict.set]
+        self.set = [(*item, *own, *memory) for item in self.verdict.set]
         self.gain = self.verdict.judgement.named.distance
         self.known = self.verdict.judgement.known
         self.law = handed_over(self.verdict)
         self.parameters = self.verdict.parameters
         self.faults = [
-            Fault(kind=one, instead=ALIKE.get(one, frozenset()) | {one}, fault=rig.kind != "tables")
-            for one in told
+            Fault(
+                kind=item, instead=ALIKE.get(item, frozenset()) | {item}, fault=rig.kind != "tables"
+            )
+            for item in told
         ]
         self.doubts, self.hidden = False, " ".join(self.verdict.words.cannot_tell)
 

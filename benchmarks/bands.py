@@ -85,11 +85,11 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
         named = _named(verdict.family)
         row["right"] = named == rig.family
         row["good"] = row["right"] or row.get("equal", False)
-        row["in_set"] = any(_named(one) == rig.family for one in verdict.set)
-    asserted = [one for one in verdict.faults if one.fault or rig.causes is not None]
+        row["in_set"] = any(_named(item) == rig.family for item in verdict.set)
+    asserted = [fault for fault in verdict.faults if fault.fault or rig.causes is not None]
     true = rig.faults | (rig.causes or frozenset())
-    row["accused"] = sorted(one.kind for one in asserted if not one.instead & true)
-    told = any(one.instead & rig.faults for one in verdict.faults)
+    row["accused"] = sorted(item.kind for item in asserted if not item.instead & true)
+    told = any(fault.instead & rig.faults for fault in verdict.faults)
     row["found"] = told if rig.faults else None
     row["doubts"] = verdict.doubts
     row["hidden"] = bool(rig.hidden) and rig.hidden in verdict.hidden
@@ -111,16 +111,18 @@ def _covered(rig: Rig, asked: Points, verdict: Judged) -> dict[str, Any]:
     noise = np.maximum(rig.noise(asked), 1e-300)
     true = [curve(asked) for curve in rig.curves]
     point, whole = verdict.band(asked), verdict.band(asked, all_along=True)
-    out = [np.maximum(point.low - one, one - point.high) / noise for one in true]
+    out = [np.maximum(point.low - item, item - point.high) / noise for item in true]
     scatter = (rig.noise if rig.shown is None else rig.shown)(asked)
-    found: dict[str, Any] = {
-        "point": float(np.mean([one <= 1e-9 for one in out])),
-        "all": float(np.mean([np.all((whole.low <= one) & (one <= whole.high)) for one in true])),
+    result: dict[str, Any] = {
+        "point": float(np.mean([item <= 1e-9 for item in out])),
+        "all": float(
+            np.mean([np.all((whole.low <= item) & (item <= whole.high)) for item in true])
+        ),
         "width": float(np.mean((point.high - point.low) / 2.0 / noise)),
         "out": float(np.max(out)),
     }
     # of a free motion nobody reads friction: what a second record shows is read
-    found["new"] = (
+    result["new"] = (
         verdict.shown(rig.second, LEVELS)
         if rig.kind == "decays" and rig.second is not None
         else [_share(verdict.readings(asked, level), true, scatter) for level in LEVELS]
@@ -128,49 +130,51 @@ def _covered(rig: Rig, asked: Points, verdict: Judged) -> dict[str, Any]:
     if rig.beyond is not None:
         far = verdict.band(rig.beyond)
         over = [curve(rig.beyond) for curve in rig.curves]
-        found["beyond"] = float(np.mean([(far.low <= y) & (y <= far.high) for y in over]))
+        result["beyond"] = float(np.mean([(far.low <= y) & (y <= far.high) for y in over]))
     law = verdict.predicted(asked)
     if law is not None:
         # the law of several days is that of their mean
         among = [*true, np.mean(true, axis=0)]
-        error = min(float(np.sqrt(np.mean(((law - one) / noise) ** 2))) for one in among)
-        found["error"] = error
+        error = min(float(np.sqrt(np.mean(((law - item) / noise) ** 2))) for item in among)
+        result["error"] = error
         best = 0.0
         if rig.fitted is not None:
             best = float(np.sqrt(np.mean(((rig.fitted(asked) - true[0]) / noise) ** 2)))
-            found["best"] = best
-        found["equal"] = error <= max(1.25 * best, 0.5)
+            result["best"] = best
+        result["equal"] = error <= max(1.25 * best, 0.5)
         # within the tolerance of any law: of friction, at 95 % of the places
-        size = [np.maximum(np.abs(one), 0.1 * np.max(np.abs(one)) + 1e-300) for one in among]
+        size = [np.maximum(np.abs(item), 0.1 * np.max(np.abs(item)) + 1e-300) for item in among]
         shares = zip(among, size, strict=True)
-        found["off"] = min(float(np.quantile(np.abs(law - one) / own, 0.95)) for one, own in shares)
-    return found
+        result["off"] = min(
+            float(np.quantile(np.abs(law - item) / own, 0.95)) for item, own in shares
+        )
+    return result
 
 
 def _share(band: Any, true: Sequence[Array], scatter: Array) -> float:
     """Return the probability of new readings in a band: true curves (n,) and normal noise (n,)."""
     noise = np.maximum(scatter, 1e-300)
-    each = [ndtr((band.high - one) / noise) - ndtr((band.low - one) / noise) for one in true]
+    each = [ndtr((band.high - item) / noise) - ndtr((band.low - item) / noise) for item in true]
     return float(np.mean(each))
 
 
 def _intervals(rig: Rig, verdict: Judged) -> list[dict[str, Any]]:
     """Return the intervals of parameters whose true value is known."""
-    found = []
-    for one in verdict.parameters:
-        true = rig.parameters.get(one.path.rpartition(".")[2])
+    result = []
+    for parameter in verdict.parameters:
+        true = rig.parameters.get(parameter.path.rpartition(".")[2])
         other = ("power" in verdict.family) != ("power" in (rig.family or ()))
-        if true is None or (other and one.path.endswith(VISCOUS)):
+        if true is None or (other and parameter.path.endswith(VISCOUS)):
             continue  # of another power of the speed
-        low, high = float(one.low_any), float(one.high_any)
+        low, high = float(parameter.low_any), float(parameter.high_any)
         bounded = math.isfinite(low) and math.isfinite(high)
         half = max((high - low) / 2.0, 1e-300)
         miss = max(low - true, true - high, 0.0) / half if bounded else 0.0
-        found.append({
-            "path": one.path, "bounded": bounded, "any": low <= true <= high, "miss": miss,
-            "law": bool(one.low <= true <= one.high), "width": half / abs(true or 1.0),
+        result.append({
+            "path": parameter.path, "bounded": bounded, "any": low <= true <= high, "miss": miss,
+            "law": bool(parameter.low <= true <= parameter.high), "width": half / abs(true or 1.0),
         })  # fmt: skip
-    return found
+    return result
 
 
 def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
@@ -180,7 +184,7 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
     places = verdict.advised()
     if places is None:
         return {"advised": False}
-    before, found = verdict.band(rig.asked), dict[str, Any]()
+    before, result = verdict.band(rig.asked), dict[str, Any]()
     enough = verdict.halves and verdict.advised(verdict.halves)
     for which, some in (("advice", places), ("enough", enough)):
         if some is None:
@@ -188,23 +192,23 @@ def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
         try:
             after = judged(rig.more(some, seed))
         except Exception:  # counted as advice that did not help
-            found[which] = False
+            result[which] = False
             continue
         now = after.band(rig.asked)
         shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
-        found[which] = shrink <= 0.5 or len(after.set) == 1
+        result[which] = shrink <= 0.5 or len(after.set) == 1
         if which == "advice":
-            found |= {"asked": len(some), "expected": verdict.expected, "shrink": shrink}
+            result |= {"asked": len(some), "expected": verdict.expected, "shrink": shrink}
         else:
-            found |= {"halves": len(some), "halved": shrink}
-    return found
+            result |= {"halves": len(some), "halved": shrink}
+    return result
 
 
 def _false(rig: Rig, row: Row) -> Iterator[str]:
     """Yield the false statements of a verdict."""
-    for one in row["intervals"]:
-        if one["miss"] > 0.5:
-            yield f"{one['path']} misses its interval by {one['miss']:.1f} half-widths"
+    for item in row["intervals"]:
+        if item["miss"] > 0.5:
+            yield f"{item['path']} misses its interval by {item['miss']:.1f} half-widths"
     for kind in row["accused"]:
         yield f"{kind} is named and is not there"
     if row["hidden"]:  # the verdict says that its band holds without what is hidden
@@ -223,8 +227,8 @@ def line(kind: str, seed: int, number: int) -> dict[str, Any]:
 
 
 def _mean(rows: Sequence[Row], key: str) -> float:
-    found = [row[key] for row in rows if row.get(key) is not None]
-    return float(np.mean(found)) if found else math.nan
+    result = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.mean(result)) if result else math.nan
 
 
 def summary(rows: Sequence[Row]) -> list[tuple[str, str, str, bool | None]]:
@@ -263,14 +267,14 @@ def summary(rows: Sequence[Row]) -> list[tuple[str, str, str, bool | None]]:
         put(f"{kind}: law right or predicting as well", ">= .92", share, share >= 0.92)
         put(f"{kind}: law right", "-", _mean(known, "right"), True)
         put(f"{kind}: truth in the set", "-", _mean(known, "in_set"), True)
-        found = _mean(own, "found")
-        put(f"{kind}: faults found", "-", found, True)
+        result = _mean(own, "found")
+        put(f"{kind}: faults found", "-", result, True)
         sound = [
             {"accused": bool(row["accused"])} for row in own if row["inside"] and "accused" in row
         ]
         share = _mean(sound, "accused")
         put(f"{kind}: sound rigs accused", "<= .02", share, share <= 0.02)
-        held = [one for row in own for one in row.get("intervals", ()) if one["bounded"]]
+        held = [item for row in own for item in row.get("intervals", ()) if item["bounded"]]
         share = _mean(held, "any")
         put(
             f"{kind}: intervals over all laws ({len(held)})",
@@ -319,9 +323,9 @@ def details(rows: Sequence[Row]) -> str:
         numbers = [len(own), *(_mean(own, key) for key in keys)]
         numbers += [np.mean(new) if new else math.nan, np.mean([bool(r["false"]) for r in own])]
         mark = "" if own[0]["inside"] else "*"
-        text.append(f"{kind:8}{truth + mark:26}" + "".join(f"{one:8.2f}" for one in numbers))
+        text.append(f"{kind:8}{truth + mark:26}" + "".join(f"{number:8.2f}" for number in numbers))
     for row in rows:
-        text += [f"{row['kind']} {row['number']} ({row['truth']}): {one}" for one in row["false"]]
+        text += [f"{row['kind']} {row['number']} ({row['truth']}): {item}" for item in row["false"]]
     return "\n".join(text)
 
 
@@ -339,19 +343,19 @@ def known(path: Path) -> list[dict[str, Any]]:
 def run(kinds: Sequence[str], seed: int, count: int, path: Path, jobs: int) -> list[dict[str, Any]]:
     """Judge what the file does not have, append it, and return the lines asked for."""
     wanted = [(kind, seed, number) for kind in kinds for number in range(count)]
-    rows = {(one["kind"], one["seed"], one["number"]): one for one in known(path)}
-    missing = [one for one in wanted if one not in rows]
+    rows = {(item["kind"], item["seed"], item["number"]): item for item in known(path)}
+    missing = [item for item in wanted if item not in rows]
     with path.open("a", encoding="utf-8") as file:
         for row in _lines(missing, jobs):
             file.write(json.dumps(row) + "\n")
             file.flush()
             rows[row["kind"], row["seed"], row["number"]] = row
-    return [rows[one] for one in wanted]
+    return [rows[item] for item in wanted]
 
 
 def _lines(missing: Sequence[tuple[str, int, int]], jobs: int) -> Iterator[dict[str, Any]]:
     if jobs == 1:
-        yield from (line(*one) for one in missing)
+        yield from (line(*item) for item in missing)
         return
     with ProcessPoolExecutor(jobs) as pool:
         yield from pool.map(line, *zip(*missing, strict=True)) if missing else ()

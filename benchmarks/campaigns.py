@@ -98,10 +98,10 @@ def large(runs: int) -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
-        found = asked(runs).run(Path(folder, "runs"))
+        result = asked(runs).run(Path(folder, "runs"))
         took = time.perf_counter() - begun
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        print(f"{found}\n{took:.1f} s, {runs / took:.0f} a second, {memory:.0f} MiB at most")
+        print(f"{result}\n{took:.1f} s, {runs / took:.0f} a second, {memory:.0f} MiB at most")
         below = f"{folder}/runs/runs"
         begun = time.perf_counter()
         mean = pd.read_parquet(below, columns=["travel"])["travel"].mean()

@@ -162,10 +162,10 @@ def branches(name: str) -> tuple[tuple[str, ...], Target]:
     taken = time.process_time() - begun
     sizes = np.nanmax(np.abs(diagram.samples), axis=(0, 1))
     frequencies, points, brute = settled(rig, diagram.states, sizes)
-    periods = [period_of(one, sizes) for one in points]
+    periods = [period_of(point, sizes) for point in points]
     rows = zip(frequencies, points, periods, strict=True)
-    off = [(f, one, m) for f, one, m in rows if m and not lies_on(diagram, f, one, m, sizes)]
-    missed = [(f, m) for f, one, m in off if is_missed(rig, diagram, f, one, sizes)]
+    off = [(f, item, m) for f, item, m in rows if m and not lies_on(diagram, f, item, m, sizes)]
+    missed = [(f, m) for f, item, m in off if is_missed(rig, diagram, f, item, sizes)]
     closing = sum(m > 0 for m in periods) - len(off) + len(missed)
     row = (
         name, str(len(diagram.branches)), f"{taken:.1f}", f"{brute:.1f}", str(closing),
@@ -208,16 +208,16 @@ def marks() -> tuple[Target, Target]:
     noise, rigs = np.random.default_rng(MARKS_SEED), list(RIGS.values())
     kinds = {"chaotic": CHAOTIC, "periodic": PERIODIC}
     marked = {kind: np.zeros(2, dtype=int) for kind in kinds}
-    found = dict.fromkeys(kinds, 0)
+    result = dict.fromkeys(kinds, 0)
     drawn = 0
-    while found != kinds and drawn < 6000:
+    while result != kinds and drawn < 6000:
         stops, frequency, amplitude = noise.integers(len(rigs)), *noise.uniform((3, 0.1), (20, 0.6))
         drive, drawn = Torque(drive=Sine(amplitude=amplitude, frequency=frequency)), drawn + 1
         rig = replace(rigs[stops], drive=drive, damping=float(noise.uniform(0.01, 0.1)))
         kind = truth(rig, frequency)
-        if not kind or found[kind] == kinds[kind]:
+        if not kind or result[kind] == kinds[kind]:
             continue
-        found[kind] += 1
+        result[kind] += 1
         swept = average_velocity(rig, LAW, {PATH: [frequency]})
         long = lyapunov_exponents(rig, LAW)
         marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
@@ -225,8 +225,8 @@ def marks() -> tuple[Target, Target]:
         Target(
             work=f"marks of chaos by {name}",
             goal=f"{GOAL_MARKED} of {CHAOTIC} chaotic motions, {GOAL_FALSE} of {PERIODIC} periodic",
-            measured=f"{marked['chaotic'][k]} of {found['chaotic']} chaotic motions,"
-            f" {marked['periodic'][k]} of {found['periodic']} periodic",
+            measured=f"{marked['chaotic'][k]} of {result['chaotic']} chaotic motions,"
+            f" {marked['periodic'][k]} of {result['periodic']} periodic",
             met=bool(marked["chaotic"][k] >= GOAL_MARKED and marked["periodic"][k] <= GOAL_FALSE),
             reason="motions that come to rest once in hundreds of cycles have no positive exponent",
         )
@@ -335,11 +335,11 @@ def distance(line: Array, here: Array) -> float:
 def chart() -> tuple[Target, ...]:
     """Return what a chart of the soft capsule takes, and how right it is."""
     soft, begun = RIGS[FOLLOWED[0]], time.process_time()
-    found = orbit_chart(soft, LAW, BOX, values=(CELLS, CELLS))
+    result = orbit_chart(soft, LAW, BOX, values=(CELLS, CELLS))
     taken = time.process_time() - begun
-    ends = [end for curve in found.curves for end in curve.ends]
+    ends = [end for curve in result.curves for end in curve.ends]
     early = sum(any(word in end for word in NO_CAUSE) for end in ends)
-    smooth = [curve for curve in found.curves if curve.kind != "sticking"]
+    smooth = [curve for curve in result.curves if curve.kind != "sticking"]
     errors = {
         kind: np.array([e for curve in smooth if curve.kind == kind for e in errors_of(curve)])
         for kind in dict.fromkeys(curve.kind for curve in smooth)
@@ -353,7 +353,7 @@ def chart() -> tuple[Target, ...]:
     return (
         Target(
             work=f"chart of {counts}", goal=f"{GOAL_CHART:g} s of processor time",
-            measured=f"{taken:.1f} s, {len(found.curves)} curves", met=taken <= GOAL_CHART,
+            measured=f"{taken:.1f} s, {len(result.curves)} curves", met=taken <= GOAL_CHART,
             reason="its runs",
         ),
         Target(
@@ -361,7 +361,7 @@ def chart() -> tuple[Target, ...]:
             measured=f"{early} of {len(ends)}", met=early == 0,
             reason="curves that creep along a border of sticking",
         ),
-        regions(found),
+        regions(result),
         Target(
             work="error of its curves against branches, over the range", goal=f"{GOAL_ERROR:g}",
             measured=told,

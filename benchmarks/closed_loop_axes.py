@@ -195,11 +195,11 @@ def _through_gap(rig: ControlledAxis, random: Random) -> Motion:
         frequency=60.0,
         gap=rig.gap,
     )
-    found = machine.run(random)
-    if found is None:
+    result = machine.run(random)
+    if result is None:
         return _through_gap(rig, random)
     return Motion(
-        np.asarray(found.time), np.asarray(found.position), np.asarray(found.values("force"))
+        np.asarray(result.time), np.asarray(result.position), np.asarray(result.values("force"))
     )
 
 

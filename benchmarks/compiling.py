@@ -57,10 +57,10 @@ def calls(count: int) -> None:
     seconds = []
     for _ in range(count):
         start = time.process_time()
-        found = simulate(lugre.BLOCK, lugre.LAW, t_end=LONG)
+        result = simulate(lugre.BLOCK, lugre.LAW, t_end=LONG)
         seconds.append(time.process_time() - start)
     exact = simulate(lugre.BLOCK, lugre.LAW, t_end=LONG, solver=EXACT).at(TIMES)["x"]
-    errors = [float(np.abs(found.at(TIMES)["x"] - exact).max())]
+    errors = [float(np.abs(result.at(TIMES)["x"] - exact).max())]
     for tolerance in TOLERANCES:
         start = time.process_time()
         lugre.by_scipy("LSODA", tolerance, t_end=LONG)

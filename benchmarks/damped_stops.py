@@ -210,21 +210,21 @@ def main(each: int, cycles: int) -> None:
     """Run capsules of each kind; print what came of them, and each that ended early."""
     print(f"{'stops':38}  ends  true cause  without end  not certified  events   s")
     for kind in KINDS:
-        begun, found, count = time.process_time(), Counter[str](), 0
+        begun, result, count = time.process_time(), Counter[str](), 0
         for seed in range(each):
             run = run_of(kind, seed, cycles)
             count += len(run.events)
             if not run.status.complete:
                 true = run.status in TRUE_CAUSES
-                found["cause" if true else "without end"] += 1
+                result["cause" if true else "without end"] += 1
                 if not true:
                     print(f"  {seed}: {run.ending}", flush=True)
             elif not run.certificate.certified:
-                found["not certified"] += 1
+                result["not certified"] += 1
                 print(f"  {seed}: {'; '.join(run.certificate.problems)}", flush=True)
             else:
-                found["ends"] += 1
-        numbers = (found[name] for name in ("ends", "cause", "without end", "not certified"))
+                result["ends"] += 1
+        numbers = (result[name] for name in ("ends", "cause", "without end", "not certified"))
         row = "{:6d}{:12d}{:13d}{:15d}".format(*numbers)
         print(f"{kind:38}{row}{count:8d}{time.process_time() - begun:6.0f}", flush=True)
 

@@ -66,23 +66,23 @@ def random_designs(count: int = DESIGNS, seed: int = SEED) -> list[Design]:
     low, high = np.array(list(RANGES.values())).T
     grown = np.abs(low) * np.abs(high / low) ** shares
     values = np.where(low > 0.0, grown, low + (high - low) * shares)
-    found = []
+    result = []
     for row in values.tolist():
         parameters = dict(zip(RANGES, row, strict=True))
         cycle = measure(with_values(RIG, LAW, parameters)[0], LAW)
         if cycle.repeats and cycle.travel > 0.0:
-            found.append((parameters, cycle.speed, cycle.energy))
-    return sorted(found, key=lambda design: -design[1])
+            result.append((parameters, cycle.speed, cycle.energy))
+    return sorted(result, key=lambda design: -design[1])
 
 
 def optimum(designs: Sequence[Design], allowed: float, evaluations: int = EVALUATIONS) -> Motion:
     """Return the fastest motion with no more energy per metre than is allowed."""
     near = [parameters for parameters, _, energy in designs if energy <= allowed]
-    found = optimise(
+    result = optimise(
         RIG, LAW, RANGES, limits={"energy": allowed, "unsettled": 0.0}, starts=near[:STARTS],
         evaluations=evaluations, seed=SEED,
     )  # fmt: skip
-    return found.best
+    return result.best
 
 
 def long_mean(parameters: dict[str, float]) -> tuple[float, float]:

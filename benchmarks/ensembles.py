@@ -119,14 +119,14 @@ def fading_by_scipy(tolerance: float, k: float, x_0: float, F: float) -> list[fl
 def by_scipy(kind: str, varied: dict[str, np.ndarray], tolerance: float) -> np.ndarray:
     """Return stop and place (2, runs) of the first runs, one after the other."""
     rows = np.column_stack(list(varied.values()))[:PART].tolist()
-    found = []
+    result = []
     for k, x_0, mu in rows:
         F = mu * decay.M * decay.G
         if kind == "exact":
-            found.append(decay.by_scipy("DOP853", tolerance, k, x_0, F)[-2:])
+            result.append(decay.by_scipy("DOP853", tolerance, k, x_0, F)[-2:])
         else:
-            found.append(fading_by_scipy(tolerance, k, x_0, F))
-    return np.transpose(found)
+            result.append(fading_by_scipy(tolerance, k, x_0, F))
+    return np.transpose(result)
 
 
 def off(found: Sequence[np.ndarray], known: Sequence[np.ndarray]) -> float:
@@ -163,7 +163,7 @@ def works(kind: str, rows: int, tier: str) -> list[Work]:
         return next(pair for pair in errors if pair[1] <= ERROR)
 
     tolerance, error = loosest(lambda tolerance: own[2](tolerance, tier), error_of)
-    found = [
+    result = [
         Work(f"stickslip, ensemble(...), {threads} thread{'s' * (threads > 1)}",
              functools.partial(run, tolerance, tier), tolerance, error)
         for threads, run in own.items()
@@ -172,7 +172,7 @@ def works(kind: str, rows: int, tier: str) -> list[Work]:
     tolerance, error = loosest(scipy, lambda runs: off(runs, first))
     scale = rows / min(PART, rows)
     return [
-        *found,
+        *result,
         Work("SciPy DOP853, events by hand", lambda: scipy(tolerance), tolerance, error, scale),
     ]
 
@@ -205,8 +205,8 @@ def child(rows: int) -> None:
     passed = time.perf_counter() - start
     most = peak()
     error = off((runs["stop"][:, 0], runs["x"]), exact(varied))
-    found = {"seconds": passed, "peak": most, "error": error}
-    print(json.dumps({**found, "certified": int(runs.certified.sum())}))
+    result = {"seconds": passed, "peak": most, "error": error}
+    print(json.dumps({**result, "certified": int(runs.certified.sum())}))
 
 
 def peak() -> int:
@@ -272,11 +272,11 @@ def run(
         ("exact", f"{rows:,} with exact modes", (600.0, 5000.0)),
         ("steps", f"{rows:,} with Stribeck friction", ()),
     ):
-        found = works(kind, rows, tier)
-        timed(found, repeats)
-        for work in found:
-            lines.append(row_of(title if work is found[0] else "", rows, work, found[-1]))
-        ratio = found[-1].median / found[1].median
+        result = works(kind, rows, tier)
+        timed(result, repeats)
+        for work in result:
+            lines.append(row_of(title if work is result[0] else "", rows, work, result[-1]))
+        ratio = result[-1].median / result[1].median
         targets += [
             Target(
                 work=f"{rows:,} of them, 2 threads, exact modes",

@@ -71,11 +71,11 @@ def torques(count: int, steps: int) -> Array:
 
 def starts(count: int) -> Array:
     """Return the states at which the carts begin (count, 4)."""
-    found = np.zeros((count, 4))
-    found[:, 1] = np.random.default_rng(SEED + 1).uniform(
+    result = np.zeros((count, 4))
+    result[:, 1] = np.random.default_rng(SEED + 1).uniform(
         -CART.start_spread, CART.start_spread, count
     )
-    return found
+    return result
 
 
 def timed(name: str, step: Callable[[Array], object], told: Array, places: Callable[[], Array]):
@@ -94,8 +94,8 @@ def by_stickslip(count: int, steps: int, threads: int) -> Measured:
     for _ in range(2):  # the first time is that of loading
         carts.begin(rows, [np.random.default_rng(SEED + 1)] * count)
         name = f"stickslip, {threads} thread{'s' * (threads > 1)}"
-        found = timed(name, carts.step, torques(count, steps), lambda: carts.states[:, 0])
-    return found
+        result = timed(name, carts.step, torques(count, steps), lambda: carts.states[:, 0])
+    return result
 
 
 def by_mujoco(
@@ -155,13 +155,13 @@ def run(count: int = COUNT, steps: int = STEPS, threads: int | None = None) -> S
     best = own[-1]
     rows = tuple(
         (
-            one.name,
-            f"{1.0 / one.wall:.0f}",
-            f"{1e3 * one.processor:.3g}",
-            f"{one.processor / best.processor:.2g}",
-            f"{1e3 * np.median(np.abs(one.places - exact)):.2g}",
+            other.name,
+            f"{1.0 / other.wall:.0f}",
+            f"{1e3 * other.processor:.3g}",
+            f"{other.processor / best.processor:.2g}",
+            f"{1e3 * np.median(np.abs(other.places - exact)):.2g}",
         )
-        for one in (*own, *others)
+        for other in (*own, *others)
     )
     notes = (
         f"- {count} carts, {steps} steps of {1e3 * CART.period:g} ms with random torques up to"

@@ -193,7 +193,7 @@ def student(seed: int, kind: str | None = None, lasts: float = LASTS) -> tuple[s
     assert isinstance(verdict, TravelVerdict)
     asked = verdict.judgement.at(ASKED)
     last = durations(asked, verdict.t_end)
-    runs = [simulate(one.mechanism, law, t_end=end) for one, end in zip(asked, last, strict=True)]
+    runs = [simulate(item.mechanism, law, t_end=end) for item, end in zip(asked, last, strict=True)]
     filmed = np.array([run["x"][-1] - run["x"][0] for run in runs])
     read = filmed + verdict.judgement.noise(ASKED) * rng.normal(size=filmed.shape)
     settled = velocity_band(

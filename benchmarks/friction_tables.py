@@ -96,7 +96,7 @@ def _directional(random: Random, level: float, speed: float) -> tuple[str, Curve
             backward_viscous_coefficient=slopes[1],
         )
         return "direction-dependent", Sliding(one)
-    parts = [_stribeck(random, one, speed)[1] for one in sides]
+    parts = [_stribeck(random, side, speed)[1] for side in sides]
     return "directional-stribeck", lambda v: np.where(v > 0.0, parts[0](v), parts[1](v))
 
 
@@ -235,13 +235,17 @@ def covered(number: int, seed: int, noise: float, **kind: Any) -> dict[str, Any]
         return row | {"held": []}
     true = curve.law
     try:
-        found = fit(AXIS, type(true), table)
+        result = fit(AXIS, type(true), table)
     except StickslipError as error:
         return row | {"refused": str(error)}
     held = [
-        (one.path, bool(one.low <= getattr(true, name) <= one.high), bool(one.bounded))
-        for one in found.estimates
-        if hasattr(true, name := one.path.rpartition(".")[2])
+        (
+            estimate.path,
+            bool(estimate.low <= getattr(true, name) <= estimate.high),
+            bool(estimate.bounded),
+        )
+        for estimate in result.estimates
+        if hasattr(true, name := estimate.path.rpartition(".")[2])
         if getattr(true, name) is not None
     ]
     return row | {"held": held}
@@ -249,10 +253,10 @@ def covered(number: int, seed: int, noise: float, **kind: Any) -> dict[str, Any]
 
 def coverage(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return how many bounded intervals hold the true value, by parameter and of all."""
-    held = [one for row in rows for one in row.get("held", ()) if one[2]]
+    held = [item for row in rows for item in row.get("held", ()) if item[2]]
     lines = []
-    for path in [*sorted({one[0] for one in held}), ""]:
-        part = [one[1] for one in held if not path or one[0] == path]
+    for path in [*sorted({item[0] for item in held}), ""]:
+        part = [item[1] for item in held if not path or item[0] == path]
         share = sum(part) / max(len(part), 1)
         lines.append(f"{path or 'all'}: {100.0 * share:.1f} % of {len(part)} hold the truth")
     return [*lines, f"{sum('refused' in row for row in rows)} of {len(rows)} tables not fitted"]

@@ -114,7 +114,7 @@ def json_text(text: str) -> str:
 
     spread = json.dumps(brief(json.loads(text)), indent=1, ensure_ascii=False)
     return re.sub(
-        r"\[\s+([^\[\]{}\"]+?)\s+\]", lambda found: f"[{' '.join(found[1].split())}]", spread
+        r"\[\s+([^\[\]{}\"]+?)\s+\]", lambda item: f"[{' '.join(item[1].split())}]", spread
     )
 
 
@@ -494,9 +494,9 @@ def compare_all(
         elif not golden:
             summary[output.case] = f"failed: no golden files in {folder / output.case}"
         else:
-            found = compare(golden, output.files, rtol=rtol, shown=shown)
-            summary[output.case] = str(found)
-            print("\n".join(found.diff), end="\n" if found.diff else "")
+            result = compare(golden, output.files, rtol=rtol, shown=shown)
+            summary[output.case] = str(result)
+            print("\n".join(result.diff), end="\n" if result.diff else "")
         if kept is not None and not output.failure:
             save(output, kept)
         report(number, len(cases), output, summary[output.case])

@@ -99,9 +99,9 @@ def _late_elbow(r: Recorded, random: Random) -> Recorded:
 
 
 def _column(values: Array, at: int, of: Callable[[Array], Array]) -> Array:
-    found = values.copy()
-    found[:, at] = of(values[:, at])
-    return found
+    result = values.copy()
+    result[:, at] = of(values[:, at])
+    return result
 
 
 def _one_force(of: Callable[[Array], Array]) -> Callable[[Recorded, Random], Recorded]:
@@ -171,8 +171,8 @@ def drawn(
     """Return an arm, its laws (drawn unless given by name), two records, and what they are of."""
     random = np.random.default_rng([seed, number])
     while True:
-        if (found := _moved(kind, random, given)) is not None:
-            arm, laws, records, row = found
+        if (result := _moved(kind, random, given)) is not None:
+            arm, laws, records, row = result
             return arm, laws, records, {"kind": kind, "number": number, "seed": seed} | row
 
 
@@ -214,17 +214,17 @@ def _moved(
             return None
         if not records:
             noise, torque = between(random, 2e-5, 5e-4), between(random, 0.002, 0.05)
-        found = Recorded(
+        result = Recorded(
             time=t,
             position=q + random.normal(0.0, noise, q.shape),
             force=forces + torque * sizes * random.normal(size=q.shape),
         )
-        found = FAULTS[kind](found, random)
+        result = FAULTS[kind](result, random)
         records.append(
             Measurement(
                 time=t,
-                position=dict(zip(JOINTS, found.position.T, strict=True)),
-                force=dict(zip(JOINTS, found.force.T, strict=True)),
+                position=dict(zip(JOINTS, result.position.T, strict=True)),
+                force=dict(zip(JOINTS, result.force.T, strict=True)),
             )
         )
     return arm, laws, records, row | {"laws": names, "noise": noise, "torque": torque}
@@ -304,33 +304,34 @@ def _of_joint(verdict: BandVerdict, true: FrictionLaw, text: str) -> dict[str, A
     return {
         "named": verdict.closest.name,
         "right": verdict.closest.name == asked,
-        "in set": asked in {one.name for one in verdict.candidates if one.outcome},
+        "in set": asked
+        in {candidate.name for candidate in verdict.candidates if candidate.outcome},
         "covered": covered,
         "half": float(np.mean(band.high - band.low) / np.mean(np.abs(band.median)) / 2.0),
         "inside": verdict.inside,
-        "said": [one.term for one in verdict.findings if one.asserted],
+        "said": [finding.term for finding in verdict.findings if finding.asserted],
     }
 
 
 def totals(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the figures of a study."""
     sound = [row for row in rows if row["kind"] in ("clean", "still")]
-    every = [one for row in sound for one in row["joints"].values()]
-    covered = [one["covered"] for one in every if one["covered"] is not None]
-    said = sum(bool(one["said"]) for one in every)
+    every = [item for row in sound for item in row["joints"].values()]
+    covered = [item["covered"] for item in every if item["covered"] is not None]
+    said = sum(bool(item["said"]) for item in every)
     return (
-        f"joints of sound arms: {sum(one['right'] for one in every)} right, the law in the set of"
-        f" {sum(one['in set'] for one in every)}, of {len(every)}; true friction in the band at"
+        f"joints of sound arms: {sum(item['right'] for item in every)} right, the law in the set of"
+        f" {sum(item['in set'] for item in every)}, of {len(every)}; true friction in the band at"
         f" {np.mean(covered):.3f} of the speeds, half width"
-        f" {np.median([one['half'] for one in every]):.3f} of the friction; readings of a second"
-        f" record inside {np.mean([one['inside'] for one in every]):.3f}; something beside the law"
-        f" at {said}; processor time {np.median([row['seconds'] for row in rows]):.1f} s"
+        f" {np.median([item['half'] for item in every]):.3f} of the friction; readings of a second"
+        f" record inside {np.mean([item['inside'] for item in every]):.3f}; something beside the"
+        f" law at {said}; processor time {np.median([row['seconds'] for row in rows]):.1f} s"
     )
 
 
 PLAIN = ("coulomb-viscous", "coulomb-viscous")
 CASES = (
-    *(("clean", (one, TRUE[(i + k) % 6])) for k in (1, 3) for i, one in enumerate(TRUE)),
+    *(("clean", (item, TRUE[(i + k) % 6])) for k in (1, 3) for i, item in enumerate(TRUE)),
     ("still", PLAIN),
     ("late elbow", PLAIN),
     ("wrong mass", PLAIN),
@@ -365,8 +366,8 @@ def study(
             rows.append(judged(kind, names, number, seed))
             file.write(json.dumps(rows[-1]) + "\n")
             file.flush()
-            for joint, one in rows[-1]["joints"].items():
-                told = " ".join(f"{key}={value}" for key, value in one.items())
+            for joint, item in rows[-1]["joints"].items():
+                told = " ".join(f"{key}={value}" for key, value in item.items())
                 print(f"{number:2} {kind:10} {joint:8} {rows[-1]['laws'][joint]:36} {told}")
             print(rows[-1].get("refused", ""), flush=True)
     print(totals(rows))

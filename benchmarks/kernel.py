@@ -63,8 +63,8 @@ class Kernel:
         self._base = self.runner.working(self.inputs.p)
         for state, value in (start or {}).items():
             self._base[self.header[Y] + self.model.states.index(state)] = value
-        self._fresh = self.runner.whole()
-        self.w, self.whole = self._base.copy(), self._fresh.copy()
+        self._fresh = self.runner.iw()
+        self.w, self.iw = self._base.copy(), self._fresh.copy()
         self._tables = [self.runner.flat(self.inputs.table)]
         bounds = self.inputs.bounds if len(self.inputs.bounds) else [0.0]
         self._tables.append(self.runner.flat(bounds))
@@ -74,16 +74,16 @@ class Kernel:
     def run(self, tolerance: float) -> "Kernel":
         """Run from time 0 to the end; the record stays here until the next run."""
         self.w[:] = self._base
-        self.whole[:] = self._fresh
+        self.iw[:] = self._fresh
         self.log, self.events = self.runner.run(
-            self.w, self.whole, *self._tables, self.t_end, tolerance,
+            self.w, self.iw, *self._tables, self.t_end, tolerance,
             self.inputs.time_scale / 6.0, LIMIT, self.log, self.events,
         )  # fmt: skip
         return self
 
     def steps(self) -> int:
         """Return the steps of the last run, rejected ones included."""
-        return int(self.whole[STEPS] + self.whole[REJECTED])
+        return int(self.iw[STEPS] + self.iw[REJECTED])
 
     def final(self) -> list[float]:
         """Return the last state."""
@@ -92,11 +92,11 @@ class Kernel:
     def changes(self) -> list[float]:
         """Return the times of the physical events of the last run."""
         names, width = reasons(self.model), EVENT_COLUMNS
-        events, whole = list(self.events), list(self.whole)
+        events, iw = list(self.events), list(self.iw)
         return [
             float(self.events[i * width])
-            for i in range(int(self.whole[EVENTS]))
-            if names[happened(events, i, whole)] is not None
+            for i in range(int(self.iw[EVENTS]))
+            if names[happened(events, i, iw)] is not None
         ]
 
     def states(self, times: Sequence[float]) -> np.ndarray:
@@ -105,9 +105,9 @@ class Kernel:
         states, rows = self.runner.zeros(n * width), self.runner.zeros(width)
         forces = self.runner.zeros(2 * width)
         self.runner.kernels.enter_play(
-            self.log, int(self.whole[STEPS]), self.runner.vector(times),
+            self.log, int(self.iw[STEPS]), self.runner.vector(times),
             self._tables[0], self.runner.working(self.inputs.p),
-            self.runner.whole(), states, forces, rows,
+            self.runner.iw(), states, forces, rows,
         )  # fmt: skip
         return np.reshape(states, (width, n)).T
 
@@ -129,9 +129,9 @@ class Kernel:
         def sense() -> np.ndarray:
             w[:] = fresh
             self.runner.kernels.enter_sense(
-                self.log, int(self.whole[STEPS]), self.events,
-                int(self.whole[EVENTS]), end, self._tables[0], slopes, own,
-                along.quantities, w, self.runner.whole(), out, 0,
+                self.log, int(self.iw[STEPS]), self.events,
+                int(self.iw[EVENTS]), end, self._tables[0], slopes, own,
+                along.quantities, w, self.runner.iw(), out, 0,
             )  # fmt: skip
             return np.reshape(out, shape)
 

@@ -119,9 +119,9 @@ def at_error(
     """
     start, first = time.perf_counter(), None
     for tolerance in TOLERANCES:
-        found = run(tolerance)
+        result = run(tolerance)
         first = time.perf_counter() - start if first is None else first
-        error = error_of(found)
+        error = error_of(result)
         if error <= largest:
             break
     else:
@@ -144,8 +144,8 @@ def with_times(
                 times[i].append(mean_time(entry.run, clock))
                 spent[i] += clock() - start
     return tuple(
-        entry if isinstance(entry, Missing) else replace(entry, times=tuple(found))
-        for entry, found in zip(entries, times, strict=True)
+        entry if isinstance(entry, Missing) else replace(entry, times=tuple(results))
+        for entry, results in zip(entries, times, strict=True)
     )
 
 

@@ -69,16 +69,16 @@ STEPPED = ("constant-coefficient", "logarithmic", "rate-and-state", "rate-and-st
 
 def _missed(estimates: Sequence[Estimate], truth: Mapping[str, float]) -> Iterator[dict[str, Any]]:
     """Yield for each bounded estimate that the truth has too whether its interval holds it."""
-    for one in estimates:
-        true = truth.get(one.path)
-        if true is None or not one.bounded:
+    for estimate in estimates:
+        true = truth.get(estimate.path)
+        if true is None or not estimate.bounded:
             continue
-        middle, half = 0.5 * (one.low + one.high), 0.5 * (one.high - one.low)
+        middle, half = 0.5 * (estimate.low + estimate.high), 0.5 * (estimate.high - estimate.low)
         yield {
-            "path": one.path,
+            "path": estimate.path,
             "true": float(true),
-            "said": [one.low, one.high],
-            "held": bool(one.low <= true <= one.high),
+            "said": [estimate.low, estimate.high],
+            "held": bool(estimate.low <= true <= estimate.high),
             "far": bool(abs(true - middle) > 2.0 * half),
         }
 
@@ -99,7 +99,7 @@ def _rated(
         "intervals": list(intervals),
         "right": told or good or not named,
         "false": (certain and error > FAR * max(NEAR, stated))
-        or any(one["far"] for one in intervals),
+        or any(interval["far"] for interval in intervals),
     }
 
 
@@ -220,7 +220,11 @@ def pulled(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any]
     assert closest.fit is not None
     true = _truths(law, rig.block)
     known = [*_missed(verdict.intervals, true)] if verdict.best and rig.truth in INSIDE else []
-    own = [one.fit for one in verdict.candidates if one.name == rig.truth and one.fit]
+    own = [
+        candidate.fit
+        for candidate in verdict.candidates
+        if candidate.name == rig.truth and candidate.fit
+    ]
     inside = list[list[bool]]()
     for factors in OTHERS if rig.truth != "track" and verdict.best else ():
         seen = rig.features(rig.run(), rig.at(factors, rig.block))
@@ -247,10 +251,10 @@ def pulled(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any]
 
 def _truths(law: FrictionLaw, block: TowedBlock) -> dict[str, float]:
     names = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity")
-    found = {name: getattr(law, name) for name in names if getattr(law, name, None) is not None}
+    result = {name: getattr(law, name) for name in names if getattr(law, name, None) is not None}
     if not isinstance(law, LuGre):
-        found["viscous_coefficient"] = getattr(law, "viscous_coefficient", 0.0)
-    return {f"friction.{name}": x for name, x in found.items()} | {
+        result["viscous_coefficient"] = getattr(law, "viscous_coefficient", 0.0)
+    return {f"friction.{name}": x for name, x in result.items()} | {
         "mechanism.mass": block.mass, "mechanism.stiffness": block.stiffness,
     }  # fmt: skip
 
@@ -263,8 +267,8 @@ def _off(rig: Rig, law: FrictionLaw, verdict: SimulatedVerdict) -> float:
     errors = [0.0]
     for factors in OTHERS if rig.truth != "track" else ():
         same = rig.features(law, rig.at(factors, rig.block))
-        found = verdict.predict(rig.at(factors, rig.told)).median
-        errors.append(float(np.sqrt(np.mean(((found - same)[1:] / same[1]) ** 2))))
+        result = verdict.predict(rig.at(factors, rig.told)).median
+        errors.append(float(np.sqrt(np.mean(((result - same)[1:] / same[1]) ** 2))))
     return max(errors)
 
 

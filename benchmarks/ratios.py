@@ -34,7 +34,7 @@ Row = dict[str, str]
 
 
 def row(measure: str, task: str, peer: str, own: float, other: float, unit: str) -> Row:
-    numbers = (f"{one:.{KEPT}g}" for one in (own, other, other / own))
+    numbers = (f"{item:.{KEPT}g}" for item in (own, other, other / own))
     cells = (measure, task, peer, *numbers)
     return dict(zip(FIELDS, (*cells[:5], unit, cells[5]), strict=True))
 
@@ -54,30 +54,30 @@ def errors(path: Path) -> Iterator[Row]:
     """Yield how large the held-out errors of peers are over those of stickslip."""
     by_task: dict[str, list[Row]] = {}
     with path.open(encoding="utf-8", newline="") as file:
-        for one in csv.DictReader(file):
-            if one["error"]:
-                by_task.setdefault(one["task"], []).append(one)
-    for task, found in by_task.items():
-        ours = [one for one in found if one["tool"] == OURS]
-        named = [one for one in ours if one["named"] == "True"]
-        best = min((float(one["error"]) for one in named or ours), default=None)
-        for one in found:
-            if best is not None and one["tool"] != OURS:
-                yield row("error", task, one["tool"], best, float(one["error"]), one["unit"])
+        for item in csv.DictReader(file):
+            if item["error"]:
+                by_task.setdefault(item["task"], []).append(item)
+    for task, match in by_task.items():
+        ours = [item for item in match if item["tool"] == OURS]
+        named = [our for our in ours if our["named"] == "True"]
+        best = min((float(our["error"]) for our in named or ours), default=None)
+        for item in match:
+            if best is not None and item["tool"] != OURS:
+                yield row("error", task, item["tool"], best, float(item["error"]), item["unit"])
 
 
 def beside(folder: Path) -> list[str]:
     """Return the ratios of all files of a folder as a Markdown table, a column each."""
     files = sorted(folder.glob("*.csv"), key=lambda path: (order(path.stem), path.stem))
-    found: dict[tuple[str, str, str], dict[str, str]] = {}
+    result: dict[tuple[str, str, str], dict[str, str]] = {}
     for path in files:
         with path.open(encoding="utf-8", newline="") as file:
-            for one in csv.DictReader(file):
-                key = (one["measure"], one["task"], one["peer"])
-                found.setdefault(key, {})[path.stem] = ratio_of(float(one["ratio"]))
+            for item in csv.DictReader(file):
+                key = (item["measure"], item["task"], item["peer"])
+                result.setdefault(key, {})[path.stem] = ratio_of(float(item["ratio"]))
     heads = ("measure", "task", "peer", *(path.stem for path in files))
     return table(
-        heads, [[*key, *(of.get(one, "") for one in heads[3:])] for key, of in found.items()]
+        heads, [[*key, *(of.get(head, "") for head in heads[3:])] for key, of in result.items()]
     )
 
 
@@ -98,7 +98,7 @@ def main() -> None:
         parser.error("give --output or --table")
     if not asked.friction.is_file():
         parser.error(f"{asked.friction} is missing: `python -m benchmarks.friction` writes it")
-    rows = [*times([one for one in asked.cases.split(",") if one], asked.repeats)]
+    rows = [*times([item for item in asked.cases.split(",") if item], asked.repeats)]
     rows += errors(asked.friction)
     asked.output.parent.mkdir(parents=True, exist_ok=True)
     with asked.output.open("w", encoding="utf-8", newline="") as file:

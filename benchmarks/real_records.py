@@ -154,7 +154,7 @@ class Line:
         return self.error / self.plain
 
     def __str__(self) -> str:
-        false = [f"    FALSE: {one}" for one in self.false]
+        false = [f"    FALSE: {item}" for item in self.false]
         if self.reason:
             return "\n".join([f"{self.name:32} not judged: {self.reason}", *false])
         published = "" if math.isnan(self.published) else f", published {self.published:.3g}"
@@ -167,7 +167,7 @@ class Line:
             f" {self.seconds:.1f} s"
         ]
         lines += false
-        lines += [f"    said: {one}" for one in self.beside]
+        lines += [f"    said: {item}" for item in self.beside]
         return "\n".join(lines)
 
 
@@ -219,14 +219,14 @@ def tribometer() -> Iterator[Case]:
 
 def _task(name: str) -> Case:
     """Return a record of several joints as the benchmark of methods has it."""
-    task = next(one for one in tasks.ROBOT_TASKS if one.name == name)
+    task = next(item for item in tasks.ROBOT_TASKS if item.name == name)
     first, second = task.split()
     return Case(
         name=task.title.partition(",")[0],
         mechanism=task.mechanism,
         first=first,
         others={task.judged: second},
-        unknown=tuple(one for one in task.vary if one != "friction.*"),
+        unknown=tuple(item for item in task.vary if item != "friction.*"),
         settings=task.settings,
     )
 
@@ -342,9 +342,9 @@ def seals() -> Iterator[Case]:
             most=float(np.abs(table["friction_N"]).max()),
         )
 
-    yield case("O-rings", [one for one, _ in parts], [one for _, one in parts])
+    yield case("O-rings", [item for item, _ in parts], [item for _, item in parts])
     *three, last = parts
-    yield case("O-rings, 7 bar from 1, 3, 5", [one for one, _ in three], last)
+    yield case("O-rings, 7 bar from 1, 3, 5", [item for item, _ in three], last)
 
 
 def motor() -> Iterator[Case]:
@@ -412,9 +412,9 @@ def watched() -> Iterator[Seen]:
     seen, foreseen = Seen(), Judgement.foreseen
 
     def noted(own: Judgement, rows: Any, measured: Array, unit: str) -> Foreseen:
-        found = foreseen(own, rows, measured, unit)
-        seen.append((own.problem, rows, found))
-        return found
+        result = foreseen(own, rows, measured, unit)
+        seen.append((own.problem, rows, result))
+        return result
 
     with mock.patch.object(Judgement, "foreseen", noted):
         yield seen
@@ -423,24 +423,24 @@ def watched() -> Iterator[Seen]:
 def plain_columns(balance: Balance) -> dict[str, Array]:
     """Return the columns of Coulomb + viscous friction (n,) at the rows of a balance, by name."""
     rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
-    loads = [1.0 if one.record.load is None else one.record.load for one in balance.pieces]
+    loads = [1.0 if piece.record.load is None else piece.record.load for piece in balance.pieces]
     pieces = zip(balance.pieces, loads, strict=True)
-    level = rows.seen([(one.direction * load)[:, None] for one, load in pieces])[:, 0]
-    found = {
+    level = rows.seen([(item.direction * load)[:, None] for item, load in pieces])[:, 0]
+    result = {
         "level": level,
-        "viscous": rows.seen([one.velocity[:, None] for one in balance.pieces])[:, 0],
+        "viscous": rows.seen([piece.velocity[:, None] for piece in balance.pieces])[:, 0],
         "offset": np.ones(rows.count),
     }
     beside = [name for name in fixed if name == "inertia" or name.startswith("mechanism.")]
-    return found | {name: fixed[name][:, 0] for name in beside}
+    return result | {name: fixed[name][:, 0] for name in beside}
 
 
 def plain_rows(rows: Rows) -> dict[str, Array]:
     """Return the same at the rows of a table."""
-    found = {"level": rows.direction * rows.load, "viscous": rows.velocity}
+    result = {"level": rows.direction * rows.load, "viscous": rows.velocity}
     if np.ptp(rows.direction) > 0.0:
-        found["offset"] = np.ones(len(rows.velocity))
-    return found
+        result["offset"] = np.ones(len(rows.velocity))
+    return result
 
 
 def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, Balance]]:
@@ -450,7 +450,7 @@ def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, B
     mechanism, unknown = case.mechanism, [*case.unknown]
     if LINKS in unknown:
         mechanism, links = told_links(mechanism, case.first, held=held, zeros=zeros)
-        unknown = [*(one for one in unknown if one != LINKS), *links]
+        unknown = [*(item for item in unknown if item != LINKS), *links]
     request = JointRequest.of(
         mechanism, "viscous", ["friction.*", *unknown], None, case.first, zeros=zeros
     )
@@ -458,12 +458,14 @@ def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, B
         request.mechanism, case.first, request.linear, held=held, zeros=zeros
     )
     first, second = balances.records, balances.made(other)
-    found = {}
+    result = {}
     for name in first.records.keys() & second.records.keys():
-        own, rest = ([replace(one, held=held) for one in x.records[name]] for x in (first, second))
+        own, rest = (
+            [replace(item, held=held) for item in x.records[name]] for x in (first, second)
+        )
         balance = Balance(own, highest=first.widest)
-        found[first.contacts[name]] = balance, Balance(rest, like=balance)
-    return found
+        result[first.contacts[name]] = balance, Balance(rest, like=balance)
+    return result
 
 
 def plain_error(
@@ -513,7 +515,7 @@ def handed_error(verdict: BandVerdict, other: Any, values: Array) -> float:
         said = steady(other.velocity)
     else:
         balance = other.balance
-        said = balance.rows(MIDDLE).seen([steady(one.velocity) for one in balance.pieces])
+        said = balance.rows(MIDDLE).seen([steady(piece.velocity) for piece in balance.pieces])
         columns = plain_columns(balance)
         if "inertia" in columns:
             said = said + vars(verdict.mechanism)["inertia"] * columns["inertia"]
@@ -525,11 +527,12 @@ def false_statements(case: Case, verdict: BandVerdict) -> Iterator[str]:
     judgement = verdict.judgement
     if verdict.best is None:
         yield verdict.words.verdict
-    for one in verdict.parameters:
-        low, high = case.known.get(one.path, (-math.inf, math.inf))
-        miss = max(low - one.high_any, one.low_any - high)
-        if miss > 0.25 * (one.high_any - one.low_any):
-            yield f"{one.path} {one.low_any:.4g} to {one.high_any:.4g}, known {low:g} to {high:g}"
+    for parameter in verdict.parameters:
+        low, high = case.known.get(parameter.path, (-math.inf, math.inf))
+        miss = max(low - parameter.high_any, parameter.low_any - high)
+        if miss > 0.25 * (parameter.high_any - parameter.low_any):
+            stated = f"{parameter.low_any:.4g} to {parameter.high_any:.4g}"
+            yield f"{parameter.path} {stated}, known {low:g} to {high:g}"
     typical = float(np.median(np.abs(verdict.speeds)))
     for level in case.levels:
         speed = typical if math.isnan(level.speed) else level.speed
@@ -549,15 +552,15 @@ def false_statements(case: Case, verdict: BandVerdict) -> Iterator[str]:
 
 def inertia_of(verdict: BandVerdict) -> str:
     """Return the interval of an inertia that was looked for."""
-    found = [one for one in verdict.parameters if one.path in MASS]
-    return "".join(f"{one.low_any:.4g} to {one.high_any:.4g}" for one in found)
+    result = [parameter for parameter in verdict.parameters if parameter.path in MASS]
+    return "".join(f"{item.low_any:.4g} to {item.high_any:.4g}" for item in result)
 
 
 def stated_beside(verdict: BandVerdict) -> Iterator[str]:
     """Yield what a verdict states beside the law, to be read."""
-    for one in verdict.findings:
-        if one.asserted:
-            yield one.sentence
+    for finding in verdict.findings:
+        if finding.asserted:
+            yield finding.sentence
 
 
 def judged(case: Case) -> Iterator[Line]:
@@ -578,17 +581,17 @@ def judged(case: Case) -> Iterator[Line]:
         seconds = time.process_time() - began
         joints = getattr(verdict, "joints", {"": verdict})
         plain = joint_balances(case, other) if hasattr(verdict, "joints") else {}
-        for (joint, own), (problem, at, found) in zip(joints.items(), seen, strict=True):
-            band, values = found.band, found.measured
+        for (joint, own), (problem, at, match) in zip(joints.items(), seen, strict=True):
+            band, values = match.band, match.measured
             published = case.published.get(joint)
             yield Line(
                 name=f"{label}, {joint}" if joint else label,
                 law=own.closest.title,
                 distance=own.closest.distance,
                 known=own.judgement.known,
-                inside=found.inside,
-                ratio=float(np.median(band.high - band.low)) / 2.0 / found.error,
-                error=found.error,
+                inside=match.inside,
+                ratio=float(np.median(band.high - band.low)) / 2.0 / match.error,
+                error=match.error,
                 plain=plain_error(problem, at, values, balances=plain.get(joint)),
                 handed=handed_error(own, at, values) if not joint else math.nan,
                 interval=inertia_of(own),
@@ -619,18 +622,18 @@ def lines(only: str = "") -> Iterator[Line]:
 
 def summary(found: Sequence[Line]) -> str:
     """Return the numbers of all lines."""
-    own = [one for one in found if not one.reason]
+    own = [item for item in found if not item.reason]
     if not own:
         return "nothing judged"
-    inside = [one.inside for one in own]
-    ratios = [one.ratio for one in own]
+    inside = [item.inside for item in own]
+    ratios = [item.ratio for item in own]
     return (
         f"{len(own)} lines: readings inside {np.median(inside):.3f} in the median, at least .90 on"
         f" {sum(x >= 0.9 for x in inside)}; half-width over error {np.median(ratios):.2f}, at most"
         f" {max(ratios):.2f}; error above Coulomb + viscous by more than 5 % on"
-        f" {sum(one.excess > 1.05 for one in own)}, below it on"
-        f" {sum(one.excess < 1.0 for one in own)}; false statements on"
-        f" {sum(bool(one.false) for one in found)}; not judged {len(found) - len(own)}"
+        f" {sum(item.excess > 1.05 for item in own)}, below it on"
+        f" {sum(item.excess < 1.0 for item in own)}; false statements on"
+        f" {sum(bool(item.false) for item in found)}; not judged {len(found) - len(own)}"
     )
 
 
@@ -639,11 +642,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.real_records")
     parser.add_argument("--only", default="", help="beginning of the names of records")
     given = parser.parse_args(arguments)
-    found = []
+    result = []
     for line in lines(given.only):
-        found.append(line)
+        result.append(line)
         print(line, flush=True)
-    print(summary(found))
+    print(summary(result))
 
 
 if __name__ == "__main__":

@@ -72,20 +72,20 @@ def _coulomb(kinetic: float, static: float) -> Coulomb:
 
 def _cases() -> dict[str, tuple[Mechanism, dict[str, Coulomb], tuple[float, ...], float, float]]:
     """Return mechanism, laws, angles at the start, time and tolerance by name."""
-    found = {}
+    result = {}
     for n in (2, 3, 4, 6):
         link = Link(mass=1.0, length=0.4, centre=0.2, inertia=0.16 / 3.0)
         arm = SerialArm(links=(link,) * n)
-        laws = {one.name: _coulomb(0.2, 0.3) for one in arm.contacts()}
-        found[f"{n} links in a plane"] = (arm, laws, (1.2, 0.8, *(0.0,) * (n - 2)), 4.0, 1e-9)
+        laws = {contact.name: _coulomb(0.2, 0.3) for contact in arm.contacts()}
+        result[f"{n} links in a plane"] = (arm, laws, (1.2, 0.8, *(0.0,) * (n - 2)), 4.0, 1e-9)
     two = TwoLinkArm(
         upper_mass=1.0, upper_length=0.4, upper_centre=0.4, upper_inertia=0.16,
         lower_mass=0.5, lower_centre=0.4, lower_inertia=0.08,
     )  # fmt: skip
     laws = {"shoulder": _coulomb(0.3, 0.45), "elbow": _coulomb(0.12, 0.2)}
-    found["arm of the reference numbers, 6 s"] = (two, laws, (1.2, 0.8), 6.0, 1e-9)
-    found["robot with six joints, 4 s"] = (ur(), ur_laws(), START, 4.0, 1e-12)
-    return found
+    result["arm of the reference numbers, 6 s"] = (two, laws, (1.2, 0.8), 6.0, 1e-9)
+    result["robot with six joints, 4 s"] = (ur(), ur_laws(), START, 4.0, 1e-12)
+    return result
 
 
 GOALS = {"arm of the reference numbers, 6 s": 1.5, "robot with six joints, 4 s": 15.0}

@@ -232,7 +232,7 @@ def run(repeats: int = MANY, tiers: Sequence[str] = tuple(TIERS), samples: int =
         return at_error(
             f"{method} sample by sample, by hand",
             lambda tolerance: by_hand(slip(tolerance), u, most),
-            lambda found: error_of(found, known),
+            lambda item: error_of(item, known),
             ERROR,
         )
 

@@ -174,7 +174,7 @@ def rate(
         rig = replace(rig, mass=rig.mass * float(np.exp(random.uniform(-0.3, 0.3))))
         varied.append(MASS)
     try:
-        found: Any = fit(
+        result: Any = fit(
             rig,
             BamM4,
             record,
@@ -185,10 +185,10 @@ def rate(
         )
     except StickslipError as error:
         return row | {"error": str(error), "seconds": time.process_time() - began}
-    estimates = {one.path: one for one in found.estimates}
-    by_runs = isinstance(found, RecordFit)
-    table = found.inference.of_record.correlation if by_runs else found.correlation
-    paths = found.free_parameters.paths if by_runs else tuple(estimates)
+    estimates = {estimate.path: estimate for estimate in result.estimates}
+    by_runs = isinstance(result, RecordFit)
+    table = result.inference.of_record.correlation if by_runs else result.correlation
+    paths = result.free_parameters.paths if by_runs else tuple(estimates)
     pairs = [
         (i, j)
         for i in range(len(paths))
@@ -196,17 +196,18 @@ def rate(
         if np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER
     ]
     symbols = [estimates[path].quantity.symbol for path in paths if path in estimates]
-    said = " ".join(found.sentences)
+    said = " ".join(result.sentences)
     return row | {
         "seconds": time.process_time() - began,
-        "residual": found.rms if by_runs else found.verdict.closest.left,
+        "residual": result.rms if by_runs else result.verdict.closest.left,
         "true": {path: true[path] for path in paths if path in true},
         "found": {
-            path: [one.value, one.low, one.high, one.reason] for path, one in estimates.items()
+            path: [estimate.value, estimate.low, estimate.high, estimate.reason]
+            for path, estimate in estimates.items()
         },
         "pairs": [[symbols[j], symbols[i]] for i, j in pairs],
         "named": [f"{symbols[j]} and {symbols[i]} are" in said for i, j in pairs],
-        "said": list(found.sentences),
+        "said": list(result.sentences),
     }
 
 
@@ -228,7 +229,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     yield f"coverage of nominal 95 %: {share(every)}"
     for name, own in hits.items():
         yield f"  {name:28} {share(own)}; {unbounded.get(name, 0)} without an interval"
-    named = [one for row in rows for one in row.get("named", ())]
+    named = [item for row in rows for item in row.get("named", ())]
     yield f"pairs with a correlation above {TOGETHER}: {len(named)}, named {sum(named)}"
     both = [["R", "k_t"] in row.get("pairs", ()) for row in rows if "error" not in row]
     yield f"R and k_t among them: {share(both)}"
@@ -301,12 +302,12 @@ def of_servo(folder: Path, name: str) -> dict[str, Any]:
             current_limit=100.0,
         ),
     )
-    free = ["mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)]
+    free = ["mechanism.rest_angle", *(f"mechanism.drive.{item}" for item in UNKNOWN)]
     fits: dict[str, Any] = {}
 
     def fitted(part: str, start: Any, kind: Any, settings: RecordSettings) -> Any:
-        chosen = [one for one in every if str(one.gain) != part]
-        found = fit_record(
+        chosen = [item for item in every if str(item.gain) != part]
+        result = fit_record(
             start,
             kind,
             joined(chosen, loop=settings is WHOLE),
@@ -314,24 +315,24 @@ def of_servo(folder: Path, name: str) -> dict[str, Any]:
             settings=settings,
         )
         fits[part] = {
-            "values": dict(zip(found.free_parameters.paths, found.values.tolist(), strict=True)),
-            "cost": found.optimum.best.cost,
-            "rows": len(found.optimum.best.residual),
+            "values": dict(zip(result.free_parameters.paths, result.values.tolist(), strict=True)),
+            "cost": result.optimum.best.cost,
+            "rows": len(result.optimum.best.residual),
         }
-        return found
+        return result
 
-    found = fitted("all", rig, LAWS.get(name) or law(name), SETTINGS)
+    results = fitted("all", rig, LAWS.get(name) or law(name), SETTINGS)
     held_out = {}
     for gain in map(str, GAINS):
-        part = fitted(gain, found.mechanism, found.law, replace(SETTINGS, starts=1))
-        left_out = [one for one in every if str(one.gain) == gain]
+        part = fitted(gain, results.mechanism, results.law, replace(SETTINGS, starts=1))
+        left_out = [item for item in every if str(item.gain) == gain]
         held_out[gain] = part.score(joined(left_out)).rms
     loop = PositionLoop(gain=1.0)
-    motor = replace(found.mechanism.drive, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
-    whole = fitted("loop", replace(found.mechanism, drive=motor), found.law, WHOLE)
-    through = [closed_loop_error(whole.mechanism, whole.law, one) for one in every]
+    motor = replace(results.mechanism.drive, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
+    whole = fitted("loop", replace(results.mechanism, drive=motor), results.law, WHOLE)
+    through = [closed_loop_error(whole.mechanism, whole.law, item) for item in every]
     return {
-        **said_of(found),
+        **said_of(results),
         "held_out": held_out,
         "loop": through,
         "published": published(name, rig, every),
@@ -349,7 +350,7 @@ def published(name: str, rig: Pendulum, every: Sequence[Log]) -> list[float]:
     kind = LAWS[name]
     assert kind.typical is not None
     friction = kind(**kind.typical.values)
-    return [closed_loop_error(rig, friction, one) for one in every]
+    return [closed_loop_error(rig, friction, item) for item in every]
 
 
 def said_of(found: Any) -> dict[str, Any]:
@@ -358,8 +359,15 @@ def said_of(found: Any) -> dict[str, Any]:
         "title": found.law.title,
         "rms": found.rms,
         "found": [
-            [one.path, one.quantity.symbol, one.value, one.low, one.high, one.reason]
-            for one in found.estimates
+            [
+                estimate.path,
+                estimate.quantity.symbol,
+                estimate.value,
+                estimate.low,
+                estimate.high,
+                estimate.reason,
+            ]
+            for estimate in found.estimates
         ],
         "said": list(found.sentences),
     }
@@ -371,20 +379,20 @@ def of_swing(folder: Path, name: str) -> dict[str, Any]:
     The torque is in a scale of the drive's own, and so are the mass and the inertia that are found.
     Its laws are few and simple: each search fits those that a law contains.
     """
-    every = {one: swing(one) for one in SWINGS}
+    every = {item: swing(item) for item in SWINGS}
     rig = Pendulum(mass=0.74, length=0.5, rest_angle=0.0)
-    free = ["friction.*", *(f"mechanism.{one}" for one in ("mass", "inertia", "rest_angle"))]
+    free = ["friction.*", *(f"mechanism.{item}" for item in ("mass", "inertia", "rest_angle"))]
 
     def fitted(start: Any, friction: Any, chosen: Sequence[str]) -> Any:
-        record = Measurement(trials=tuple(every[one] for one in chosen), name="pendulum")
+        record = Measurement(trials=tuple(every[item] for item in chosen), name="pendulum")
         return fit(start, friction, record, vary=free, route="shooting", settings=SWINGING)
 
-    found = fitted(rig, LAWS.get(name) or law(name), [*every])
+    result = fitted(rig, LAWS.get(name) or law(name), [*every])
     held_out = {}
-    for one, record in every.items():
-        part = fitted(found.mechanism, found.law, [other for other in every if other != one])
-        held_out[one] = part.score(Measurement(trials=(record,), name=one)).rms
-    return {**said_of(found), "held_out": held_out}
+    for entry, record in every.items():
+        part = fitted(result.mechanism, result.law, [other for other in every if other != entry])
+        held_out[entry] = part.score(Measurement(trials=(record,), name=entry)).rms
+    return {**said_of(result), "held_out": held_out}
 
 
 SETS = {
@@ -460,19 +468,22 @@ def _cells(
     spread = float(np.std(errors, ddof=1)) / math.sqrt(len(errors))
     mean = math.sqrt(float(np.mean(errors**2)))
     digits = 1 if swings else 0
-    found = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
+    result = {path.rpartition(".")[2]: rest for path, *rest in row["found"]}
     shares = [
-        interval(name, one) for name, one in found.items() if any(word in name for word in SHARES)
+        interval(name, item)
+        for name, item in result.items()
+        if any(word in name for word in SHARES)
     ]
     other = ("kinetic_coefficient", "viscous_coefficient")
-    level, viscous = (interval("", found[one]) if one in found else "-" for one in other)
+    level, viscous = (interval("", result[item]) if item in result else "-" for item in other)
     through = [
-        f"{1e3 * np.mean(row[one]):.0f}" if row.get(one) else "-" for one in ("loop", "published")
+        f"{1e3 * np.mean(row[item]):.0f}" if row.get(item) else "-"
+        for item in ("loop", "published")
     ]
     motor = (
-        [] if swings else [interval("", found[one]) for one in ("resistance", "torque_constant")]
+        [] if swings else [interval("", result[item]) for item in ("resistance", "torque_constant")]
     )
-    gain = [_gain(row, one) if one and one["law"] != row["law"] else "-" for one in plain]
+    gain = [_gain(row, item) if item and item["law"] != row["law"] else "-" for item in plain]
     return [
         f"{1e3 * mean:.{digits}f} ± {1e3 * spread:.{digits}f}",
         *gain,
@@ -486,7 +497,7 @@ def _gain(row: Mapping[str, Any], plain: Mapping[str, Any]) -> str:
     """Return the ratio of two errors, a part that was left out at a time, with a 95 % interval."""
     from scipy.stats import t as student
 
-    ratios = np.log([plain["held_out"][one] / error for one, error in row["held_out"].items()])
+    ratios = np.log([plain["held_out"][item] / error for item, error in row["held_out"].items()])
     half = float(student.ppf(0.975, len(ratios) - 1) * np.std(ratios, ddof=1) / len(ratios) ** 0.5)
     low, middle, high = np.exp(np.mean(ratios) + np.array([-half, 0.0, half]))
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"

@@ -31,14 +31,14 @@ def trials(
     draw: np.random.Generator, count: int, samples: int, memory: float, rise: float, scatter: float
 ) -> Measurement:
     """Return made-up trials, each with a motion of its own."""
-    t, found = 0.01 * np.arange(samples), []
+    t, result = 0.01 * np.arange(samples), []
     for number, temperature in enumerate(np.linspace(20.0, 60.0, count)):
         phase, pace = draw.uniform(0.0, 6.28), draw.uniform(0.6, 1.2)
         v = 0.3 * np.sin(2.0 * np.pi * pace * t + phase) * (1.0 + 0.3 * np.sin(1.3 * t))
         noise = lfilter([1.0], [1.0, -memory], draw.normal(size=samples))
         noise *= NOISE * np.sqrt(1.0 - memory**2)
         level = LEVEL + rise * temperature + scatter * draw.normal()
-        found.append(
+        result.append(
             Measurement(
                 time=t,
                 velocity=v,
@@ -47,7 +47,7 @@ def trials(
                 name=f"run {number}",
             )
         )
-    return Measurement(trials=tuple(found))
+    return Measurement(trials=tuple(result))
 
 
 def main() -> None:
@@ -61,14 +61,14 @@ def main() -> None:
         rejected, slopes, levels = 0, [], []
         for k in range(asked.sets):
             draw = np.random.default_rng([asked.seed, number, k])
-            found = compare_trials(Axis(inertia=1.0), CoulombViscous, trials(draw, *case))
-            rejected += not found.shared
+            result = compare_trials(Axis(inertia=1.0), CoulombViscous, trials(draw, *case))
+            rejected += not result.shared
             truth = {"friction.kinetic_coefficient": case[3], "friction.viscous_coefficient": 0.0}
-            slopes += [line.low <= truth[line.path] <= line.high for line in found.lines]
+            slopes += [line.low <= truth[line.path] <= line.high for line in result.lines]
             if not case[4]:
-                for one in found.trials:
-                    level = LEVEL + case[3] * float(one.conditions["temperature [degC]"])
-                    levels.append(one.estimates[0].low <= level <= one.estimates[0].high)
+                for trial in result.trials:
+                    level = LEVEL + case[3] * float(trial.conditions["temperature [degC]"])
+                    levels.append(trial.estimates[0].low <= level <= trial.estimates[0].high)
         said = " ".join(f"{value:g}" for value in case)
         own = 100 * np.mean(levels) if levels else np.nan
         print(

@@ -61,28 +61,28 @@ class Study:
 
 def _regret(errors: Mapping[str, float], named: str | None) -> float:
     """Return the excess of the error of a law over the least."""
-    known = [one for one in errors.values() if math.isfinite(one) and one > 0.0]
+    known = [error for error in errors.values() if math.isfinite(error) and error > 0.0]
     own = errors.get(named or "", math.nan)
     return own / min(known) - 1.0 if known and math.isfinite(own) else math.nan
 
 
 def _travel(row: Row) -> Outcome:
-    held = [one["held"] for one in row["intervals"]]
+    held = [item["held"] for item in row["intervals"]]
     regret = _regret(row["errors"], row["named"])
     return Outcome(row["right"], row["false"], sum(held), len(held), regret)
 
 
 def _slider(row: Row) -> Outcome:
-    held = [one["held"] for one in row["intervals"]]
+    held = [item["held"] for item in row["intervals"]]
     return Outcome(row["right"], row["false"], sum(held), len(held))
 
 
 def _arm(row: Row) -> Outcome:
-    known = [one for one in row["joints"].values() if one["covered"] is not None]
+    known = [item for item in row["joints"].values() if item["covered"] is not None]
     sound = row["kind"] in ("clean", "still")
-    right = all(one["right"] or one["in set"] for one in known)
-    said = any(one["said"] for one in known)
-    held = sum(one["covered"] > 0.95 for one in known)
+    right = all(item["right"] or item["in set"] for item in known)
+    said = any(item["said"] for item in known)
+    held = sum(item["covered"] > 0.95 for item in known)
     return Outcome(right if sound else said, sound and said, held, len(known))
 
 
@@ -140,19 +140,19 @@ def tabulated(rows: Sequence[Row]) -> pd.DataFrame:
         known = [row for row in own if not ("refused" in row or "failed" in row)]
         if not own:
             continue
-        found = [study.outcome(row) for row in known]
-        bounded = sum(one.bounded for one in found)
-        regrets = [one.regret for one in found if math.isfinite(one.regret)]
+        result = [study.outcome(row) for row in known]
+        bounded = sum(item.bounded for item in result)
+        regrets = [item.regret for item in result if math.isfinite(item.regret)]
         seconds = [row.get("processor", row.get("seconds", math.nan)) for row in known]
         lines.append(
             {
                 "study": name,
                 "rigs": len(own),
                 "refused": len(own) - len(known),
-                "right or equal": sum(one.right for one in found),
-                "false certainties": sum(one.false for one in found),
+                "right or equal": sum(item.right for item in result),
+                "false certainties": sum(item.false for item in result),
                 "intervals": bounded,
-                "coverage, %": 100.0 * sum(one.held for one in found) / max(bounded, 1),
+                "coverage, %": 100.0 * sum(item.held for item in result) / max(bounded, 1),
                 "regret, median": float(np.median(regrets)) if regrets else math.nan,
                 "processor time, median s": float(np.median(seconds)) if seconds else math.nan,
             }
@@ -168,7 +168,7 @@ def run(
     path = folder / "rows.jsonl"
     wanted = [(name, seed, n) for name in only for n in numbers(STUDIES[name].count, part)]
     known = {(row["study"], *row["campaign"]): row for row in stored(path)}
-    tasks = [one for one in wanted if one not in known]
+    tasks = [item for item in wanted if item not in known]
     if path.exists() and not path.read_bytes().endswith(b"\n"):
         with path.open("a", encoding="utf-8") as file:
             file.write("\n")
@@ -178,7 +178,7 @@ def run(
         with path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(row) + "\n")
         known[key] = row
-        done = sum(one in known for one in wanted)
+        done = sum(item in known for item in wanted)
         said = row.get("refused") or row.get("failed") or STUDIES[key[0]].outcome(row)
         print(f"{done} of {len(wanted)}: {key[0]} {key[2]}: {said}", flush=True)
         return True
@@ -189,7 +189,7 @@ def run(
                 keep(judged(*task))
         else:
             spread(judged, tasks, keep, executor)
-    table = tabulated([known[one] for one in wanted])
+    table = tabulated([known[item] for item in wanted])
     table.to_csv(folder / "studies.csv", index=False)
     return table
 

@@ -98,7 +98,7 @@ def fitted(
 ) -> RecordFit:
     """Return a fit of a law, the true one if none is given, the inertia looked for too."""
     law = type(rig.law) if law is None else law
-    found = fit(
+    result = fit(
         Axis(inertia=1.0),
         law,
         measurement,
@@ -106,8 +106,8 @@ def fitted(
         route=route,
         settings=RecordSettings(starts=starts),
     )
-    assert isinstance(found, RecordFit)
-    return found
+    assert isinstance(result, RecordFit)
+    return result
 
 
 def violated(rig: Rig, violation: str, random: Random) -> Rig:
@@ -144,17 +144,17 @@ def judge(
             rig = violated(rig, variant, random)
             law = CoulombViscous if variant == "drag" else None
         measurement, _ = record(rig, random)
-        found = fitted(rig, measurement, law=law, route=route)
+        result = fitted(rig, measurement, law=law, route=route)
         if violation:
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
             long = fitted(rig, more, law=law, starts=1, route=route)
-            limits = {one.path: one.value for one in long.estimates}
+            limits = {estimate.path: estimate.value for estimate in long.estimates}
         row |= {
-            "over_noise": found.rms / rig.noise,
-            "effective": found.inference.effective,
-            "rows": len(found.residual),
+            "over_noise": result.rms / rig.noise,
+            "effective": result.inference.effective,
+            "rows": len(result.residual),
             "correlation_time": rig.correlation_time,
-            "intervals": coverage(found, rig, limits),
+            "intervals": coverage(result, rig, limits),
         }
     except StickslipError as error:
         row["failed"] = str(error)
@@ -224,26 +224,26 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the tables: coverage by kind of interval and by parameter."""
     failed = [row for row in rows if "failed" in row]
     rows = [row for row in rows if "failed" not in row]
-    intervals = [one for row in rows for one in row["intervals"]]
-    bounded = [one for one in intervals if one["bounded"]]
+    intervals = [item for row in rows for item in row["intervals"]]
+    bounded = [interval for interval in intervals if interval["bounded"]]
     lines = [
         f"{len(rows)} rigs ({len(failed)} failed); {len(bounded)} of {len(intervals)} estimates"
         " have a bounded interval",
         f"coverage of nominal 95 % (target {100 * COVERAGE[0]:.0f} to {100 * COVERAGE[1]:.0f} %):",
         *(
-            f"  {kind:22}{share([one[kind] for one in bounded])}"
+            f"  {kind:22}{share([item[kind] for item in bounded])}"
             for kind in (*KINDS, *FURTHER)
-            if all(kind in one for one in bounded)
+            if all(kind in item for item in bounded)
         ),
         "by parameter, jackknife:",
     ]
-    for path in dict.fromkeys(one["path"] for one in bounded):
-        hits = [one["jackknife"] for one in bounded if one["path"] == path]
+    for path in dict.fromkeys(item["path"] for item in bounded):
+        hits = [item["jackknife"] for item in bounded if item["path"] == path]
         lines.append(f"  {path.partition('.')[2]:30}{share(hits)}")
     lines.append("by true law, jackknife:")
     for truth in TRUTHS:
         own = [o for row in rows if row["truth"] == truth for o in row["intervals"] if o["bounded"]]
-        lines.append(f"  {truth:22}{share([one['jackknife'] for one in own])}")
+        lines.append(f"  {truth:22}{share([item['jackknife'] for item in own])}")
     return [*lines, *(f"rig {row['rig']} failed: {row['failed']}" for row in failed)]
 
 

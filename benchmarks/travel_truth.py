@@ -108,8 +108,8 @@ class TravelRig:
         factor = 1.0 + self.drift * share
         forces = {
             path: factor * value
-            for path, one, value in parameters(self.law, "friction")
-            if one.scale.startswith(("level", "slope", "force"))
+            for path, item, value in parameters(self.law, "friction")
+            if item.scale.startswith(("level", "slope", "force"))
         }
         return vary(self.law, "friction", forces) if self.drift else self.law
 
@@ -142,7 +142,7 @@ def draw(random: Random, kind: str, truth: str, *, levels: bool = False) -> Trav
         largest, duration = excess * level, between(random, 0.05, 0.3)
         rig = Axis(inertia=mass, drive=Pulse(level=largest, duration=duration))
         path, speed = "mechanism.drive.level", (largest - level) / mass * duration
-        settings = tuple(float(f"{one * largest:.3g}") for one in shares)
+        settings = tuple(float(f"{item * largest:.3g}") for item in shares)
     elif kind == "capsule":
         mass, level, t_end = between(random, 0.5, 1.5), between(random, 0.08, 0.25), 6.0
         load = mass * GRAVITY
@@ -153,7 +153,7 @@ def draw(random: Random, kind: str, truth: str, *, levels: bool = False) -> Trav
             damping=0.8 * mass, drive=Torque(drive=wave),
         )  # fmt: skip
         path, speed = "mechanism.drive.drive.period", 0.3
-        settings = tuple(round(0.7 * one * period + 0.5 * period, 3) for one in shares)
+        settings = tuple(round(0.7 * item * period + 0.5 * period, 3) for item in shares)
     else:
         largest = float(random.uniform(0.06, 0.25))
         stiffness = excess * level * load / largest
@@ -161,7 +161,7 @@ def draw(random: Random, kind: str, truth: str, *, levels: bool = False) -> Trav
             mass=mass, stiffness=stiffness, compression=largest, attached=kind == "attached"
         )
         path, speed = "mechanism.compression", largest * math.sqrt(stiffness / mass)
-        settings = tuple(round(one * largest, 3) for one in shares)
+        settings = tuple(round(item * largest, 3) for item in shares)
     noise = str(random.choice(("rounded", "normal", "unstated"), p=(0.3, 0.5, 0.2)))
     return TravelRig(
         kind=kind,
@@ -270,14 +270,14 @@ def judge(
     best = verdict.best
     ties = [c for c in verdict.candidates[1:] if (c.name,) in verdict.set]
     fits = {c.name: c.fit for c in (best, *ties) if c is not None}
-    errors = {name: _error(rig, one.law) if one else math.inf for name, one in fits.items()}
+    errors = {name: _error(rig, item.law) if item else math.inf for name, item in fits.items()}
     true = _true_names(rig, truth)
     intervals = _intervals(rig, verdict.intervals if best else ())
     alone = best.fit.estimates if best and best.fit and best.name in true else ()
     said = () if best is None else (best.name, *(c.name for c in ties))
     told = best is None or not true.isdisjoint(said)
     right = told or min(errors.values()) <= rig.error
-    false = (not right) or any(one["far"] for one in intervals)
+    false = (not right) or any(interval["far"] for interval in intervals)
     return row | {
         "named": best.name if best else None,
         "ties": [c.name for c in ties],
@@ -309,7 +309,7 @@ def judge_fit(
     try:
         measurement = readings(rig, random)
         began = time.process_time()
-        found = fit(rig.mechanism, type(rig.law), measurement, t_end=rig.t_end)
+        result = fit(rig.mechanism, type(rig.law), measurement, t_end=rig.t_end)
     except StickslipError as error:
         return row | {"failed": str(error), "seconds": time.process_time() - began}
     return row | {
@@ -317,8 +317,8 @@ def judge_fit(
         "kind": rig.kind,
         "law": repr(rig.law),
         "error": rig.error,
-        "off": _error(rig, found.law),
-        "alone": _intervals(rig, found.estimates),
+        "off": _error(rig, result.law),
+        "alone": _intervals(rig, result.estimates),
     }
 
 
@@ -344,7 +344,7 @@ def _wrong(rig: TravelRig, fault: float) -> Mechanism:
 def _error(rig: TravelRig, law: FrictionLaw) -> float:
     """Return the root mean square error of a fitted law on fresh travels [m]."""
     try:
-        errors = [rig.travel(one, law) - rig.travel(one) for one in unseen(rig)]
+        errors = [rig.travel(item, law) - rig.travel(item) for item in unseen(rig)]
     except StickslipError:
         return math.inf
     return math.sqrt(float(np.mean(np.square(errors))))
@@ -433,13 +433,13 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def _coverage(title: str, rows: Sequence[Mapping[str, Any]], key: str) -> Iterator[str]:
     """Yield which share of intervals holds the truth, by parameter and by law."""
-    intervals = [{**one, "truth": row["truth"]} for row in rows for one in row[key]]
-    yield f"coverage, {title}: {share([one['held'] for one in intervals])}"
+    intervals = [{**item, "truth": row["truth"]} for row in rows for item in row[key]]
+    yield f"coverage, {title}: {share([interval['held'] for interval in intervals])}"
     for by in ("path", "truth"):
-        for value in sorted({one[by] for one in intervals}):
-            part = [one for one in intervals if one[by] == value]
-            width = np.median([one["half"] for one in part])
-            held = share([one["held"] for one in part])
+        for value in sorted({interval[by] for interval in intervals}):
+            part = [interval for interval in intervals if interval[by] == value]
+            width = np.median([item["half"] for item in part])
+            held = share([item["held"] for item in part])
             yield f"  {value:40}{held}; median half width {width:.1%}"
 
 

@@ -48,13 +48,13 @@ def is_number(node: ast.expr | None) -> bool:
         case ast.BinOp(left=left, right=right):
             return is_number(left) and is_number(right)
         case ast.Tuple(elts=parts) | ast.List(elts=parts):
-            return bool(parts) and all(is_number(one) for one in parts)
+            return bool(parts) and all(is_number(part) for part in parts)
     return False
 
 
 def constants(tree: ast.Module) -> int:
     """Return the number of named numbers, and named rows of numbers, of a module."""
-    found = 0
+    result = 0
     bodies = [(tree.body, False)]
     bodies += [
         (node.body, node.name in THRESHOLDS) for node in tree.body if isinstance(node, ast.ClassDef)
@@ -74,24 +74,24 @@ def constants(tree: ast.Module) -> int:
                 capital = isinstance(name, ast.Name) and bool(
                     re.fullmatch("_?[A-Z][A-Z0-9_]*", name.id)
                 )
-                found += (capital or threshold) and is_number(value)
-    return found
+                result += (capital or threshold) and is_number(value)
+    return result
 
 
 def counted(rooms: dict[str, list[str]]) -> dict[str, int]:
     """Return code lines by room, modules of all, and numeric constants."""
-    found: Counter[str] = Counter()
+    result: Counter[str] = Counter()
     package = SOURCE / "stickslip"
     for path in sorted(package.rglob("*.py")):
         text = path.read_text(encoding="utf-8")
         tree = ast.parse(text)
         room = room_of(path.relative_to(package).as_posix(), rooms)
-        found[room or "elsewhere"] += lines_of_code(text, tree)
-        found["modules"] += 1
+        result[room or "elsewhere"] += lines_of_code(text, tree)
+        result["modules"] += 1
         if room in COUNTED:
-            found[COUNTED[room]] += constants(tree)
-    found["lines"] = sum(found[room] for room in (*rooms, "elsewhere"))
-    return dict(found)
+            result[COUNTED[room]] += constants(tree)
+    result["lines"] = sum(result[room] for room in (*rooms, "elsewhere"))
+    return dict(result)
 
 
 def main() -> None:
@@ -101,11 +101,11 @@ def main() -> None:
     given = parser.parse_args()
     text = BUDGET.read_text(encoding="utf-8")
     budget = tomllib.loads(text)
-    found = counted(budget["rooms"])
+    result = counted(budget["rooms"])
     over = []
     print(f"{'':28}{'today':>9}{'budget':>9}{'target':>9}")
     for name, limit in budget["budget"].items():
-        today = found.get(name, 0)
+        today = result.get(name, 0)
         print(f"{name:28}{today:9,}{limit:9,}{budget['target'].get(name, 0):9,}")
         if today > limit:
             over.append(f"{name} has {today:,}, {today - limit:,} above its budget of {limit:,}")

@@ -39,16 +39,16 @@ def sections(text: str) -> Sections:
     with warnings.catch_warnings(record=True) as unknown:
         warnings.simplefilter("always")
         parsed = NumpyDocString(text)
-    found = {title: [] for title, content in parsed.items() if content} | {
-        "unknown": [str(one.message).splitlines()[0] for one in unknown]
+    result = {title: [] for title, content in parsed.items() if content} | {
+        "unknown": [str(item.message).splitlines()[0] for item in unknown]
     }
     for title in TITLES:
         for entry in parsed[title]:
             names = entry.name or entry.type  # a lone type is an exception, or what comes back
-            found[title] += [name.strip().lstrip("*") for name in names.split(",")]
+            result[title] += [name.strip().lstrip("*") for name in names.split(",")]
             if not entry.type or not "".join(entry.desc).strip():
-                found["unknown"].append(f"{title} has no type or no word of {names}")
-    return found
+                result["unknown"].append(f"{title} has no type or no word of {names}")
+    return result
 
 
 def raised(function: structure.Function) -> Iterator[str]:
@@ -119,18 +119,18 @@ def of_class(node: ast.ClassDef) -> Iterator[str]:
         return
     listed = told.get("Parameters", []) + told.get("Attributes", [])
     fields, silent = [], []
-    for one, after in zip(node.body, [*node.body[1:], None], strict=True):
-        if isinstance(one, structure.Function) and one.name == "__init__":
-            own = structure.arguments(one, is_method=True)
+    for item, after in zip(node.body, [*node.body[1:], None], strict=True):
+        if isinstance(item, structure.Function) and item.name == "__init__":
+            own = structure.arguments(item, is_method=True)
             fields += own
             silent += own
-            listed += sections(ast.get_docstring(one) or "").get("Parameters", [])
-        if not isinstance(one, ast.AnnAssign) or "ClassVar" in ast.unparse(one.annotation):
+            listed += sections(ast.get_docstring(item) or "").get("Parameters", [])
+        if not isinstance(item, ast.AnnAssign) or "ClassVar" in ast.unparse(item.annotation):
             continue
-        name = ast.unparse(one.target)
+        name = ast.unparse(item.target)
         has_text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
-        has_text |= isinstance(one.value, ast.Call) and any(
-            word.arg == "description" for word in one.value.keywords
+        has_text |= isinstance(item.value, ast.Call) and any(
+            word.arg == "description" for word in item.value.keywords
         )
         if not name.startswith("_"):
             fields.append(name)
@@ -146,14 +146,14 @@ def of_class(node: ast.ClassDef) -> Iterator[str]:
 
 def silent_methods(node: ast.ClassDef, module: str) -> Iterator[tuple[int, str]]:
     """Yield line and name of each public method that neither its class nor a base documents."""
-    methods = [one for one in node.body if isinstance(one, structure.Function)]
-    bare = [one for one in methods if one.name[0] != "_" and not ast.get_docstring(one)]
+    methods = [item for item in node.body if isinstance(item, structure.Function)]
+    bare = [method for method in methods if method.name[0] != "_" and not ast.get_docstring(method)]
     if not bare or node.name.startswith("_"):
         return
     kind = getattr(importlib.import_module(module), node.name)
-    for one in bare:
-        if not any(getattr(vars(base).get(one.name), "__doc__", "") for base in kind.__mro__):
-            yield one.lineno, f"{node.name}.{one.name}"
+    for entry in bare:
+        if not any(getattr(vars(base).get(entry.name), "__doc__", "") for base in kind.__mro__):
+            yield entry.lineno, f"{node.name}.{entry.name}"
 
 
 def members(found: object) -> Iterator[object]:
@@ -172,16 +172,16 @@ def members(found: object) -> Iterator[object]:
 @functools.cache
 def shown() -> frozenset[tuple[str, str]]:
     """Return module and qualified name of each function and class that a page shows."""
-    found: set[tuple[str, str]] = set()
+    result: set[tuple[str, str]] = set()
     for page in sorted((structure.ROOT / "docs").rglob("*.md")):
         for name in names_of(page.read_text(encoding="utf-8")):
             whole = resolved(name)
-            found |= {
-                (one.__module__, one.__qualname__)
-                for one in (whole, *members(whole))
-                if inspect.isfunction(one) or inspect.isclass(one)
+            result |= {
+                (member.__module__, member.__qualname__)
+                for member in (whole, *members(whole))
+                if inspect.isfunction(member) or inspect.isclass(member)
             }
-    return frozenset(found)
+    return frozenset(result)
 
 
 def names_of(page: str) -> Iterator[str]:
@@ -192,18 +192,18 @@ def names_of(page: str) -> Iterator[str]:
             module = rest.strip()
         elif kind == ".. autosummary":
             words = (line.strip() for line in rest.splitlines())
-            yield from (f"{module}.{one}" for one in words if one and not one.startswith(":"))
+            yield from (f"{module}.{word}" for word in words if word and not word.startswith(":"))
 
 
 def resolved(name: str) -> Any:
     """Return what a full name means; of a module and a function of one name, the function."""
     module, *inner = name.split(".")
-    found: Any = importlib.import_module(module)
-    for one in inner:
-        if inspect.ismodule(found) and not hasattr(found, one):
-            importlib.import_module(f"{found.__name__}.{one}")
-        found = getattr(found, one)
-    return getattr(found, name.rpartition(".")[2], found) if inspect.ismodule(found) else found
+    result: Any = importlib.import_module(module)
+    for item in inner:
+        if inspect.ismodule(result) and not hasattr(result, item):
+            importlib.import_module(f"{result.__name__}.{item}")
+        result = getattr(result, item)
+    return getattr(result, name.rpartition(".")[2], result) if inspect.ismodule(result) else result
 
 
 def faults(tree: ast.Module, module: str = "") -> Iterator[tuple[int, str, str]]:
@@ -215,11 +215,11 @@ def faults(tree: ast.Module, module: str = "") -> Iterator[tuple[int, str, str]]
         if "." in name and not ast.get_docstring(function):
             continue  # documented where it is declared, which `silent_methods` holds
         if not module or (module, name) in shown():
-            found = [*of_function(function, arguments, needed=not is_command(function))]
+            result = [*of_function(function, arguments, needed=not is_command(function))]
         else:
             extra = TITLES & sections(ast.get_docstring(function) or "").keys()
-            found = [f"section {one}, but no page shows it" for one in sorted(extra)]
-        for fault in found:
+            result = [f"section {item}, but no page shows it" for item in sorted(extra)]
+        for fault in result:
             yield function.lineno, name, fault
     for node in tree.body:
         if isinstance(node, ast.ClassDef) and (not module or (module, node.name) in shown()):

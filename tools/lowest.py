@@ -19,13 +19,13 @@ def lowest(extras: Sequence[str]) -> list[str]:
     project = tomllib.loads(PYPROJECT.read_text(encoding="utf-8"))["project"]
     optional = project["optional-dependencies"]
     given = [*project["dependencies"], *(line for extra in extras for line in optional[extra])]
-    found = []
+    result = []
     for line in given:
         bound = BOUND.fullmatch(line)
         if bound is None:
             sys.exit(f"{PYPROJECT.name}: {line!r} must be NAME>=VERSION, whose version is tested.")
-        found.append(f"{bound['name']}=={bound['version']}{bound['marker'] or ''}")
-    return found
+        result.append(f"{bound['name']}=={bound['version']}{bound['marker'] or ''}")
+    return result
 
 
 if __name__ == "__main__":

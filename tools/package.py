@@ -31,7 +31,7 @@ SCRIPTS = "Scripts" if os.name == "nt" else "bin"
 def run(*command: object, **settings: object) -> float:
     """Run a command, which must succeed; return how long it took [s]."""
     begun = time.perf_counter()
-    words = [str(one) for one in command]
+    words = [str(item) for item in command]
     print("$", " ".join(words), flush=True)
     environment = {name: v for name, v in os.environ.items() if name != "PYTHONPATH"}
     subprocess.run(words, check=True, env=environment, **settings)  # type: ignore[call-overload]
@@ -55,7 +55,7 @@ def install(python: Path, *wanted: object) -> float:
 
 
 def megabytes(folder: Path) -> int:
-    return sum(one.stat().st_size for one in folder.rglob("*") if one.is_file()) // 1_000_000
+    return sum(item.stat().st_size for item in folder.rglob("*") if item.is_file()) // 1_000_000
 
 
 def built(tools: Path) -> tuple[Path, Path]:
@@ -80,10 +80,10 @@ def download(tools: Path, *wanted: object) -> None:
 
 def follow_the_readme(python: Path, folder: Path) -> None:
     """Install from the wheelhouse, and run what follows in the first block of the README."""
-    found = FIRST.search((ROOT / "README.md").read_text(encoding="utf-8"))
-    if found is None:
+    result = FIRST.search((ROOT / "README.md").read_text(encoding="utf-8"))
+    if result is None:
         sys.exit("README.md has no block that begins with pip install.")
-    _, *others = [line.partition("#")[0].split() for line in found[1].splitlines()]
+    _, *others = [line.partition("#")[0].split() for line in result[1].splitlines()]
     print(f"installed in {install(python, 'stickslip'):.0f} s, {megabytes(python.parents[1])} MB")
     for name, *words in others:
         print(f"took {run(python.parent / name, *words, cwd=folder):.0f} s")
@@ -114,7 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     known = sorted(PROJECT["project"]["optional-dependencies"].keys() - FOR_CONTRIBUTORS)
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--extras", default=",".join(known), help="joined by commas; default: all")
-    asked = [one for one in parser.parse_args(arguments).extras.split(",") if one]
+    asked = [item for item in parser.parse_args(arguments).extras.split(",") if item]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         os.environ["STICKSLIP_CACHE"] = str(folder / "cache")

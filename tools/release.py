@@ -17,24 +17,24 @@ def versions() -> dict[str, str]:
     """Return the version by the file that states it."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     codemeta = json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8"))
-    found = {"pyproject.toml": project["version"], "codemeta.json": codemeta["version"]}
+    result = {"pyproject.toml": project["version"], "codemeta.json": codemeta["version"]}
     for name in ("CITATION.cff", "recipe/recipe.yaml"):
         text = (ROOT / name).read_text(encoding="utf-8")
-        (found[name],) = re.findall(r"^\s*version: \"?([\d.]+)\"?$", text, re.MULTILINE)
-    return found
+        (result[name],) = re.findall(r"^\s*version: \"?([\d.]+)\"?$", text, re.MULTILINE)
+    return result
 
 
 def notes(version: str) -> str:
     """Return what the changelog says of a version; empty if it has no section."""
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     heading = re.compile(rf"^## \[{re.escape(version)}\].*$", re.MULTILINE)
-    found = heading.search(text)
-    return "" if found is None else text[found.end() :].partition("\n## [")[0].strip()
+    result = heading.search(text)
+    return "" if result is None else text[result.end() :].partition("\n## [")[0].strip()
 
 
 def main(tag: str) -> str | None:
     version = tag.removeprefix("v")
-    wrong = [f"{name} has {one}" for name, one in versions().items() if one != version]
+    wrong = [f"{name} has {item}" for name, item in versions().items() if item != version]
     if wrong:
         return f"The tag is {tag}, but {', '.join(wrong)}."
     if not notes(version):

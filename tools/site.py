@@ -47,9 +47,9 @@ class Links(HTMLParser):
 
 @cache
 def links_of(page: Path) -> Links:
-    found = Links()
-    found.feed(page.read_text(encoding="utf-8"))
-    return found
+    result = Links()
+    result.feed(page.read_text(encoding="utf-8"))
+    return result
 
 
 def broken(built: Path) -> Iterator[str]:
@@ -73,12 +73,12 @@ def broken(built: Path) -> Iterator[str]:
 def order(version: str) -> tuple[int, ...]:
     """Sort releases by their numbers; what is no release comes before all."""
     numbers = version.split(".")
-    return tuple(map(int, numbers)) if all(one.isdecimal() for one in numbers) else ()
+    return tuple(map(int, numbers)) if all(number.isdecimal() for number in numbers) else ()
 
 
 def versions(site: Path) -> list[str]:
     """Return the folders of versions, the newest release first."""
-    folders = [one.name for one in site.iterdir() if (one / "index.html").is_file()]
+    folders = [item.name for item in site.iterdir() if (item / "index.html").is_file()]
     return sorted(folders, key=order, reverse=True)
 
 
@@ -86,7 +86,7 @@ def front(site: Path, address: str) -> None:
     """Write the pages of all versions."""
     known = versions(site)
     newest = known[0]
-    items = "\n".join(f'<li><a href="{one}/index.html">{one}</a></li>' for one in known)
+    items = "\n".join(f'<li><a href="{item}/index.html">{item}</a></li>' for item in known)
     listed = f"<ul>\n{items}\n</ul>"
     leads = f'\n<meta http-equiv="refresh" content="0; url={newest}/index.html">'
     base = f'\n<base href="{address.rstrip("/")}/">' if address else ""
@@ -103,8 +103,10 @@ def front(site: Path, address: str) -> None:
     }
     if address:
         here = f"{address.rstrip('/')}/{newest}/"
-        names = sorted(one.relative_to(site / newest) for one in (site / newest).rglob("*.html"))
-        urls = "\n".join(f"<url><loc>{escape(here + one.as_posix())}</loc></url>" for one in names)
+        names = sorted(item.relative_to(site / newest) for item in (site / newest).rglob("*.html"))
+        urls = "\n".join(
+            f"<url><loc>{escape(here + item.as_posix())}</loc></url>" for item in names
+        )
         space = "http://www.sitemaps.org/schemas/sitemap/0.9"
         pages["sitemap.xml"] = (
             f'<?xml version="1.0" encoding="UTF-8"?>\n<urlset xmlns="{space}">\n{urls}\n</urlset>\n'

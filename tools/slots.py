@@ -1,7 +1,7 @@
 """Find which slots of a run's vectors each kernel reads and writes: python -m tools.slots.
 
 A slot is a place with a name in `kernels.state_layout`; where those lie whose size depends on the
-model, `whole` tells under the same name. A function reads a slot if what is there when it begins
+model, `iw` tells under the same name. A function reads a slot if what is there when it begins
 matters, and writes it if something else may be there when it ends: one that is written and not read
 is a result, or scratch. What a function calls is followed, so that the lists are what a caller may
 rely on. What the equations read in every run, parameters and values of the drives, is left out.
@@ -45,7 +45,7 @@ TABLES = (
     "STRUCK",
     "FOLLOWERS",
 )
-"""Tables in `whole` that change in a run of several contacts; the others are sizes and places."""
+"""Tables in `iw` that change in a run of several contacts; the others are sizes and places."""
 ROWS = "LAW_ROWS"
 """Numbers of the laws of several contacts; a table of this name has their places."""
 
@@ -93,8 +93,8 @@ def layout() -> dict[str, list[str]]:
     own += ["BOX", "CHANGES", "TURN"]
     own += names[names.index("MOTION_POINT") : names.index("BRISTLE_SLOPES") + 1]
     own += names[names.index("LOOPS") : names.index("REACHED_SO_FAR") + 1]
-    wholes = names[names.index("MODE") : names.index("WHOLES")]
-    return {"w": [*first, DRIVES, *places, ROWS, *own], "whole": [*wholes, *TABLES]}
+    int_vectors = names[names.index("MODE") : names.index("WHOLES")]
+    return {"w": [*first, DRIVES, *places, ROWS, *own], "whole": [*int_vectors, *TABLES]}
 
 
 class Bare(ast.NodeTransformer):
@@ -109,12 +109,12 @@ class Kernel:
 
     def __init__(self, node: ast.FunctionDef, slots: dict[str, list[str]]) -> None:
         self.node = node
-        self.parameters = [one.arg for one in node.args.args]
+        self.parameters = [arg.arg for arg in node.args.args]
         self.slots = slots
         self.known: dict[str, Slots] = {
-            one.arg: {f"<{one.arg}>"}
-            for one in node.args.args
-            if one.annotation is not None and ast.unparse(one.annotation) == "int"
+            arg.arg: {f"<{arg.arg}>"}
+            for arg in node.args.args
+            if arg.annotation is not None and ast.unparse(arg.annotation) == "int"
         }
         while self._learn():
             pass
@@ -133,15 +133,15 @@ class Kernel:
 
     def _bind(self, target: ast.expr, value: ast.expr) -> None:
         if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-            for one, other in zip(target.elts, value.elts, strict=True):
-                self._bind(one, other)
+            for elt, other in zip(target.elts, value.elts, strict=True):
+                self._bind(elt, other)
         elif isinstance(target, ast.Name):
             self.known.setdefault(target.id, set()).update(self.places(value))
 
     def _ranged(self, node: ast.expr) -> Slots:
         """Return where the places of a loop lie: from one slot up to another, or beside one."""
         order = self.slots["w"]
-        ends = [self.places(one) for one in getattr(node, "args", ())]
+        ends = [self.places(item) for item in getattr(node, "args", ())]
         if ends and all(len(end) == 1 and end <= {*order} for end in ends):
             first, last = (order.index(*end) for end in (ends[0], ends[-1]))
             return set(order[:last] if len(ends) == 1 else order[first:last])
@@ -166,7 +166,11 @@ class Kernel:
             if node.id == "NUMBERS":
                 return {DRIVES}
             return self.known.get(node.id, set())
-        inner = [one for one in ast.iter_child_nodes(node) if isinstance(one, ast.expr)]
+        inner = [
+            iter_child_node
+            for iter_child_node in ast.iter_child_nodes(node)
+            if isinstance(iter_child_node, ast.expr)
+        ]
         if isinstance(node, ast.IfExp):
             inner = [node.body, node.orelse]
         return set().union(*map(self.places, inner))
@@ -191,9 +195,9 @@ def effects(name: str) -> Effects:
     if name in CALLS:
         left = {"<to>"} | LEFT.get(name, set())
         return Effects({"<at>"}, left, left)
-    found = Walk(kernels()[name]).effects
-    found.reads -= MADE_BEFORE.get(name, set())
-    return found
+    result = Walk(kernels()[name]).effects
+    result.reads -= MADE_BEFORE.get(name, set())
+    return result
 
 
 class Walk:
@@ -245,7 +249,7 @@ class Walk:
 
     def _loop(self, node: ast.For, written: Slots) -> Slots:
         """Go through a loop twice: what ends before its own variable is empty at first."""
-        until = [ast.unparse(one) for one in getattr(node.iter, "args", [])]
+        until = [ast.unparse(item) for item in getattr(node.iter, "args", [])]
         if len(until) == 1 and until[0] in self._fresh:
             return written
         variable = ast.unparse(node.target)
@@ -275,8 +279,8 @@ class Walk:
         self.effects.writes |= slots
         if adds:
             self.effects.reads |= slots - written
-        whole = bool(self._loops) or (slots <= single() and len(slots) == 1)
-        return written | slots if whole else written
+        iw = bool(self._loops) or (slots <= single() and len(slots) == 1)
+        return written | slots if iw else written
 
     def _read(self, node: ast.expr, written: Slots) -> Slots:
         """Note what an expression reads, and what the functions do that it calls."""
@@ -296,13 +300,13 @@ class Walk:
     def _passed(self, slots: Slots, name: str, arguments: list[ast.expr]) -> Slots:
         """Return what slots and parameters of a called function are here."""
         names = CALLS[name] if name in CALLS else kernels()[name].parameters
-        found: Slots = set()
-        for one in slots:
-            if one.startswith("<"):
-                found |= self.kernel.places(arguments[names.index(one[1:-1])])
+        result: Slots = set()
+        for slot in slots:
+            if slot.startswith("<"):
+                result |= self.kernel.places(arguments[names.index(slot[1:-1])])
             else:
-                found.add(one)
-        return found
+                result.add(slot)
+        return result
 
 
 @cache
@@ -315,15 +319,21 @@ def single() -> Slots:
 def shown(slots: Slots, kernel: Kernel) -> str:
     """Return slots in the order of the layout, what is behind them, and places of parameters."""
     order = [*kernel.slots["w"], *kernel.slots["whole"]]
-    behind = sorted(one for one in slots if one not in order and not one.startswith("<"))
-    places = [one for one in kernel.parameters if f"<{one}>" in slots and one in PLACES]
-    return ", ".join([*(f"`{one}`" for one in places), *(o for o in order if o in slots), *behind])
+    behind = sorted(slot for slot in slots if slot not in order and not slot.startswith("<"))
+    places = [
+        parameter
+        for parameter in kernel.parameters
+        if f"<{parameter}>" in slots and parameter in PLACES
+    ]
+    return ", ".join(
+        [*(f"`{place}`" for place in places), *(o for o in order if o in slots), *behind]
+    )
 
 
 def lines(name: str) -> list[str]:
     """Return the lists of a kernel in words."""
-    kernel, found = kernels()[name], effects(name)
-    told = (shown(found.reads, kernel), shown(found.writes, kernel))
+    kernel, result = kernels()[name], effects(name)
+    told = (shown(result.reads, kernel), shown(result.writes, kernel))
     return [f"{w}: {text}." for w, text in zip(("Reads", "Writes"), told, strict=True) if text]
 
 

@@ -131,11 +131,11 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 def sources() -> dict[str, Path]:
     """Return the files of the package by the names of their modules."""
-    found = {}
+    result = {}
     for path in sorted((SOURCE / PACKAGE).rglob("*.py")):
         parts = path.relative_to(SOURCE).with_suffix("").parts
-        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
-    return found
+        result[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return result
 
 
 def door(package: str) -> dict[str, str]:
@@ -161,14 +161,14 @@ def imports(
 def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str, set[str]]:
     """Return by module the modules that import it."""
     doors = {package: door(package) for package in stubs.PACKAGES}
-    found: dict[str, set[str]] = defaultdict(set)
+    result: dict[str, set[str]] = defaultdict(set)
     for name, tree in trees.items():
         for other in imports(tree, known, doors):
-            found[other].add(name)
+            result[other].add(name)
     for package in (PACKAGE, f"{PACKAGE}.engine", JUDGE, f"{PACKAGE}.show.plots"):
         for home in doors[package].values():  # what users import
-            found[home].add(package)
-    return found
+            result[home].add(package)
+    return result
 
 
 def lines_of_texts(tree: ast.Module) -> set[int]:
@@ -203,7 +203,9 @@ def comments(text: str) -> int:
     """Return how many comments there are, but for those that speak to tools."""
     tokens = tokenize.generate_tokens(io.StringIO(text).readline)
     spoken = ("# noqa", "# type:", "# fmt:")
-    return sum(one.type == tokenize.COMMENT and not one.string.startswith(spoken) for one in tokens)
+    return sum(
+        token.type == tokenize.COMMENT and not token.string.startswith(spoken) for token in tokens
+    )
 
 
 def at_the_top() -> int:
@@ -250,7 +252,7 @@ def arguments(function: Function, *, is_method: bool) -> list[str]:
     a = function.args
     named = [*a.posonlyargs, *a.args][is_method:]
     rest = [*([a.vararg] if a.vararg else []), *a.kwonlyargs, *([a.kwarg] if a.kwarg else [])]
-    return [one.arg for one in (*named, *rest)]
+    return [item.arg for item in (*named, *rest)]
 
 
 def public_functions(tree: ast.Module) -> Iterator[tuple[str, Function, list[str]]]:
@@ -277,15 +279,15 @@ def route_types(trees: dict[str, ast.Module]) -> set[str]:
     classes = [
         node for tree in trees.values() for node in tree.body if isinstance(node, ast.ClassDef)
     ]
-    found, before = set(ROUTE_BASES), 0
-    while len(found) > before:
-        before = len(found)
-        found |= {
+    result, before = set(ROUTE_BASES), 0
+    while len(result) > before:
+        before = len(result)
+        result |= {
             node.name
             for node in classes
-            if found & {ast.unparse(base).partition("[")[0] for base in node.bases}
+            if result & {ast.unparse(base).partition("[")[0] for base in node.bases}
         }
-    return (found - ROUTE_BASES) | ROUTE_TYPES
+    return (result - ROUTE_BASES) | ROUTE_TYPES
 
 
 def route_checks(tree: ast.Module, types: set[str]) -> tuple[int, int]:
@@ -316,10 +318,10 @@ def watched(what: dict[str, str]) -> dict[str, int]:
             text=True,
             check=True,
         )
-    found: dict[str, int] = json.loads(done.stderr.splitlines()[-1])
-    if found["code"]:
-        raise SystemExit(f"it ended with {found['code']}:\n{done.stderr}")
-    return found
+    result: dict[str, int] = json.loads(done.stderr.splitlines()[-1])
+    if result["code"]:
+        raise SystemExit(f"it ended with {result['code']}:\n{done.stderr}")
+    return result
 
 
 def tests_collected() -> str:
@@ -370,7 +372,7 @@ def table() -> Iterator[tuple[str, object]]:
     for room in UPPER:
         own = [tree for name, tree in trees.items() if name.startswith(f"{PACKAGE}.{room}")]
         by_type, by_text = (
-            sum(found) for found in zip(*(route_checks(t, types) for t in own), strict=True)
+            sum(match) for match in zip(*(route_checks(t, types) for t in own), strict=True)
         )
         yield f"{room}: isinstance and match on types of a route", by_type
         yield f"{room}: comparisons with the name or quantity of a route", by_text

@@ -88,22 +88,22 @@ def folder(package: str) -> Path:
 def door(package: str) -> lazy.Door:
     """Return the names of a package with those of what is registered: laws and mechanisms."""
     importlib.import_module(package)
-    found = lazy.Door(package)
+    result = lazy.Door(package)
     for room, table in REGISTERED.items():
         own = getattr(importlib.import_module(f"{PACKAGES[0]}.{room}"), table)
         if package == PACKAGES[0]:
-            found.homes |= dict.fromkeys(own, f"{package}.{room}")
+            result.homes |= dict.fromkeys(own, f"{package}.{room}")
         elif package == f"{PACKAGES[0]}.{room}":
-            found.homes |= {name: f"{package}.{home}" for name, home in own.items()}
+            result.homes |= {name: f"{package}.{home}" for name, home in own.items()}
         else:
             continue
-        found.public = sorted({*found.public, *own})
+        result.public = sorted({*result.public, *own})
     rooms = tuple(f"{PACKAGES[0]}.{room}" for room in REGISTERED)
-    for name, home in [*found.homes.items()]:  # the stub may have what is registered no more
+    for name, home in [*result.homes.items()]:  # the stub may have what is registered no more
         if home.startswith(rooms) and not hasattr(importlib.import_module(home), name):
-            del found.homes[name]
-            found.public = [one for one in found.public if one != name]
-    return found
+            del result.homes[name]
+            result.public = [item for item in result.public if item != name]
+    return result
 
 
 def stub(package: str) -> str:
@@ -115,10 +115,10 @@ def stub(package: str) -> str:
     extra = EXTRA.get(package, {})
     homes = sorted(names.homes.items()) if package in CONSTRUCTED else ()
     kinds = [getattr(importlib.import_module(home), name) for name, home in homes]
-    made = [one for one in kinds if has_quantities(one)]
-    built = [Declaration(one, made) for one in made]
-    own = {one.name for one in built}
-    needed = {(m, n, alias) for one in built for alias, (m, n) in one.imports.items()}
+    made = [kind for kind in kinds if has_quantities(kind)]
+    built = [Declaration(item, made) for item in made]
+    own = {item.name for item in built}
+    needed = {(m, n, alias) for item in built for alias, (m, n) in item.imports.items()}
     lines = [
         HEAD,
         *(["from dataclasses import dataclass", ""] if built else []),
@@ -136,7 +136,7 @@ def stub(package: str) -> str:
         ]
     )
     lines += ["", *(f"{name}: {kind}\n" for name, kind in extra.items())]
-    lines += [line for one in built for line in one.lines()]
+    lines += [line for item in built for line in item.lines()]
     lines += ["__all__ = [", *(f'    "{name}",' for name in names.public), "]", ""]
     return "\n".join(lines)
 
@@ -154,17 +154,17 @@ def has_quantities(found: object) -> bool:
 def imported(module: str) -> Mapping[str, tuple[str, str]]:
     """Return module and name of what a module imports or defines, by the name it has there."""
     tree = ast.parse(inspect.getsource(sys.modules[module]))
-    found = {}
+    result = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
-            found |= {one.asname or one.name: (node.module, one.name) for one in node.names}
+            result |= {name.asname or name.name: (node.module, name.name) for name in node.names}
     for node in tree.body:
         match node:
             case ast.ClassDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
-                found[name] = module, name
+                result[name] = module, name
             case ast.Assign(targets=[ast.Name(id=name)]):
-                found[name] = module, name
-    return found
+                result[name] = module, name
+    return result
 
 
 def spelt(hint: object) -> str:
@@ -199,12 +199,12 @@ def composition_of(kind: type) -> Any:
 def fields_with_owners(kind: type) -> Iterator[tuple[dataclasses.Field[object], type]]:
     """Yield each field with the class that declares it."""
     for field in dataclasses.fields(kind):  # type: ignore[arg-type]  # a dataclass
-        yield field, next(one for one in kind.__mro__ if field.name in annotations(one))
+        yield field, next(item for item in kind.__mro__ if field.name in annotations(item))
 
 
 def held_by(kind: type, made: Sequence[type]) -> list[str]:
     """Return the fields of a class whose types name one of those that are declared anew."""
-    known = {(one.__module__, one.__name__) for one in made}
+    known = {(item.__module__, item.__name__) for item in made}
     return [
         field.name
         for field, owner in fields_with_owners(kind)
@@ -264,9 +264,9 @@ class Declaration:
             if ast.unparse(node.returns) != "Self" or not node.decorator_list:
                 continue
             taken = [
-                f"{one.arg}: {self._spelt(one.annotation, kind)}{' = ...' if default else ''}"
-                for one, default in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
-                if one.annotation is not None
+                f"{option.arg}: {self._spelt(option.annotation, kind)}{' = ...' if default else ''}"
+                for option, default in zip(node.args.options, node.args.kw_defaults, strict=True)
+                if option.annotation is not None
             ]
             self.imports["_override"] = "typing_extensions", "override"
             yield "    @classmethod"
@@ -274,7 +274,7 @@ class Declaration:
             yield f"    def {node.name}("
             yield "        cls,"
             yield "        *,"
-            yield from (f"        {one}," for one in taken)
+            yield from (f"        {item}," for item in taken)
             yield f"    ) -> {self.name}: ..."
 
     def _compose(self, kind: type) -> None:
@@ -289,7 +289,7 @@ class Declaration:
             self.attributes.append(f"{name}: {spelt(field.hint)}{' = ...' if has else ''}")
         for name in sorted(getattr(base, "__abstractmethods__", ())):
             asked = list(inspect.signature(getattr(base, name)).parameters)[1:]
-            taken = "".join(f", {one}: {EQUATIONS.get(one, '_Scalar')}" for one in asked)
+            taken = "".join(f", {item}: {EQUATIONS.get(item, '_Scalar')}" for item in asked)
             taken += " = ..." * (name == "force")
             gives = EQUATIONS.get(name, "_Scalar")
             self.methods += ["    @_override", f"    def {name}(self{taken}) -> {gives}: ..."]
@@ -303,11 +303,11 @@ class Declaration:
         """Yield the declaration of a subclass with the constructor."""
         yield "@dataclass(frozen=True, kw_only=True, init=False)"
         yield f"class {self.name}({self.base}):"
-        yield from (f"    {one}" for one in self.attributes)
+        yield from (f"    {attribute}" for attribute in self.attributes)
         yield "    def __init__("
         yield "        self,"
         yield "        *,"
-        yield from (f"        {one}," for one in self.parameters)
+        yield from (f"        {parameter}," for parameter in self.parameters)
         yield "    ) -> None: ..."
         yield from self.methods
         yield ""
@@ -327,7 +327,7 @@ class Renamed(ast.NodeTransformer):
         self, module: str, imports: dict[str, tuple[str, str]], public: Sequence[type]
     ) -> None:
         self.module, self.imports = module, imports
-        self.public = {(one.__module__, one.__name__) for one in public}
+        self.public = {(item.__module__, item.__name__) for item in public}
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         """Rename what is not built in."""
@@ -346,14 +346,14 @@ class Renamed(ast.NodeTransformer):
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
         """Read what stands in quotes."""
         if isinstance(node.value, str):
-            found: ast.expr = self.visit(ast.parse(node.value, mode="eval").body)
-            return found
+            result: ast.expr = self.visit(ast.parse(node.value, mode="eval").body)
+            return result
         return node
 
 
 def renew() -> None:
     """Write all stubs, or nothing."""
-    written = {folder(one) / "__init__.pyi": stub(one) for one in PACKAGES}
+    written = {folder(item) / "__init__.pyi": stub(item) for item in PACKAGES}
     for path, text in written.items():
         path.write_text(text, encoding="utf-8")
 

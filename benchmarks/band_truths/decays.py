@@ -60,7 +60,7 @@ def moved(body: Body, q: float, v: float, times: Array, step: float) -> tuple[Ar
         a4 = slope(q + h * v3, v4, side)
         return q + h * (v + 2 * v2 + 2 * v3 + v4) / 6, v + h * (a1 + 2 * a2 + 2 * a3 + a4) / 6
 
-    found = [(q, v)]
+    result = [(q, v)]
     side = math.copysign(1.0, v) if v else math.copysign(1.0, body.pull(q))
     held = not v and abs(body.pull(q)) <= body.level
     for start, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
@@ -80,8 +80,8 @@ def moved(body: Body, q: float, v: float, times: Array, step: float) -> tuple[Ar
             else:
                 q, v = new
             left -= h
-        found.append((q, v))
-    q_, v_ = np.array(found).T
+        result.append((q, v))
+    q_, v_ = np.array(result).T
     return q_, v_
 
 
@@ -191,15 +191,15 @@ def drawn(number: int, seed: int) -> Rig:
         then = np.random.default_rng([62, seed, number])
         others = [again(float(share), then) for share in places.velocity]
         trials = (record, *others)
-        return found.with_(measurement=Measurement(trials=trials), second=None, more=None)
+        return result.with_(measurement=Measurement(trials=trials), second=None, more=None)
 
-    found = Rig(
+    result = Rig(
         kind="decays", truth=name, inside=inside, measurement=record, mechanism=mechanism,
         family=TRUTHS[name][0] if inside else None, curves=(steady,), noise=noises,
         asked=asked, beyond=beyond, parameters=parameters, fitted=fitted if inside else None,
         second=again(float(random.uniform(0.6, 0.9)), random), more=more,
     )  # fmt: skip
-    return found
+    return result
 
 
 def _friction(
@@ -212,7 +212,8 @@ def _friction(
     shares = random.dirichlet(np.full(len(parts), 4.0))
     powers = {"level": 0, "viscous": 1, "drag": 2}
     c = {
-        one: amount * s / top ** powers[one] for one, s in zip(parts, shares.tolist(), strict=True)
+        part: amount * s / top ** powers[part]
+        for part, s in zip(parts, shares.tolist(), strict=True)
     }
     parameters = {NAMES[k]: x for k, x in c.items()}
     return _sum(parameters), parameters
@@ -220,5 +221,5 @@ def _friction(
 
 def _sum(parameters: Mapping[str, float]) -> Callable[[float], float]:
     """Return friction over speeds above 0 of parameters."""
-    level, viscous, drag = (parameters.get(NAMES[one], 0.0) for one in PARTS)
+    level, viscous, drag = (parameters.get(NAMES[item], 0.0) for item in PARTS)
     return lambda v: level + viscous * v + drag * v * v

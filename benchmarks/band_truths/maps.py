@@ -165,12 +165,12 @@ def _remembered(one: Map, steady: Curve, p: Points, t: Array, x: Array, viscous:
 
 def _bristles(ways: Array, length: float) -> Array:
     """Return deflections (n,) of a bristle, -1 to 1: exact for steps of the way."""
-    z, found = 0.0, [0.0]
+    z, result = 0.0, [0.0]
     for way in ways.tolist():
         side = 1.0 if way > 0.0 else -1.0
         z = side * (1.0 - (1.0 - side * z) * float(np.exp(-abs(way) / length)))
-        found.append(z)
-    return np.array(found)
+        result.append(z)
+    return np.array(result)
 
 
 def _faulty(fault: str, f: Array, t: Array, level: float, rate: float, random: Random) -> Array:

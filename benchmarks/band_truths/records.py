@@ -48,7 +48,7 @@ class Wrong:
     """A rig or record that has more to it than `axis_records` knows."""
 
     truth: Truth
-    change: Change = lambda one, _random: one
+    change: Change = lambda item, _random: item
     mechanism: Axis | None = None
     free: bool = True
     """Whether the inertia is looked for."""
@@ -150,7 +150,7 @@ NAMES = {"level_dir": "level_direction", "viscous_dir": "viscous_direction",
          "stribeck_dir": "stribeck_direction", "quadratic": "drag",
          "temperature": "level*temperature", "load": "adhesion"}  # fmt: skip
 """Terms, where `axis_records` calls them otherwise."""
-SOUND = [one for one in (*TRUTHS, *FURTHER) if one.name != "quiet"]
+SOUND = [item for item in (*TRUTHS, *FURTHER) if item.name != "quiet"]
 ALLOWED = {
     "delay": {"delay", "lag"}, "saturation": {"limit"}, "backlash": {"backlash"},
     "spring": {"spring"}, "drift": {"drift"}, "flexible": {"flexible", "resonance"},
@@ -163,9 +163,9 @@ def drawn(number: int, seed: int) -> Rig:
     if number % 2 == 0:
         truth = SOUND[half % len(SOUND)]
         return _rig(truth.name, truth, Wrong(truth=truth, inside=True), seed * 1000 + number)
-    faulty = [(one.name, Wrong(truth=one, named=frozenset(ALLOWED[one.fault]),
-                               steady=one.fault not in {"drift", "spring"}))
-              for one in FAULTS]  # fmt: skip
+    faulty = [(item.name, Wrong(truth=item, named=frozenset(ALLOWED[item.fault]),
+                               steady=item.fault not in {"drift", "spring"}))
+              for item in FAULTS]  # fmt: skip
     name, wrong = [*WRONG.items(), *faulty][half % (len(WRONG) + len(faulty))]
     return _rig(name, wrong.truth, wrong, seed * 1000 + number)
 
@@ -203,16 +203,16 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
             parameters[KINETIC] = level
         elif p.step_forward and p.step_forward == p.step_backward:
             parameters |= {KINETIC: level, STATIC: level + p.step_forward}
-    family = frozenset(NAMES.get(one, one) for one in truth.kinds.split())
+    family = frozenset(NAMES.get(item, item) for item in truth.kinds.split())
 
     def more(places: Points, number: int) -> Rig:
         """Return the record with another one of steady motion at the places."""
         then = np.random.default_rng([seed, number])
         made = record(truth, 2 * number + 1, SECONDS, places.velocity.tolist())
-        trials = (found.measurement, _measured(wrong.change(made, then)))
-        return found.with_(measurement=Measurement(trials=trials), second=None, more=None)
+        trials = (result.measurement, _measured(wrong.change(made, then)))
+        return result.with_(measurement=Measurement(trials=trials), second=None, more=None)
 
-    found = Rig(
+    result = Rig(
         kind="records", truth=name, inside=wrong.inside, measurement=_measured(first),
         mechanism=wrong.mechanism or Axis(inertia=1.3 * p.inertia),
         unknown=("mechanism.inertia",) if wrong.free else (),
@@ -224,7 +224,7 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
         parameters={k: v for k, v in parameters.items() if v}, second=_measured(second),
         more=more if wrong.inside else None,
     )  # fmt: skip
-    return found
+    return result
 
 
 def _shown(one: AxisRecord) -> Curve:
@@ -242,7 +242,7 @@ def _shown(one: AxisRecord) -> Curve:
     def scatter(q: Points) -> Array:
         at = np.searchsorted(speed[order], np.abs(q.velocity))
         windows = (fast[order][max(k - near, 0) : k + near] for k in np.minimum(at, len(speed)))
-        return np.array([1.4826 * float(np.median(one)) for one in windows])
+        return np.array([1.4826 * float(np.median(window)) for window in windows])
 
     return scatter
 

@@ -113,5 +113,5 @@ def asked_over(low: float, high: float, *, both: bool) -> tuple[Points, Points]:
     over = np.concatenate([np.geomspace(low / 3.0, low, 8)[:-1],
                            np.geomspace(high, 2.0 * high, 5)[1:]])  # fmt: skip
     sides = (-1.0, 1.0) if both else (1.0,)
-    found = [np.concatenate([side * u for side in sides]) for u in (inside, over)]
-    return Points(velocity=found[0]), Points(velocity=found[1])
+    result = [np.concatenate([side * u for side in sides]) for u in (inside, over)]
+    return Points(velocity=result[0]), Points(velocity=result[1])

@@ -406,7 +406,7 @@ def _places(random: Random, how: str, top: float) -> Points:
 
 def _asked(random: Random, how: str, p: Points) -> tuple[Points, Points]:
     """Return points within the range of what was measured, and beyond it."""
-    found = []
+    result = []
     for far in (False, True):
         parts = []
         for side in (-1.0, 1.0):
@@ -428,8 +428,8 @@ def _asked(random: Random, how: str, p: Points) -> tuple[Points, Points]:
         if p.inputs:
             warm = p.inputs["temperature"]
             inputs = {"temperature": random.uniform(warm.min(), warm.max(), len(v))}
-        found.append(Points(velocity=v, load=load, inputs=inputs))
-    return found[0], found[1]
+        result.append(Points(velocity=v, load=load, inputs=inputs))
+    return result[0], result[1]
 
 
 def _table(
@@ -471,7 +471,7 @@ def _table(
         held = random.uniform(-0.9, 0.9, 3) * abs(float(truth.values[0]))
         p = Points(velocity=np.concatenate([p.velocity, still]))
         friction = np.concatenate([friction, held])
-        runs, wrong = (np.concatenate([one, np.zeros(3, one.dtype)]) for one in (runs, wrong))
+        runs, wrong = (np.concatenate([item, np.zeros(3, item.dtype)]) for item in (runs, wrong))
     family = truth.family
     if how == "runs":
         family = frozenset({*(family or ()), "run"})
@@ -522,11 +522,11 @@ def _spoilt(
 
 
 def _parameters(names: tuple[str, ...], values: Array) -> list[tuple[str, float]]:
-    found = []
+    result = []
     for text, value in zip(names, values, strict=False):
         name, _, over = text.partition("/")
-        found.append((name, float(value) / (float(over) if over else 1.0)))
-    return found
+        result.append((name, float(value) / (float(over) if over else 1.0)))
+    return result
 
 
 def _measured(p: Points, friction: Array, runs: Array) -> Measurement:

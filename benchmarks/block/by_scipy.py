@@ -71,11 +71,11 @@ def by_events(hold: float, seconds: float) -> Run:
         for force, start, end in pushes(hold, seconds):
             slips = slips or force > F_S
             if slips:
-                found = solve_ivp(
+                result = solve_ivp(
                     slipping, (start, end), y, method="DOP853", rtol=1e-9, atol=1e-12,
                     events=stop, args=(force,),
                 )  # fmt: skip
-                y, slips = found.y[:, -1], found.status == 0
+                y, slips = result.y[:, -1], result.status == 0
             y = [float(y[0]), float(y[1]) if slips else 0.0]
             places.append(y[0])
         return Places(before=places[-2], after=places[-1])

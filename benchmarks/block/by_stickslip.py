@@ -18,8 +18,8 @@ def build(tier: str, hold: float, seconds: float) -> Run:
     solver = EventDriven(tier=tier)
 
     def run() -> Places:
-        found = simulate(block, LAW, t_end=ends[-1], solver=solver)
-        before, after = found.at(ends[-2:])["x"]
+        result = simulate(block, LAW, t_end=ends[-1], solver=solver)
+        before, after = result.at(ends[-2:])["x"]
         return Places(before=float(before), after=float(after))
 
     return run

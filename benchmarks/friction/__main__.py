@@ -78,23 +78,23 @@ def _run(given: argparse.Namespace, command: str) -> int:
             return not interrupts.stopped
 
         names = [task.name for task in chosen]
-        found = run(names, folder, peers=peers, executor=pool, progress=progress)
-    if not found.rows:
+        result = run(names, folder, peers=peers, executor=pool, progress=progress)
+    if not result.rows:
         console.note("No fit is there yet: the same command begins again.")
         return CANCELLED
-    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
+    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(result)
     lines = io.StringIO()
     csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
     reproduce = [f"python -m benchmarks.friction {command}".strip()]
-    page = render(benchmark_page(found, reproduce=reproduce))
+    page = render(benchmark_page(result, reproduce=reproduce))
     write_files({folder / PAGE: page, folder / SUMMARY: lines.getvalue()})
     if given.json:
-        content = {"folder": str(folder), "made": found.made, "complete": found.complete}
+        content = {"folder": str(folder), "made": result.made, "complete": result.complete}
         console.print_json(document("benchmark-run", content))
     else:
         console.show_table("", heads, cells, whole=["task"])
         console.stdout().print(f"\nReport: {folder / PAGE}")
-    if not found.complete:
+    if not result.complete:
         console.note("Not all fits are there: the same command goes on.")
         return CANCELLED
     return 0
@@ -102,7 +102,7 @@ def _run(given: argparse.Namespace, command: str) -> int:
 
 def _with_data(chosen: Sequence[Task]) -> list[Task]:
     """Return the tasks whose records are there, or could be got; say licences, and what is not."""
-    found = []
+    result = []
     for task in chosen:
         record = task.dataset
 
@@ -115,10 +115,10 @@ def _with_data(chosen: Sequence[Task]) -> list[Task]:
         except InputError as error:
             console.note(f"{task.name}: left out: {error}")
         else:
-            found.append(task)
-    if not found:
+            result.append(task)
+    if not result:
         raise InputError("there is no record for any of the tasks: stickslip data list")
-    return found
+    return result
 
 
 def _list(chosen: Sequence[Task], *, as_json: bool) -> None:

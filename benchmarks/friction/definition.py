@@ -139,8 +139,8 @@ class ForceError(Metric):
     """What it is, in words."""
 
     def of(self, fit: LawFit | JointLawFit, record: Measurement) -> Error:
-        found = fit.predict(record)
-        joints = [found] if isinstance(found, Foreseen) else [*found.values()]
+        result = fit.predict(record)
+        joints = [result] if isinstance(result, Foreseen) else [*result.values()]
         squares = np.zeros(BLOCKS)
         for own in joints:
             left = (own.measured - own.band.median) ** 2 / np.var(own.measured)
@@ -189,8 +189,8 @@ class FeatureError(Metric):
     """What it is, in words."""
 
     def of(self, fit: SimulatedFit[Any], record: Measurement) -> Error:
-        found = list(fit.judged(record).values())
-        return Error(float(np.sqrt(np.mean(np.square(found)))))
+        result = list(fit.judged(record).values())
+        return Error(float(np.sqrt(np.mean(np.square(result)))))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -111,7 +111,7 @@ def samples(
     motor = getattr(mechanism, "drive", None)
     if motor is not None:  # what drives is known from its voltage
         mechanism = replace(cast("Any", mechanism), drive=None, inertia=motor.rotor_inertia)
-    measured = any("friction" in one.quantities() for one in record.records())
+    measured = any("friction" in item.quantities() for item in record.records())
     torques = None if measured else JointTorques.of(mechanism, linear)
     start = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     known = np.array([start[path] for path in linear])
@@ -159,8 +159,8 @@ def samples(
 
 def _on(record: Measurement, even: Array) -> Array:
     """Return the voltage of a record at other times (n,)."""
-    found: Array = np.interp(even, np.asarray(record.time), record.values("voltage"))
-    return found
+    result: Array = np.interp(even, np.asarray(record.time), record.values("voltage"))
+    return result
 
 
 def _even(
@@ -216,8 +216,8 @@ class Regression:
         for path in own:
             # An offset is a constant of the rows of its joint.
             if "offset" in path:
-                found = [j for j, name in enumerate(self.rows.names) if path.endswith(f".{name}")]
-                self.constants[path] = np.isin(self.rows.joint, found or [0])
+                result = [j for j, name in enumerate(self.rows.names) if path.endswith(f".{name}")]
+                self.constants[path] = np.isin(self.rows.joint, result or [0])
 
     def __call__(self, coordinates: Array) -> Array:
         """Return the predicted force (n,)."""
@@ -311,15 +311,15 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         return np.nan_to_num(model.rows.force - model(at), nan=1e6, posinf=1e6, neginf=-1e6)
 
     with np.errstate(all="ignore"):
-        found = lmfit.minimize(residual, unknown, method="leastsq", max_nfev=200 * len(start))
-    covariance = getattr(found, "covar", None)
+        result = lmfit.minimize(residual, unknown, method="leastsq", max_nfev=200 * len(start))
+    covariance = getattr(result, "covar", None)
     full = None
     if covariance is not None:
         # Coordinates that it held at a limit have no row.
         full = np.zeros((len(start), len(start)))
-        own = [int(name[1:]) for name in found.var_names]
+        own = [int(name[1:]) for name in result.var_names]
         full[np.ix_(own, own)] = covariance
-    best = np.array([param.value for param in found.params.values()])
+    best = np.array([param.value for param in result.params.values()])
     return model.found(best, full, _of_rows(model))
 
 
@@ -344,13 +344,13 @@ def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     optimizer = sindy.STLSQ(threshold=SPARSE, alpha=0.0)
     with contextlib.redirect_stdout(io.StringIO()):
         optimizer.fit(columns / scale, (a / np.std(a))[:, None])
-    found = dict(zip(table, np.ravel(optimizer.coef_) / scale * np.std(a), strict=True))
-    kept = [name for name, value in found.items() if value != 0.0]
-    if not found["force"] > 0.0:
+    result = dict(zip(table, np.ravel(optimizer.coef_) / scale * np.std(a), strict=True))
+    kept = [name for name, value in result.items() if value != 0.0]
+    if not result["force"] > 0.0:
         raise ConvergenceError("it drops the force from the acceleration")
     # Divided by the coefficient of the force, the acceleration's equation is that of forces.
-    shares = {name: value / found["force"] for name, value in found.items()}
-    shares["a"] = 1.0 / found["force"]
+    shares = {name: value / result["force"] for name, value in result.items()}
+    shares["a"] = 1.0 / result["force"]
     values = inertia(shares) | {
         "mechanism.offset": -shares["1"],
         "friction.viscous_coefficient": -shares["v"],
@@ -562,10 +562,10 @@ def by_speed(
         def logarithmic(v: Array, c: float, a: float) -> Array:
             return c + a * np.log(v)
 
-        found = lmfit.Model(logarithmic).fit(fitted[1], v=fitted[0], c=0.5, a=0.01)
-        best = [found.params[key].value for key in ("c", "a")]
-        halves = np.array([NORMAL * found.params[key].stderr for key in ("c", "a")])
-        predicted, paths = found.eval(v=judged[0]), ("c", "a")
+        result = lmfit.Model(logarithmic).fit(fitted[1], v=fitted[0], c=0.5, a=0.01)
+        best = [result.params[key].value for key in ("c", "a")]
+        halves = np.array([NORMAL * result.params[key].stderr for key in ("c", "a")])
+        predicted, paths = result.eval(v=judged[0]), ("c", "a")
     error = float(np.sqrt(np.mean((judged[1] - predicted)[late] ** 2)))
     note = f"{len(fitted[0]):,} rows, the speed of the load point; {WHITE}"
     values = dict(zip(paths, map(float, best), strict=True))

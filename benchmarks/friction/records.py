@@ -446,7 +446,7 @@ class Log:
 
 def logs() -> list[Log]:
     """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
-    found, record = [], dataset(SERVO)
+    result, record = [], dataset(SERVO)
     for file in record.files:
         d: Any = parquet_data(record.path(file))
         t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
@@ -454,7 +454,7 @@ def logs() -> list[Log]:
         bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
         last = np.searchsorted(t, grid, side="right") - 1  # goals are held
         off = float(t[~on][0]) if not on.all() else math.inf
-        found.append(
+        result.append(
             Log(
                 name=file,
                 gain=int(file.partition("_")[0].removeprefix("kp")),
@@ -465,7 +465,7 @@ def logs() -> list[Log]:
                 off=off - grid[0],
             )
         )
-    return found
+    return result
 
 
 def joined(chosen: Sequence[Log], *, loop: bool = False) -> Measurement:

@@ -71,14 +71,14 @@ def tasks() -> Mapping[str, Task]:
     """
     from benchmarks.friction.records import TASKS
 
-    found = list(TASKS)
+    result = list(TASKS)
     for entry in entry_points(group=GROUP):
         own = entry.load()
-        found += [own] if isinstance(own, Task) else own
-    names = [one.name for one in found]
+        result += [own] if isinstance(own, Task) else own
+    names = [item.name for item in result]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InputError(f"two tasks of the benchmark are called {min(twice)!r}.")
-    return MappingProxyType({one.name: one for one in found})
+    return MappingProxyType({item.name: item for item in result})
 
 
 def task(name: str) -> Task:
@@ -231,7 +231,7 @@ def run(
             raise UnknownNameError("peer of the benchmark", name, PEERS)
         if not _version(PEERS[name].package):  # before minutes of fits
             require_library(PEERS[name].package, "bench", f"leave the peer {name} out")
-    pairs = [(one.name, tool) for one in chosen for tool in (OURS, *tools)]
+    pairs = [(item.name, tool) for item in chosen for tool in (OURS, *tools)]
     folder = Path(folder)
     known = _read(folder / JOURNAL)
     # By all that a result depends on: a result of other code or data is not taken.
@@ -297,8 +297,8 @@ def _fit(case: Task, law: Any, record: Any) -> Any:
 def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
     # Processor time: other programs of a loaded machine do not count.
     begun = time.process_time()
-    found = work()
-    return time.process_time() - begun, found
+    result = work()
+    return time.process_time() - begun, result
 
 
 def _ours(case: Task) -> Iterator[Row]:
@@ -310,8 +310,8 @@ def _ours(case: Task) -> Iterator[Row]:
             own = replace(row, law=law, title=law)
             try:
                 own = replace(own, title=law_type(law).title)
-                seconds, found = _timed(partial(_fit, case, law, fitted))
-                yield _judged(replace(own, seconds=seconds), case, found, judging)
+                seconds, result = _timed(partial(_fit, case, law, fitted))
+                yield _judged(replace(own, seconds=seconds), case, result, judging)
             except StickslipError as error:
                 yield replace(own, failed=str(error))
         return
@@ -367,8 +367,8 @@ def _of_peer(case: Task, tool: str) -> Iterator[Row]:
         return
     # Its own fit tells unknowns and start, and judges values of others by the same steps.
     own = _fit(case, peer.law, fitted)
-    seconds, found = _timed(lambda: peer.fit(case, fitted, own))
-    at = _at(own, found)
+    seconds, result = _timed(lambda: peer.fit(case, fitted, own))
+    at = _at(own, result)
     row = Row(task=case.name, tool=tool, law=peer.law, title=peer.title, seconds=seconds)
     error, doubt = case.metric.of(at, judging)
     estimates = tuple(
@@ -376,13 +376,13 @@ def _of_peer(case: Task, tool: str) -> Iterator[Row]:
             "path": item.path,
             "symbol": item.quantity.symbol,
             "unit": item.quantity.unit,
-            "value": found.values[item.path],
-            "low": _end_of(found, item.path, -1.0),
-            "high": _end_of(found, item.path, 1.0),
+            "value": result.values[item.path],
+            "low": _end_of(result, item.path, -1.0),
+            "high": _end_of(result, item.path, 1.0),
         }
         for item in own.free_parameters.items
     )
-    yield replace(row, error=error, doubt=doubt, estimates=estimates, outcome=found.note)
+    yield replace(row, error=error, doubt=doubt, estimates=estimates, outcome=result.note)
 
 
 def _end_of(found: Found, path: str, side: float) -> float | None:
@@ -441,10 +441,10 @@ def _digest(name: str, tool: str) -> str:
 def _code() -> str:
     """Return the hash of all code of this package."""
     # Of all files: what a result depends on cannot be told from the outside.
-    found = hashlib.sha256()
+    result = hashlib.sha256()
     for path in sorted(Path(str(files(OURS))).rglob("*.py")):
-        found.update(path.read_bytes())
-    return found.hexdigest()
+        result.update(path.read_bytes())
+    return result.hexdigest()
 
 
 def _plain(row: Row) -> dict[str, Any]:
@@ -466,21 +466,21 @@ def _row(plain: Mapping[str, Any]) -> Row:
 
 def _read(path: Path) -> dict[str, list[Row]]:
     """Return results by their hash; a last line that was cut off counts as not there."""
-    found: dict[str, list[Row]] = {}
+    result: dict[str, list[Row]] = {}
     try:
         lines = regular_bytes(path).decode("utf-8").splitlines()
     except FileNotFoundError:
-        return found
+        return result
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read: {error}.") from None
     # Each line by itself: one that was cut off does not cost the others.
     for line in lines:
         try:
             entry = json.loads(line)
-            found[entry["digest"]] = [_row(row) for row in entry["rows"]]
+            result[entry["digest"]] = [_row(row) for row in entry["rows"]]
         except (KeyError, RecursionError, TypeError, ValueError):
             continue
-    return found
+    return result
 
 
 def _append(path: Path, digest: str, rows: Sequence[Row]) -> None:
@@ -546,15 +546,15 @@ def error_text(scale: Scale, row: Row | None) -> tuple[str, str]:
 
 def summary_rows(results: Results) -> list[list[str]]:
     """Return the cells of the overview: task, our law, its error, that of each peer."""
-    found = []
+    result = []
     for name in dict.fromkeys(row.task for row in results.rows):
         rows, case = results.of(name), task(name)
         scale, ours = scale_for(case, rows), of_ours(rows)
         law = "" if ours is None else ours.title + ("" if ours.named else " (not named)")
         by_tool = {row.tool: row for row in rows}
         judged = (ours, *(by_tool.get(tool) for tool in PEERS))
-        found.append([name, law, *(_in_words(scale, row) for row in judged)])
-    return found
+        result.append([name, law, *(_in_words(scale, row) for row in judged)])
+    return result
 
 
 def _in_words(scale: Scale, row: Row | None) -> str:
@@ -659,7 +659,7 @@ def _table(scale: Scale, rows: Sequence[Row]) -> Table:
         Column(head="processor\ns", numeric=True, phone="label"),
         Column(head="remark", phone="label"),
     )
-    found = []
+    result = []
     for row in rows:
         value, doubt = error_text(scale, row)
         tool = "stickslip" if row.tool == OURS else row.tool
@@ -671,8 +671,8 @@ def _table(scale: Scale, rows: Sequence[Row]) -> Table:
             number(row.seconds, 2),
             remark or NONE,
         )
-        found.append(TableRow(cells=cells, chosen=row.named, muted=False))
-    return Table(columns=columns, rows=tuple(found))
+        result.append(TableRow(cells=cells, chosen=row.named, muted=False))
+    return Table(columns=columns, rows=tuple(result))
 
 
 def parameters_text(estimates: Sequence[Mapping[str, Any]]) -> str:

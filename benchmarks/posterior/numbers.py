@@ -103,13 +103,13 @@ def held(what: str, value: float, more: str = "", low: float = HELD[0]) -> Numbe
 
 
 def _mean(rows: Rows, key: str) -> float:
-    found = [row[key] for row in rows if row.get(key) is not None]
-    return float(np.mean(found)) if found else math.nan
+    result = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.mean(result)) if result else math.nan
 
 
 def _middle(rows: Rows, key: str) -> float:
-    found = [row[key] for row in rows if row.get(key) is not None]
-    return float(np.median(found)) if found else math.nan
+    result = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.median(result)) if result else math.nan
 
 
 # ---- made-up tables, maps, records and decays
@@ -160,7 +160,7 @@ def tables(asked: Asked) -> Iterator[Number]:
 
 
 def _intervals(kind: str, rows: Rows) -> Iterator[Number]:
-    every = [one for row in rows for one in row.get("intervals", ()) if one["bounded"]]
+    every = [item for row in rows for item in row.get("intervals", ()) if item["bounded"]]
     for key, words in (("law", "named law"), ("any", "all laws")):
         yield held(f"{kind}: intervals, {words}", _mean(every, key), f" of {len(every)}")
 
@@ -199,10 +199,10 @@ def records(asked: Asked) -> Iterator[Number]:
     yield held("records, wrong or outside: steady band", _mean(told, "point"), stated)
     for name in ("inertia", "viscous_coefficient"):
         own = [
-            one["any"]
+            item["any"]
             for row in sound
-            for one in row.get("intervals", ())
-            if one["path"].endswith(name)
+            for item in row.get("intervals", ())
+            if item["path"].endswith(name)
         ]
         share = float(np.mean(own)) if own else math.nan
         yield held(f"records, sound: {name} inside", share, f" of {len(own)}")
@@ -256,9 +256,9 @@ def decays(asked: Asked) -> Iterator[Number]:
 def special(asked: Asked) -> Iterator[Number]:
     """Yield what tables that are special in one thing show."""
     for name in study.SPECIAL:
-        found = study.of_special(name, asked.seed, asked.count(SPECIAL))
-        width = float(np.median([one.width for one in found]))
-        share = float(np.mean([one.inside for one in found]))
+        result = study.of_special(name, asked.seed, asked.count(SPECIAL))
+        width = float(np.median([item.width for item in result]))
+        share = float(np.mean([item.inside for item in result]))
         yield least(f"special tables, {name}", 0.93, share, f", ±{width:.1%}")
         if name == "sorted joint":
             yield most("sorted joint tables: half-width over friction", 0.03, width)
@@ -271,10 +271,10 @@ def odds(asked: Asked) -> Iterator[Number]:
         ("weak sound tables not distinguished from zero", study.weak, False, 0),
         ("frictionless tables told to have friction", study.frictionless, True, 1),
     ):
-        found = [
+        result = [
             study.is_told(made(np.random.default_rng([asked.seed, 60, k]))) for k in range(count)
         ]
-        number = sum(one == wrong for one in found)
+        number = sum(item == wrong for item in result)
         yield Number(
             what=f"{what}, {count}", asked=f"<= {allowed}", measured=str(number),
             met=number <= allowed,
@@ -301,7 +301,7 @@ def lugre(asked: Asked) -> Iterator[Number]:
         verdict: Any = select(guess, None, record, vary=vary, route="balance")
         named += "LuGre" in verdict.closest.title
         truth = {**vars(rig.law), "inertia": rig.axis.inertia}
-        known = {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+        known = {parameter.path.rpartition(".")[2]: parameter for parameter in verdict.parameters}
         own = [
             name in known and known[name].low_any <= truth[name] <= known[name].high_any
             for name in sorted(LUGRE)
@@ -318,18 +318,18 @@ def lugre(asked: Asked) -> Iterator[Number]:
 
 def swings(asked: Asked) -> Iterator[Number]:
     """Yield what swings show whose length is given off."""
-    found = []
+    result = []
     for k in range(asked.count(SWINGS)):
-        found.append(study.swung(study.swing(k, asked.seed)))
-        print(found[-1], file=sys.stderr)
+        result.append(study.swung(study.swing(k, asked.seed)))
+        print(result[-1], file=sys.stderr)
     for inside, where, low in ((True, "inside", 0.93), (False, "outside", 0.9)):
-        own = [one for one in found if one.inside == inside]
-        width = float(np.median([one.width for one in own]))
-        share = float(np.mean([one.held for one in own]))
+        own = [item for item in result if item.inside == inside]
+        width = float(np.median([item.width for item in own]))
+        share = float(np.mean([item.held for item in own]))
         yield held(f"swings, {where}, {len(own)}: steady band", share, f", ±{width:.1%}", low)
-        ahead = float(np.median([one.ahead for one in own]))
+        ahead = float(np.median([item.ahead for item in own]))
         yield most(f"swings, {where}: last 40 % over the reading error, median", 1.3, ahead)
-        lengths = float(np.mean([one.length for one in own]))
+        lengths = float(np.mean([item.length for item in own]))
         yield least(f"swings, {where}: length inside", 0.93, lengths)
 
 
@@ -352,7 +352,7 @@ def features(asked: Asked) -> Iterator[Number]:
         yield held(f"features, {where}: at other settings", share, f" of {len(told)}", 0.93)
         yield least(f"features, {where}: name right or equal", 0.93, _mean(own, "right"), refused)
     for key, words in (("lawful", "law right"), ("intervals", "all laws")):
-        every = [one["held"] for row in judged for one in row[key]]
+        every = [item["held"] for row in judged for item in row[key]]
         yield held(f"features: intervals, {words}", float(np.mean(every)), f" of {len(every)}")
     doubt = [row for row in judged if row["doubt"]]
     without = sum(not row["advised"] for row in doubt)
@@ -376,37 +376,37 @@ def real(asked: Asked) -> Iterator[Number]:
     for line in real_records.lines():
         every.append(line)
         print(line, file=sys.stderr)
-    found = [one for one in every if not one.reason]
-    false = sum(bool(one.false) for one in every)
+    result = [item for item in every if not item.reason]
+    false = sum(bool(item.false) for item in every)
     yield Number(
         what=f"real sets: lines with a false statement, {len(every)}", asked="0",
         measured=str(false), met=not false,
     )  # fmt: skip
-    inside = [one.inside for one in found]
+    inside = [item.inside for item in result]
     enough = sum(x >= 0.9 for x in inside)
     yield Number(
         what="real sets: readings of another part inside", asked=">= 0.9 each, .94 median",
-        measured=f"{enough} of {len(found)} above .9, median {np.median(inside):.3f}",
-        met=enough == len(found) and float(np.median(inside)) >= 0.94,
+        measured=f"{enough} of {len(result)} above .9, median {np.median(inside):.3f}",
+        met=enough == len(result) and float(np.median(inside)) >= 0.94,
     )  # fmt: skip
-    ratios = [one.ratio for one in found]
+    ratios = [item.ratio for item in result]
     yield most("real sets: half-width over error, median", 2.0, float(np.median(ratios)))
     yield most("real sets: half-width over error, worst", 4.0, max(ratios))
-    above = [one for one in found if one.excess > 1.05]
-    below = sum(one.excess < 1.0 for one in found)
+    above = [item for item in result if item.excess > 1.05]
+    below = sum(item.excess < 1.0 for item in result)
     yield Number(
         what="real sets: error above Coulomb + viscous by 5 %", asked="0",
         measured=f"{len(above)}, below it on {below}", met=not above,
     )  # fmt: skip
-    axis = [one for one in found if one.name.startswith("EMPS")]
-    known = max((one.known for one in axis), default=math.nan)
+    axis = [item for item in result if item.name.startswith("EMPS")]
+    known = max((item.known for item in axis), default=math.nan)
     yield most("EMPS, other half: steady half-width", 0.025, known)
-    mass = not any("inertia" in said for one in axis for said in one.false)
+    mass = not any("inertia" in said for item in axis for said in item.false)
     yield Number(
         what="EMPS: mass 95.15 kg", asked="inside", met=mass,
-        measured=", ".join(one.interval for one in axis),
+        measured=", ".join(item.interval for item in axis),
     )  # fmt: skip
-    handed = max((one.handed / one.spread for one in axis), default=math.nan)
+    handed = max((item.handed / item.spread for item in axis), default=math.nan)
     yield most("EMPS, other half: error of the law handed over, over the force", 0.082, handed)
     yield Number(
         what="sorted public joint tables", asked="half-width .03, readings .93",
@@ -430,9 +430,9 @@ def times(asked: Asked) -> Iterator[Number]:
 
 def sizes(asked: Asked) -> Iterator[Number]:
     """Yield how large the code is."""
-    found = counted(tomllib.loads(BUDGET.read_text(encoding="utf-8"))["rooms"])
-    yield most("code lines of identify", CODE, found["judge"], form=",.0f")
-    yield most("named numbers of identify", CONSTANTS, found["constants"], form=".0f")
+    result = counted(tomllib.loads(BUDGET.read_text(encoding="utf-8"))["rooms"])
+    yield most("code lines of identify", CODE, result["judge"], form=",.0f")
+    yield most("named numbers of identify", CONSTANTS, result["constants"], form=".0f")
     yield most("classes of results of identify", CLASSES, len(result_classes()), form=".0f")
 
 
@@ -445,11 +445,11 @@ def result_classes() -> list[str]:
     registry.kinds()  # which loads all of them
 
     def below(kind: Any) -> set[type]:
-        return {kind}.union(*(below(one) for one in kind.__subclasses__()))
+        return {kind}.union(*(below(subclass) for subclass in kind.__subclasses__()))
 
     kinds: tuple[Any, ...] = (Fit, Candidate, Verdict)
-    every = set[type]().union(*(below(one) for one in kinds))
-    own = {one.__name__ for one in every if one.__module__.startswith("stickslip.identify")}
+    every = set[type]().union(*(below(kind) for kind in kinds))
+    own = {item.__name__ for item in every if item.__module__.startswith("stickslip.identify")}
     return sorted(own)
 
 
@@ -479,7 +479,7 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--quick", action="store_true", help="a sixth of the made-up truths")
     parser.add_argument("-o", "--results", type=Path, default=Path(bands.RESULTS))
     given = parser.parse_args(arguments)
-    if unknown := [one for one in given.parts if one not in PARTS]:
+    if unknown := [part for part in given.parts if part not in PARTS]:
         parser.error(f"no part {', '.join(unknown)}; there are {', '.join(PARTS)}")
     asked = Asked(seed=given.seed, quick=given.quick, results=given.results)
     print(f"seed {given.seed}{', a sixth of the truths' * given.quick}")

@@ -63,8 +63,8 @@ def specimens(random: Random, *, new: bool) -> tuple[Measurement, Callable[[Arra
     factors = random.normal(1.0, 0.05, 7)
     shape = 5.0 + 2.0 * np.exp(-((v / 0.05) ** 2)) + 3.0 * v
     trials = tuple(
-        Measurement(velocity=v, friction=one * shape * random.normal(1.0, 0.004, 8))
-        for one in factors[:6]
+        Measurement(velocity=v, friction=item * shape * random.normal(1.0, 0.004, 8))
+        for item in factors[:6]
     )
     own = factors[6] if new else factors[int(random.integers(6))]
     return (
@@ -135,19 +135,19 @@ class Held:
 
 def of_special(name: str, seed: int, count: int) -> list[Held]:
     """Return what bands of special tables hold of the truth."""
-    found = []
+    result = []
     for k in range(count):
         table, true = SPECIAL[name](np.random.default_rng([seed, k]))
         judgement = judged_table(AXIS, table)
         rows = judgement.problem.asked()
         band, y = judgement.band(rows, new="new" in name), true(rows.velocity)
-        found.append(
+        result.append(
             Held(
                 inside=float(np.mean((band.low <= y) & (y <= band.high))),
                 width=float(np.median((band.high - band.low) / 2.0 / np.abs(y))),
             )
         )
-    return found
+    return result
 
 
 # ---- tables with noise as large as friction, and tables of noise
@@ -217,7 +217,7 @@ def swing(number: int, seed: int) -> Swing:
     """Return a swing: laws of the vocabulary in turn, and every second one of none of them."""
     random = np.random.default_rng([77, seed, number])
     inside, half = number % 2 == 0, number // 2
-    length, mass, start = (random.uniform(*one) for one in ((0.25, 0.6), (0.3, 2.0), (0.6, 1.0)))
+    length, mass, start = (random.uniform(*item) for item in ((0.25, 0.6), (0.3, 2.0), (0.6, 1.0)))
     weight, inertia = mass * length * GRAVITY, mass * length**2
     top = 2.0 * math.sqrt(GRAVITY / length) * math.sin(0.5 * start)
     swings = LASTING / (2.0 * math.pi * math.sqrt(length / GRAVITY))
@@ -247,7 +247,7 @@ def swing(number: int, seed: int) -> Swing:
 
 def _parts(random: Random, names: str, amount: float, top: float) -> Callable[[float], float]:
     """Return friction over speeds above 0 of parts that share an amount at the top speed."""
-    powers = [POWERS[one] for one in names.split()]
+    powers = [POWERS[item] for item in names.split()]
     shares = random.dirichlet(np.full(len(powers), 4.0)).tolist()
     known = [(amount * share / top**n, n) for share, n in zip(shares, powers, strict=True)]
     return lambda v: math.fsum(c * v**n for c, n in known)
@@ -307,13 +307,13 @@ def _ahead(problem: FreeMotionProblem, judgement: Judgement, one: Swing, shown: 
     candidate = Candidate(structure=law.structure, coefficients=law.coefficients)
     x = model.linear.x.copy()
     x[model.runs.knots] = 0.0
-    found = Runs(model.motion, candidate, alone=True).beside(x)
-    if found is None:
+    result = Runs(model.motion, candidate, alone=True).beside(x)
+    if result is None:
         return math.inf
     own = [before_rest(x) for x in records_of(one.told, one.record())]
     motions = FreeBalance(own, free_form(own)).motions
     whole = Runs(replace(model.motion, motions=motions), candidate, alone=True)
-    made = whole.run(found.x)
+    made = whole.run(result.x)
     if made is None:
         return math.inf
     return float(np.sqrt(np.mean(np.square(made[0][shown:]))))

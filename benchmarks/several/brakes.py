@@ -274,8 +274,8 @@ class ClutchTrain(Mechanism):
 
     def _linings(self) -> dict[str, Lining]:
         """Return clutches and brake by name."""
-        found = {f"clutch-{i + 1}": clutch for i, clutch in enumerate(self.clutches)}
-        return found if self.brake is None else {**found, "brake": self.brake}
+        result = {f"clutch-{i + 1}": clutch for i, clutch in enumerate(self.clutches)}
+        return result if self.brake is None else {**result, "brake": self.brake}
 
     def _turning(self) -> dict[str, tuple[str, Lining]]:
         """Return clutches and brake by name, with the angle along which each slips."""
@@ -286,11 +286,11 @@ class ClutchTrain(Mechanism):
     def _speeds(self, q_dot: Mapping[str, Scalar]) -> list[Scalar]:
         """Return the angular velocity of each rotor."""
         speed: Scalar = 0.0
-        found = []
+        result = []
         for name in self.coordinates:
             speed = speed + q_dot[name]
-            found.append(speed)
-        return found
+            result.append(speed)
+        return result
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -311,12 +311,12 @@ class ClutchTrain(Mechanism):
     ) -> Mapping[str, Scalar]:
         # a torque on one rotor turns all relative angles up to it
         total: Scalar = 0.0
-        found = {}
+        result = {}
         parts = zip(self.coordinates, self.rotors, self._speeds(q_dot), strict=True)
         for i, (name, rotor, speed) in reversed(list(enumerate(parts))):
             total = total + drives.get(f"torque-{i + 1}", 0.0) - rotor.damping * speed
-            found[name] = total
-        return found
+            result[name] = total
+        return result
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
@@ -341,7 +341,9 @@ class ClutchTrain(Mechanism):
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         # which part of the torques a clutch passes on is decided by its friction
-        return {name: {"position": one.radius * q[x]} for name, (x, one) in self._turning().items()}
+        return {
+            name: {"position": item.radius * q[x]} for name, (x, item) in self._turning().items()
+        }
 
     @override
     def drives(self) -> Mapping[str, Drive]:

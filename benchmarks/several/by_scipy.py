@@ -48,9 +48,9 @@ class Equations:
     """Times at which loads jump."""
 
     def level(self, coefficients: np.ndarray, t: float) -> np.ndarray:
-        found = np.zeros(len(self.start) // 2)
-        found[self.first :] = coefficients * self.loads(t)
-        return found
+        result = np.zeros(len(self.start) // 2)
+        result[self.first :] = coefficients * self.loads(t)
+        return result
 
     def balance(
         self, t: float, y: np.ndarray, side: np.ndarray, held: np.ndarray
@@ -61,9 +61,9 @@ class Equations:
         matrix = self.mass(y[:n])
         if matrix is None:
             return np.where(held, 0.0, push), np.where(held, push, 0.0)
-        found, free = np.zeros(n), ~held
-        found[free] = np.linalg.solve(matrix[np.ix_(free, free)], push[free])
-        return found, np.where(held, push - matrix @ found, 0.0)
+        result, free = np.zeros(n), ~held
+        result[free] = np.linalg.solve(matrix[np.ix_(free, free)], push[free])
+        return result, np.where(held, push - matrix @ result, 0.0)
 
     def slope(self, t: float, y: np.ndarray, side: np.ndarray, held: np.ndarray) -> np.ndarray:
         speeds = np.where(held, 0.0, y[len(side) :])
@@ -71,12 +71,12 @@ class Equations:
 
     def spare(self, t: float, y: np.ndarray, side: np.ndarray, held: np.ndarray) -> np.ndarray:
         """Return what is left of speeds, and of static levels where contacts stick."""
-        found = side * y[len(side) :]
-        found[: self.first] = math.inf
+        result = side * y[len(side) :]
+        result[: self.first] = math.inf
         if held.any():
             _, needed = self.balance(t, y, side, held)
-            found[held] = (self.level(self.case.static, t) - np.abs(needed))[held]
-        return found
+            result[held] = (self.level(self.case.static, t) - np.abs(needed))[held]
+        return result
 
     def let_go(self, i: int, t: float, y: np.ndarray, side: np.ndarray, held: np.ndarray) -> None:
         _, needed = self.balance(t, y, side, held)

@@ -79,12 +79,12 @@ else:
     @functools.cache
     def installed() -> bool:
         try:
-            found = subprocess.run(
+            result = subprocess.run(
                 [PYTHON, "-c", "import siconos.kernel"], check=False, capture_output=True
             )
         except OSError:
             return False
-        return found.returncode == 0
+        return result.returncode == 0
 
     def engines(name: str, case: Case) -> tuple[Engine | Missing, ...]:
         if name != "chain":

@@ -93,14 +93,14 @@ class Chain(MatrixMechanism):
         return np.eye(len(self.coordinates)).tolist()
 
     def forces(self, t, q, q_dot, drives):
-        x, found = [q[name] for name in self.coordinates], {}
+        x, result = [q[name] for name in self.coordinates], {}
         for i, name in enumerate(self.coordinates):
             total = -GROUND * x[i]
             for j in (i - 1, i + 1):
                 if 0 <= j < len(x):
                     total = total + COUPLING * (x[j] - x[i])
-            found[name] = total
-        return found
+            result[name] = total
+        return result
 
     def potential_energy(self, t, q):
         x = [q[name] for name in self.coordinates]

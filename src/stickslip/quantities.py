@@ -385,11 +385,11 @@ class Quantity:
         number: Any = self._with_unit(label, value) if has_unit(value) else value
         if isinstance(number, bool) or not isinstance(number, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
-        found = float(number)
-        if not self.allows(found):
-            got = repr(str(value)) if has_unit(value) else f"{found:g}"
-            raise ParameterError(f"{label} must be {self.wanted(found)}, got {got}.")
-        return found
+        result = float(number)
+        if not self.allows(result):
+            got = repr(str(value)) if has_unit(value) else f"{result:g}"
+            raise ParameterError(f"{label} must be {self.wanted(result)}, got {got}.")
+        return result
 
     def _with_unit(self, label: str, value: object) -> float:
         """Return a value with a unit as a number, in the unit of either kind of motion."""
@@ -456,14 +456,14 @@ BROKEN_POWER = re.compile(r"\^(?!\d+(?:[\s*/]|$))")
 
 def _powers(text: str) -> dict[str, int]:
     """Return names and powers of products and quotients such as ``force/displacement^2``."""
-    found: dict[str, int] = {}
+    result: dict[str, int] = {}
     for place, factors in enumerate(text.split("/")):
         for factor in factors.replace("*", " ").split():
             name, _, power = factor.partition("^")
             # All that stands behind the first stroke divides: a/b/c is a/(b c).
             sign = -1 if place else 1
-            found[name] = found.get(name, 0) + sign * (int(power) if power.isdigit() else 1)
-    return found
+            result[name] = result.get(name, 0) + sign * (int(power) if power.isdigit() else 1)
+    return result
 
 
 def _unit_powers(unit: str) -> dict[str, int]:
@@ -472,11 +472,11 @@ def _unit_powers(unit: str) -> dict[str, int]:
 
 def _sum(parts: Iterable[tuple[Mapping[str, int], int]]) -> dict[str, int]:
     """Return the sum of powers, each times a number, without those that are 0."""
-    found: dict[str, int] = {}
+    result: dict[str, int] = {}
     for powers, times in parts:
         for name, power in powers.items():
-            found[name] = found.get(name, 0) + times * power
-    return {name: power for name, power in found.items() if power}
+            result[name] = result.get(name, 0) + times * power
+    return {name: power for name, power in result.items() if power}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -559,14 +559,14 @@ _MEMBERS: dict[type, Mapping[str, tuple[type, ...]]] = {}
 def _members(cls: type) -> Mapping[str, tuple[type, ...]]:
     """Return the fields that hold an object with parameters, or True or False, and their types."""
     if cls not in _MEMBERS:
-        found: dict[str, tuple[type, ...]] = {}
+        result: dict[str, tuple[type, ...]] = {}
         for field in dataclasses.fields(cls):
             kinds = alternatives(_hints(cls)[field.name])
             if kinds == (bool,) or (
                 isinstance(kinds[0], type) and issubclass(kinds[0], Parametrised)
             ):
-                found[field.name] = (*kinds, *([type(None)] if field.default is None else []))
-        _MEMBERS[cls] = found
+                result[field.name] = (*kinds, *([type(None)] if field.default is None else []))
+        _MEMBERS[cls] = result
     return _MEMBERS[cls]
 
 
@@ -607,14 +607,14 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
     ['mu_k', 'mu_s']
     """
     if cls not in _DECLARED:
-        found = {}
+        result = {}
         for field in dataclasses.fields(cls):
             for hint in alternatives(_hints(cls)[field.name]):
                 for mark in getattr(hint, "__metadata__", ()):
                     if isinstance(mark, Quantity):
                         mark.check_scale(cls.__name__, field.name)
-                        found[field.name] = mark
-        _DECLARED[cls] = types.MappingProxyType(found)
+                        result[field.name] = mark
+        _DECLARED[cls] = types.MappingProxyType(result)
     return _DECLARED[cls]
 
 
@@ -952,17 +952,17 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
     if isinstance(root, Group):
         below = (all_paths(member, f"{prefix}.{name}") for name, member in root.members)
         return {path: quantity for paths in below for path, quantity in paths.items()}
-    found = {f"{prefix}.{name}": quantity for name, quantity in fields_of(type(root)).items()}
+    result = {f"{prefix}.{name}": quantity for name, quantity in fields_of(type(root)).items()}
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
         path = f"{prefix}.{field.name}"
         if isinstance(value, Parametrised):
-            found.update(all_paths(value, path))
+            result.update(all_paths(value, path))
         elif isinstance(value, tuple):
             for index, item in enumerate(value):
                 if isinstance(item, Parametrised):
-                    found.update(all_paths(item, f"{path}.{index}"))
-    return found
+                    result.update(all_paths(item, f"{path}.{index}"))
+    return result
 
 
 def standing_path(
@@ -1016,25 +1016,25 @@ def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tupl
     ... ]
     ['Sine']
     """
-    found = []
+    result = []
     for name, module in modules.items():
         kind = getattr(importlib.import_module(f"{package}.{module}"), name)
         if not (isinstance(kind, type) and issubclass(kind, base)):
             raise TypeError(f"{package}.{name} must be a class derived from {base.__name__}.")
-        found.append(kind)
-    return tuple(found)
+        result.append(kind)
+    return tuple(result)
 
 
 def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[str, type[T]]:
     """Return our classes by name, and those that installed packages register in a group."""
-    found: dict[str, type[T]] = {}
+    result: dict[str, type[T]] = {}
     # Ours are not looked through: they are classes to import only when asked for.
-    known = ChainMap(found, ours)  # type: ignore[arg-type]  # ours is only read
+    known = ChainMap(result, ours)  # type: ignore[arg-type]  # ours is only read
     for where, kind in plugins(group, base):
         name = getattr(kind, "name", None)
         if not isinstance(name, str) or known.get(name, kind) is not kind:
             raise name_taken(where, repr(name))
-        found[name] = kind
+        result[name] = kind
     return types.MappingProxyType(known)
 
 

@@ -196,13 +196,13 @@ def number_in(value: Any, unit: str) -> float:
         if not isinstance(held, float):
             raise ParameterError(f"must be one number, got {shown(str(value))}")
         return held
-    found = split_number(value)
+    result = split_number(value)
     example = "10 %" if unit == "1" else f"1 {unit}"
-    if found is None:
+    if result is None:
         raise ParameterError(
             f'must be a number or text with a unit such as "{example}", got {shown(value)}'
         )
-    number, own = found["number"], found["unit"]
+    number, own = result["number"], result["unit"]
     if own is None and unit != "1":
         raise ParameterError(
             f'has no unit, got {shown(value)}: write "{number} {unit}" (without a unit it must be'
@@ -271,8 +271,8 @@ def _one(unit: str) -> Any:
         raise ParameterError(f"has an unreadable unit {shown(unit)}")
     try:
         # To the unit library px is that of web pages, which has a length.
-        found = registry.parse_units("pixel" if is_pixel(unit) else _plain(unit))
-        base = registry.Quantity(Decimal(1), found)
+        result = registry.parse_units("pixel" if is_pixel(unit) else _plain(unit))
+        base = registry.Quantity(Decimal(1), result)
     except Exception:
         # Whatever the unit library says, it cannot say where in the file.
         raise ParameterError(f"has an unknown unit {shown(unit)}") from None

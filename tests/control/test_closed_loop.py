@@ -43,8 +43,8 @@ def discrete(count, delay, *, first=False):
     plant[:2, :2] = [[0.0, 1.0], [-SPRING / MASS, -DAMPER / MASS]]
     plant[1, 2] = 1.0 / MASS  # command
     plant[2, 3] = 1.0  # and its slope
-    whole, rest = divmod(delay, PERIOD)
-    whole, rest = (int(whole), rest) if rest < 0.999 * PERIOD else (int(whole) + 1, 0.0)
+    iw, rest = divmod(delay, PERIOD)
+    iw, rest = (int(iw), rest) if rest < 0.999 * PERIOD else (int(iw) + 1, 0.0)
     commands, y, states = {}, np.zeros(2), []
 
     def line(k):
@@ -54,8 +54,8 @@ def discrete(count, delay, *, first=False):
     for k in range(count):
         states.append(y)
         commands[k] = pd(0.0, {"x": y[0], "v": y[1]})
-        old, steep = line(k - whole - 1)
-        new, slope = line(k - whole)
+        old, steep = line(k - iw - 1)
+        new, slope = line(k - iw)
         before = expm(plant * rest) @ [*y, old + steep * (PERIOD - rest), steep]
         y = (expm(plant * (PERIOD - rest)) @ [*before[:2], new, slope])[:2]
     return np.array(states)

@@ -76,15 +76,15 @@ def stiff():
 
 def rodas(stiff, h, count):
     """Return the state after equal steps, and the middle of the first from its dense output."""
-    w, whole, middle = stiff.equations.w, stiff.equations.whole, None
-    y, y1, scale, point = (whole[slot] for slot in (Y, Y1, SCALE, POINT))
-    whole[MODE], whole[FLAGS] = 1, stiff.flags([0.5, 0.8, 0.01])
+    w, iw, middle = stiff.equations.w, stiff.equations.iw, None
+    y, y1, scale, point = (iw[slot] for slot in (Y, Y1, SCALE, POINT))
+    iw[MODE], iw[FLAGS] = 1, stiff.flags([0.5, 0.8, 0.01])
     w[y : y + 3], w[scale : scale + 3] = [0.5, 0.8, 0.01], [1.0] * 3
     for i in range(count):
-        rodas_step(i * h, h, w, whole, 1.0)
+        rodas_step(i * h, h, w, iw, 1.0)
         if middle is None:
-            rodas_dense(w, whole)
-            interpolate(w, whole, 0.5, point)
+            rodas_dense(w, iw)
+            interpolate(w, iw, 0.5, point)
             middle = w[point : point + 3]
         w[y : y + 3] = w[y1 : y1 + 3]
     return np.array(w[y : y + 3]), np.array(middle)

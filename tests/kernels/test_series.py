@@ -104,18 +104,18 @@ class Stepper:
 
     def __init__(self, rig, law, sign, x, v):
         generated = Generated(rig, law)
-        self.w, self.whole = generated.equations.w, generated.equations.whole
-        self.whole[MODE], self.whole[FLAGS] = sign, generated.flags([x, v])
+        self.w, self.iw = generated.equations.w, generated.equations.iw
+        self.iw[MODE], self.iw[FLAGS] = sign, generated.flags([x, v])
         generated.equations.load_at(0.0)
         self.y = [x, v]
 
     def step(self, t, h):
         """Return the tail over what is allowed, and the new state."""
-        w, whole = self.w, self.whole
-        w[whole[Y] : whole[Y] + 2] = self.y
-        w[whole[SCALE] : whole[SCALE] + 2] = [0.0, 0.0]
-        tail = series_step(t, h, w, whole, whole[Y])
-        return tail, w[whole[Y1] : whole[Y1] + 2]
+        w, iw = self.w, self.iw
+        w[iw[Y] : iw[Y] + 2] = self.y
+        w[iw[SCALE] : iw[SCALE] + 2] = [0.0, 0.0]
+        tail = series_step(t, h, w, iw, iw[Y])
+        return tail, w[iw[Y1] : iw[Y1] + 2]
 
     def accepted(self, t, h):
         """Return the first length that is accepted, and the new state."""
@@ -244,7 +244,7 @@ def test_uniform_acceleration_is_one_step_however_long(length):
     stepper = Stepper(axis, Coulomb(kinetic_coefficient=1.0), 1, 0.25, 0.5)
     tail, (x, v) = stepper.step(0.0, length)
     assert tail == 0.0
-    assert stepper.w[stepper.whole[DENSE]] == 2.0  # terms after the first
+    assert stepper.w[stepper.iw[DENSE]] == 2.0  # terms after the first
     # three terms, each with a rounding or two
     assert math.isclose(x, 0.25 + 0.5 * length + length**2, rel_tol=5e-16)
     assert math.isclose(v, 0.5 + 2.0 * length, rel_tol=5e-16)

@@ -27,8 +27,8 @@ def test_a_bare_run_has_the_states_and_sensitivities_of_a_certified_one():
         axis, y0 = pushed(9.0, -7.0, 0.0), (0.0, 0.1, *[0.0] * (law is BRISTLES))
         bare = EventDriven().bare(axis, law, y0=y0, t_end=1.5)
         run = EventDriven().run(axis, law, y0=y0, t_end=1.5)
-        whole = run.at(t)
-        np.testing.assert_array_equal(bare.at(t), np.stack([whole[n] for n in run.states], axis=1))
+        iw = run.at(t)
+        np.testing.assert_array_equal(bare.at(t), np.stack([iw[n] for n in run.states], axis=1))
         np.testing.assert_array_equal(bare.differentiate(t, paths), run.differentiate(t, paths))
         assert bare.status is run.status
 

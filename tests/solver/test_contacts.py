@@ -320,7 +320,7 @@ def test_laws_that_are_kept_within_a_decision_are_those_that_would_be_asked_agai
     kept = run()
     monkeypatch.setattr(
         assembly, "reconsider",
-        lambda w, whole: refresh(w[layout.TIME], w, whole, whole[layout.Y]),
+        lambda w, iw: refresh(w[layout.TIME], w, iw, iw[layout.Y]),
     )  # fmt: skip
     afresh = run()
     assert changes(kept) == changes(afresh)
@@ -701,12 +701,12 @@ def test_rates_of_bristles_see_the_reaction_of_the_same_instant():
     feet = TwoFeet(**FEET)
     law = dataclasses.replace(LUGRE_ELBOW, bristle_damping=0.1)
     start = {feet.rates[0]: 0.8}
-    whole = simulate(feet, law, t_end=0.2, y0=start, solver=EventDriven(tier="python"))
+    iw = simulate(feet, law, t_end=0.2, y0=start, solver=EventDriven(tier="python"))
     half = simulate(feet, law, t_end=0.1, y0=start, solver=EventDriven(tier="python"))
     state = {name: half[name][-1] for name in (*feet.coordinates, *feet.rates, "z:front", "z:rear")}
     rest = simulate(feet, law, t_end=0.1, y0=state, solver=EventDriven(tier="python"))
     for name in state:
-        assert rest[name][-1] == pytest.approx(whole[name][-1], rel=1e-6, abs=1e-12)
+        assert rest[name][-1] == pytest.approx(iw[name][-1], rel=1e-6, abs=1e-12)
 
 
 def test_needed_friction_that_is_just_the_level_holds():

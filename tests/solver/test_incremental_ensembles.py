@@ -155,19 +155,19 @@ def test_plain_python_gives_the_same_bits():
     runs.begin([0, 1], start)
     plain = runner_of(runs.model, compiled=False)
     header = plain.header
-    whole = plain.wholes(header)
+    iw = plain.int_vectors(header)
     base = plain.working(gather(mechanism, law, runs.model, 0.0).p)
     base = [*base[:POLYNOMIAL], *base[NUMBERS:]]
     kept = [*base, *base]
     place = POLYNOMIAL + header[Y] - NUMBERS
     for row, state in enumerate(start.tolist()):
         kept[row * len(base) + place : row * len(base) + place + 2] = state
-    wholes = [*header, *header]
-    room = (plain.zeros(header[SIZE]), whole, plain.zeros(4), plain.zeros(9000), plain.zeros(900))
+    int_vectors = [*header, *header]
+    room = (plain.zeros(header[SIZE]), iw, plain.zeros(4), plain.zeros(9000), plain.zeros(900))
     for k in range(6):
         forces, until = FORCES[k, :2], (k + 1) * PERIOD
         runs.advance(np.full(2, until), forces)
-        told = (forces.tolist(), [until] * 2, [np.inf] * 2, 1e-12, np.inf, 1000, kept, wholes)
+        told = (forces.tolist(), [until] * 2, [np.inf] * 2, 1e-12, np.inf, 1000, kept, int_vectors)
         assert plain.kernels.enter_stretches(0, 2, *told, *room) == 2
     for row in range(2):
         found = kept[row * len(base) + place : row * len(base) + place + 2]

@@ -52,9 +52,9 @@ def file(cache):
 
 def value():
     """Return what the loaded code makes of 2.0 at time 0."""
-    whole, real = ctypes.c_int64, ctypes.c_double
-    vector = ctypes.POINTER(real), whole
-    kind = ctypes.CFUNCTYPE(None, whole, whole, whole, real, *vector, whole, whole)
+    iw, real = ctypes.c_int64, ctypes.c_double
+    vector = ctypes.POINTER(real), iw
+    kind = ctypes.CFUNCTYPE(None, iw, iw, iw, real, *vector, iw, iw)
     w = (real * 2)(2.0, 0.0)
     kind(CODE.address)(0, 0, 0, 0.0, w, 2, 0, 1)
     return w[1]
@@ -99,8 +99,8 @@ DAMAGE = {
 
 @pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
 def test_a_damaged_file_is_never_linked_but_written_anew(file, damage, monkeypatch):
-    whole = file.read_bytes()
-    file.write_bytes(damage(whole))
+    iw = file.read_bytes()
+    file.write_bytes(damage(iw))
     linked, seen = object_code._linked, []
     monkeypatch.setattr(
         object_code,
@@ -108,8 +108,8 @@ def test_a_damaged_file_is_never_linked_but_written_anew(file, damage, monkeypat
         lambda name, image, symbols: seen.append(image) or linked(name, image, symbols),
     )
     assert CODE.load()
-    assert seen == [whole[object_code.SEAL :]]
-    assert file.read_bytes() == whole
+    assert seen == [iw[object_code.SEAL :]]
+    assert file.read_bytes() == iw
     assert value() == 3.0
 
 
@@ -117,10 +117,10 @@ def test_the_code_of_other_equations_is_damage_too(file):
     other = EquationsCode("another", TEXT.replace("w[at] +", "w[at] -"), CODE.numbers)
     other.load()
     (path,) = (path for path in file.parent.iterdir() if path != file)
-    whole = file.read_bytes()
+    iw = file.read_bytes()
     file.write_bytes(path.read_bytes())
     assert CODE.load()
-    assert file.read_bytes() == whole
+    assert file.read_bytes() == iw
 
 
 @pytest.mark.parametrize("image", [b"", b"no code", b"\x7fELF" + bytes(200)])

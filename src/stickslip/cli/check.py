@@ -205,14 +205,14 @@ def run_init(options: InitOptions) -> None:
         text = data.guessed_rig(guess, name, robot=_relative(urdf, target))
     write_file(target, text)
     if options.as_json:
-        found: dict[str, Any] = {"file": str(file), "rig": str(target)}
-        found |= {"columns": dict(guess.columns)}
-        found |= {"units": dict(guess.units), "turning": guess.turning}
+        result: dict[str, Any] = {"file": str(file), "rig": str(target)}
+        result |= {"columns": dict(guess.columns)}
+        result |= {"units": dict(guess.units), "turning": guess.turning}
         if urdf is not None:
-            found |= {"moving": list(guess.moving), "locked": dict(guess.locked)}
-            found |= {"delays": dict(guess.delays)}
-        found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
-        print_json(document("init", found))
+            result |= {"moving": list(guess.moving), "locked": dict(guess.locked)}
+            result |= {"delays": dict(guess.delays)}
+        result |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
+        print_json(document("init", result))
         return
     typed = shlex.quote(str(target))
     left = " Replace each question mark in it." if '"? ' in text else ""
@@ -227,19 +227,19 @@ def _films(options: InitOptions, reading: data.Reading) -> None:
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=options.force)
     files = options.files
-    found = data.guess_films(files, reading)
-    write_file(target, data.filmed_rig(found, {file: _relative(file, target) for file in files}))
+    result = data.guess_films(files, reading)
+    write_file(target, data.filmed_rig(result, {file: _relative(file, target) for file in files}))
     if options.as_json:
         runs = [
             {"file": str(run_init.file), "frequency": run_init.frequency, "travel": run_init.travel}
-            for run_init in found.runs
+            for run_init in result.runs
         ]
-        content = {"rig": str(target), "films": runs, "doubts": list(found.doubts)}
+        content = {"rig": str(target), "films": runs, "doubts": list(result.doubts)}
         print_json(document("init", content))
         return
     typed = shlex.quote(str(target))
-    low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency
-    say(str(found))
+    low, high = 0.9 * result.runs[0].frequency, 1.1 * result.runs[-1].frequency
+    say(str(result))
     say(
         f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
         f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
@@ -296,26 +296,26 @@ def run(options: CheckOptions) -> None:
     rig, data = _parted(files, allow_import=options.allow_import)
     measurement = _measurement(rig, data, reading)
     mechanism, vary = (None, ()) if rig is None else (rig.mechanism, rig.vary)
-    found = check(measurement, mechanism=mechanism, vary=vary, conditions=_used(measurement))
-    if found.worst != "error":
+    result = check(measurement, mechanism=mechanism, vary=vary, conditions=_used(measurement))
+    if result.worst != "error":
         from stickslip.identify import sign_findings  # loads the judge
 
         signs = sign_findings(measurement, mechanism, vary)
-        found = replace(found, findings=(*found.findings, *signs))
+        result = replace(result, findings=(*result.findings, *signs))
     origins = [{"name": r.name, "provenance": r.provenance} for r in measurement.records()]
-    content = document("check", {**found.to_dict(), "records": origins})
+    content = document("check", {**result.to_dict(), "records": origins})
     if options.as_json:
         print_json(content)
     else:
-        _show(measurement, found)
+        _show(measurement, result)
     if output is not None:
         note("Drawing the overview ...")
         write_folder(output, {**_pictures(measurement), DOCUMENT: json_text(content)})
         if not options.as_json:
             stdout().print(f"\nFindings and pictures: {output}")
     if not options.as_json:
-        stdout().print(f"\n{_summary(found.findings)}")
-    if found.worst == "error":
+        stdout().print(f"\n{_summary(result.findings)}")
+    if result.worst == "error":
         raise typer.Exit(BAD_DATA)
 
 
@@ -359,15 +359,15 @@ def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Mea
 def _show(measurement: Measurement, found: Checks) -> None:
     console = stdout()
     origins = dict.fromkeys(record.provenance for record in measurement.records())
-    for origin in [one for one in origins if "; " in one][:MOST_LINES]:  # something was repaired
+    for origin in [item for item in origins if "; " in item][:MOST_LINES]:  # something was repaired
         console.print(f"  {origin}", style="dim")
     findings = [*_by_trial(found.findings)] if measurement.trials else found.findings
     left = len(findings) - MOST_LINES
     if left > 0:  # what is graver comes first, and what all share before what is of one
         grave = sorted(
-            findings, key=lambda one: (-SEVERITIES.index(one.severity), bool(one.record))
+            findings, key=lambda item: (-SEVERITIES.index(item.severity), bool(item.record))
         )
-        findings = [one for one in findings if one in grave[:MOST_LINES]][:MOST_LINES]
+        findings = [item for item in findings if item in grave[:MOST_LINES]][:MOST_LINES]
     for finding in findings:
         mark, style = MARKS[finding.severity]
         console.print(f"{mark}{finding}", style=style)
@@ -387,7 +387,9 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
     names = dict.fromkeys(finding.record for finding in findings if finding.record)
     for name in names:
         first, *rest = [finding for finding in findings if finding.record == name]
-        said = [one for one in (first, *rest) if shared[one.sentence] == 1 or one.kind == RESTED]
+        said = [
+            item for item in (first, *rest) if shared[item.sentence] == 1 or item.kind == RESTED
+        ]
         lines = [first.sentence] * (first not in said and first.severity == "info")
         lines += [finding.sentence for finding in said]
         if lines:

@@ -375,15 +375,15 @@ def reading_of(options: ReadingOptions) -> Reading:
 
 def _columns(given: Sequence[str]) -> dict[str, Column]:
     """Split ``name=column`` pairs; what has no name is the second column of the one before."""
-    found: dict[str, list[str]] = {}
+    result: dict[str, list[str]] = {}
     name = ""
     for part in (part for text in given for part in text.split(",")):
         if "=" in part or not name or not part.strip():
             ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
-            found[name] = [column]
+            result[name] = [column]
         else:
-            found[name].append(part.strip())
-    return {name: column_of(name, row[0] if len(row) == 1 else row) for name, row in found.items()}
+            result[name].append(part.strip())
+    return {name: column_of(name, row[0] if len(row) == 1 else row) for name, row in result.items()}
 
 
 def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:
@@ -394,16 +394,16 @@ def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:
 
 def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
     """Return gains as numbers, or as texts with their unit."""
-    found: dict[str, float | str] = {}
+    result: dict[str, float | str] = {}
     for name, value in pairs.items():
         try:
-            found[name] = read_gain(value)
+            result[name] = read_gain(value)
         except ParameterError:
             raise InputError(
                 "--gain takes numbers such as force=35.15, perhaps with a unit as in"
                 f' "position=0.5 um/count", got {name}={value}.'
             ) from None
-    return found
+    return result
 
 
 # The page of a command: what was found stands, whether its page can be drawn or not.

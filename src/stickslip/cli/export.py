@@ -65,7 +65,7 @@ def run_export(options: ExportOptions) -> None:
         rig = load_rig(options.rig, allow_import=options.allow_import)
     load, law_load = loads(options)
     with by_option():
-        found = exports.export(
+        result = exports.export(
             source,
             to,
             name=options.name,
@@ -77,14 +77,14 @@ def run_export(options: ExportOptions) -> None:
             rig=rig,
             at=stated(options.at),
         )
-    files = found.save(output, force=options.force)
+    files = result.save(output, force=options.force)
     if options.as_json:
-        content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}
+        content = {"target": to, "files": list(map(str, files)), "remarks": list(result.remarks)}
         terminal.print_json(document("export", content))
         return
     console = terminal.stdout()
     console.print(f"{target.title}: {', '.join(map(str, files))}")
-    for remark in found.remarks:
+    for remark in result.remarks:
         console.print(f"  {remark}")
 
 
@@ -101,8 +101,8 @@ def law_source(options: LawOfFileOptions, path: Path) -> Rig | FrictionLaw:
     if law is None and len(laws) != 1:
         listed = ", ".join(laws) or "no law"
         raise InputError(f"{path} has {listed}: choose one law with --law.")
-    found: FrictionLaw = named(laws, law or next(iter(laws)), "law")
-    return found
+    result: FrictionLaw = named(laws, law or next(iter(laws)), "law")
+    return result
 
 
 def _refuse_foreign(options: ExportOptions) -> None:
@@ -155,16 +155,16 @@ def _export_fmu(options: ExportOptions) -> None:
 
 def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
-    found: dict[str, Given] = {}
+    result: dict[str, Given] = {}
     for text in given:
         name, value = terminal.pair_of(
             text, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
         )
         try:
-            found[name] = float(value)
+            result[name] = float(value)
         except ValueError:
-            found[name] = value
-    return found
+            result[name] = value
+    return result
 
 
 @contextlib.contextmanager
@@ -198,7 +198,7 @@ def run_apply(options: ApplyOptions) -> None:
     source = law_source(options, path)
     load, law_load = loads(options)
     with by_option():
-        found = exports.apply(
+        result = exports.apply(
             source,
             model,
             joints=_paired(options.joints),
@@ -211,23 +211,23 @@ def run_apply(options: ApplyOptions) -> None:
             polynomial=options.polynomial,
             holds=options.holds,
         )
-    found.save(output, force=options.force)
+    result.save(output, force=options.force)
     if options.as_json:
-        terminal.print_json(document("apply", {"file": str(output), **found.to_dict()}))
+        terminal.print_json(document("apply", {"file": str(output), **result.to_dict()}))
         return
-    _show(found, output)
+    _show(result, output)
 
 
 def _by_contact(given: Mapping[str, Given]) -> dict[str, Given | dict[str, Given]]:
     """Return contact inputs by name; those of one contact, ``elbow.transmitted``, as a table."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for key, value in given.items():
         contact, dot, name = key.partition(".")
         if dot:
-            found.setdefault(contact, {})[name] = value
+            result.setdefault(contact, {})[name] = value
         else:
-            found[key] = value
-    return found
+            result[key] = value
+    return result
 
 
 def _law_file(path: Path) -> Path:

@@ -228,13 +228,13 @@ def _laws_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> dict[str, Law]:
     for contact in names:
         if contact not in contacts:
             raise UnknownNameError("contact in --law", contact, contacts)
-    found: dict[str, Law] = {}
+    result: dict[str, Law] = {}
     for contact in contacts:
         known = rig.contacts.get(contact, KnownLaws()) or KnownLaws(named=("none",))
         only = known.named[0] if len(known.named) == 1 else kind.usual_law
         key = known.name_of(names.get(contact) or (only if names or name is None else name))
-        found[contact] = None if key == "none" else known.laws.get(key) or key
-    return found
+        result[contact] = None if key == "none" else known.laws.get(key) or key
+    return result
 
 
 def names_by_contact(text: str) -> dict[str, str]:
@@ -246,10 +246,10 @@ def names_by_contact(text: str) -> dict[str, str]:
     {'front': 'coulomb', 'rear': 'dahl'}
     """
     pairs = [tuple(map(str.strip, part.partition("="))) for part in text.split(",")]
-    found = {contact: law for contact, _, law in pairs if law}
-    if len(found) < len(pairs):
+    result = {contact: law for contact, _, law in pairs if law}
+    if len(result) < len(pairs):
         raise InputError(f"--law takes one law of each contact, as in front=coulomb, got {text!r}.")
-    return found
+    return result
 
 
 def rig_with(
@@ -260,7 +260,9 @@ def rig_with(
     try:
         return load_rig(path, overrides=given, allow_import=allow_import)
     except UnknownNameError as error:
-        key = next((one for one in given if one in (error.name, f"{FRICTION}{error.name}")), None)
+        key = next(
+            (item for item in given if item in (error.name, f"{FRICTION}{error.name}")), None
+        )
         if key is None or not error.kind.startswith("key"):
             raise
         rig = load_rig(path, allow_import=allow_import)
@@ -363,15 +365,15 @@ def _rig_and_law(options: option_groups.LawOptions) -> tuple[Rig, ChosenLaw | Ch
         return rig, ChosenLaws(carried=laws, source=source)
     source = load_rig(file["path"], allow_import=allow_import)
     load = terminal.with_unit("--law-load", options.law_load, LOAD)
-    found = carried(source, rig.mechanism, law=file["law"], load=load)
+    result = carried(source, rig.mechanism, law=file["law"], load=load)
     if own:
-        name = found.law.name
+        name = result.law.name
         changed = {_of(name, key): value for key, value in own.items()}
         source = load_rig(file["path"], overrides=changed, allow_import=allow_import)
-        found = carried(source, rig.mechanism, law=name, load=load)
-    for remark in found.remarks:
+        result = carried(source, rig.mechanism, law=name, load=load)
+    for remark in result.remarks:
         terminal.note(terminal.plain(remark))
-    return rig, ChosenLaw(carried=found, source=source)
+    return rig, ChosenLaw(carried=result, source=source)
 
 
 def laws_drawn(
@@ -571,7 +573,9 @@ def measured(
         t_end=rig.t_end,
     ).only(kind.uses)
     given = {"horizon": horizon, "route": route, **said, "validate": validate}
-    typed = {name: f"--{name.replace('_', '-')}" for name, one in given.items() if one is not None}
+    typed = {
+        name: f"--{name.replace('_', '-')}" for name, item in given.items() if item is not None
+    }
     if rig.hold is not None:
         typed.setdefault("hold", f"hold in [data] of {rig.path}")
     refuse_unused(kind, typed, request)
@@ -623,7 +627,7 @@ def _parameters(
 def _fixed(rig: Rig, texts: Sequence[str], law: fits.AnyLaw) -> dict[str, float]:
     """Return fixed values by path, read with their units."""
     known = {**_law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for part in (part for text in texts for part in text.split(",")):
         name, value = terminal.pair_of(
             part, "--fixed takes NAME=VALUE such as viscous_coefficient=0.4"
@@ -632,8 +636,8 @@ def _fixed(rig: Rig, texts: Sequence[str], law: fits.AnyLaw) -> dict[str, float]
             fits.refuse_of_laws([name], known)
         path = full_path(name, known, "parameter in --fixed")
         with concerning(f"--fixed {path}"):
-            found[path] = terminal.number_of(value, known[path])
-    return found
+            result[path] = terminal.number_of(value, known[path])
+    return result
 
 
 def _law_quantities(law: Any) -> Mapping[str, Quantity]:
@@ -674,7 +678,7 @@ def show_warnings(checks: Checks) -> None:
     doubts = [finding for finding in checks.findings if finding.severity == "warning"]
     for sentence in dict.fromkeys(finding.sentence for finding in doubts):
         same = [finding for finding in doubts if finding.sentence == sentence]
-        record = joined([one.record for one in same], terminal.MOST_NAMED)
+        record = joined([item.record for item in same], terminal.MOST_NAMED)
         terminal.stdout().print(f"! {replace(same[0], record=record)}", style="yellow")
 
 
@@ -732,7 +736,7 @@ def show_trials(comparison: TrialComparison | None) -> None:
         for name in comparison.conditions:
             value = trial.conditions.get(name)
             row.append(significant(value, 4) if isinstance(value, float) else value or "")
-        for one in trial.estimates:
-            row += [significant(one.value, 4), one.range if one.bounded else "open"]
+        for item in trial.estimates:
+            row += [significant(item.value, 4), item.range if item.bounded else "open"]
         rows.append([terminal.plain(cell) for cell in row])
     terminal.show_table("", heads, rows, whole=heads)

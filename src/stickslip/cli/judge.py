@@ -96,7 +96,7 @@ def _tolerance(kind: kinds.AnyKind, rig: Rig, text: str | None) -> float | None:
     called = "--tolerance" if text is not None else f"tolerance in [data] of {rig.path}"
     given = rig.tolerance if text is None else as_tolerance(text, called)
     if given is not None and "tolerance" not in kind.uses:
-        users = [one for one in kinds.kinds() if "tolerance" in one.uses]
+        users = [item for item in kinds.kinds() if "tolerance" in item.uses]
         raise InputError(f"{called} {kinds.unused_text(kind, users)}")
     return given
 
@@ -309,7 +309,7 @@ def run_plan(options: PlanOptions) -> None:
     between = _between(setting, rig, options.between)
     if not options.as_json:
         terminal.note("Simulating the predictions of the laws ...")
-    found = kinds.plan(
+    result = kinds.plan(
         rig.mechanism,
         laws_of(rig, options.laws),
         measurement=travels,
@@ -320,14 +320,14 @@ def run_plan(options: PlanOptions) -> None:
         t_end=rig.t_end,
     )
     if files:
-        _write(found, rig, options.rig, files)
+        _write(result, rig, options.rig, files)
     if options.as_json:
         head = {"rig": rig.heading, "digest": rig.digest}
         terminal.print_json(
-            documents.document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]})
+            documents.document("plan", {**head, **result.to_dict(), "files": [*map(str, files)]})
         )
         return
-    _show_plan(found)
+    _show_plan(result)
     if files:
         terminal.stdout().print(f"\nWritten: {', '.join(map(str, files))}")
 

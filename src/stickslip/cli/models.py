@@ -36,8 +36,8 @@ def run(options: ModelsOptions) -> None:
 def _all(*, as_json: bool) -> None:
     if as_json:
         contacts = {name: kind.contact_names or "one" for name, kind in mechanisms().items()}
-        found = {"laws": [_law(law) for law in friction.laws().values()], "mechanisms": contacts}
-        print_json(document("models", found))
+        result = {"laws": [_law(law) for law in friction.laws().values()], "mechanisms": contacts}
+        print_json(document("models", result))
         return
     rows = [
         [name, law.title, str(law.composition or "")] for name, law in friction.listed().items()
@@ -214,9 +214,9 @@ def run_cite(options: CiteOptions) -> None:
         if options.laws
         else list(friction.listed().values())
     )
-    found = {law.name: [friction.SOURCES[key] for key in law.sources] for law in chosen}
+    result = {law.name: [friction.SOURCES[key] for key in law.sources] for law in chosen}
     if options.as_json:
-        content = {"software": own, "rig": friction.SOURCES["paper"], "laws": found}
+        content = {"software": own, "rig": friction.SOURCES["paper"], "laws": result}
         print_json(document("cite", content))
         return
     console = stdout()
@@ -224,5 +224,5 @@ def run_cite(options: CiteOptions) -> None:
     console.print(f"Bundled rig\n  {friction.SOURCES['paper']}")
     for law in chosen:
         console.print(law.title)
-        for source in found[law.name]:
+        for source in result[law.name]:
             console.print(f"  {source}")

@@ -43,7 +43,11 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
 
 def declared(mark: Any) -> list[str]:
     """Return the names that the mark of an option declares; none where its field names it."""
-    return [one for one in (mark.default, *(mark.param_decls or ())) if isinstance(one, str)]
+    return [
+        param_decl
+        for param_decl in (mark.default, *(mark.param_decls or ()))
+        if isinstance(param_decl, str)
+    ]
 
 
 def typed(options: Any, *names: str) -> list[str]:
@@ -58,16 +62,16 @@ def typed(options: Any, *names: str) -> list[str]:
     """
     hints = get_type_hints(type(options), include_extras=True)
     defaults = {part.name: part.default for part in fields(options)}
-    found = []
+    result = []
     for name in names:
         value = getattr(options, name)
         if value is None or value == defaults[name]:
             continue
         marks = getattr(hints[name], "__metadata__", ())
-        called = [one for mark in marks for one in declared(mark) if one.startswith("--")]
+        called = [item for mark in marks for item in declared(mark) if item.startswith("--")]
         on, _, off = (called or [f"--{name.replace('_', '-')}"])[0].partition("/")
-        found.append(off if value is False else on)
-    return found
+        result.append(off if value is False else on)
+    return result
 
 
 def _hush(wanted: bool) -> bool:

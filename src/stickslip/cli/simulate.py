@@ -320,7 +320,7 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> sweep.Refit:
     records = any(record.time is not None for record in rig.measurement.records())
     measurement = _without_fitted_start(rig) if records else rig.measurement
     with Drawing("Refitting"):
-        found = fit(
+        result = fit(
             rig.mechanism,
             chosen.law,
             measurement,
@@ -328,7 +328,7 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> sweep.Refit:
             settings=RecordSettings(hold=rig.hold) if records else None,
             t_end=None if records else rig.t_end,
         )
-    return sweep.Refit(fit=found, parameters=sweep.compare_estimates(chosen.law, known, found))
+    return sweep.Refit(fit=result, parameters=sweep.compare_estimates(chosen.law, known, result))
 
 
 def _band(rig: Rig, chosen: Chosen, options: SimulateOptions, run: Trajectory) -> sweep.Band | None:
@@ -484,6 +484,6 @@ def _content(about: RunReport, chosen: Chosen, works: sweep.EnergyBalance | None
             asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in about.cycles
         ]
     for name in ("band", "validation", "refit"):
-        if (found := getattr(about, name)) is not None:
-            content[name] = found.to_dict()
+        if (result := getattr(about, name)) is not None:
+            content[name] = result.to_dict()
     return content | ({"criteria": asdict(about.criteria)} if about.single else {})

@@ -89,17 +89,17 @@ def run_paper(options: PaperOptions) -> None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
     cart = _cart(options.changes)
     with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
-        found = audit(cart=cart, progress=watch)
-    content = document("paper", found.to_dict())
+        result = audit(cart=cart, progress=watch)
+    content = document("paper", result.to_dict())
     if options.as_json:
         terminal.print_json(content)
     else:
-        _show(found)
+        _show(result)
     if folder is None:
         return
     files = {DOCUMENT: json_text(content)}
     kept = f"The numbers are in {folder / DOCUMENT}."
-    drawn = partial(paper_report, found, command=terminal.command_line())
+    drawn = partial(paper_report, result, command=terminal.command_line())
 
     def write(text: str | None) -> None:
         write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
@@ -185,22 +185,24 @@ def _run_campaign(options: SweepOptions) -> None:
             return not interrupts.stopped
 
         inline = Inline() if count == 1 else None
-        found = plans.run(folder, executor=pool or inline, progress=progress, replace=options.force)
+        result = plans.run(
+            folder, executor=pool or inline, progress=progress, replace=options.force
+        )
     took = time.perf_counter() - begun
-    if not found.complete:
-        note(f"{len(found)} of {len(plans)} runs are there: the same command goes on.")
+    if not result.complete:
+        note(f"{len(result)} of {len(plans)} runs are there: the same command goes on.")
         raise typer.Exit(CANCELLED)
-    indices = _indices(plans, found, cases)
+    indices = _indices(plans, result, cases)
     if options.as_json:
         rows = {index.output: index.to_dataframe().to_dict("records") for index in indices}
         content = {
-            "runs": len(found),
-            "certified": found.certified,
-            "status": found.status,
-            "meaning": {name: Status[name].value for name in found.status},
-            "files": len(found.parts),
-            "bytes": found.size,
-            "made": found.made,
+            "runs": len(result),
+            "certified": result.certified,
+            "status": result.status,
+            "meaning": {name: Status[name].value for name in result.status},
+            "files": len(result.parts),
+            "bytes": result.size,
+            "made": result.made,
             "seconds": took,
             "sensitivity": rows,
             "folder": str(folder),
@@ -209,9 +211,11 @@ def _run_campaign(options: SweepOptions) -> None:
         return
     for case in cases:
         stdout().print(case)
-    terminal.show_summary(found.in_short())
-    if found.made:
-        rate = f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
+    terminal.show_summary(result.in_short())
+    if result.made:
+        rate = (
+            f"{result.made:,} runs were made in {quantity(took, 's')}, {result.made / took:,.0f} a"
+        )
         stdout().print(f"{rate} second.")
     for index in indices:
         stdout().print()
@@ -338,7 +342,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
             " {low = 0.2, high = 0.3}."
         )
     varying = _varying(case)
-    found = {}
+    result = {}
     for name, given in _leaves(table):
         path = full_path(name, varying)
         known = varying[path]
@@ -353,8 +357,8 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         wanted = dict.fromkeys(("values", "mean", "low", "high"), known)
         wanted["sd"] = Quantity(known.symbol, known.unit)
         needs = "values, or low and high, or mean and sd"
-        found[path] = _made(FACTORS, own, at, needs, wanted)
-    return found
+        result[path] = _made(FACTORS, own, at, needs, wanted)
+    return result
 
 
 def _made(
@@ -405,13 +409,13 @@ def _varying(case: Case) -> dict[str, Quantity]:
 
 def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Return what stands at each dotted path, of which TOML makes tables without quotes."""
-    found: list[tuple[str, Any]] = []
+    result: list[tuple[str, Any]] = []
     for key, value in table.items():
         inner = (
             isinstance(value, dict) and value and all(isinstance(x, dict) for x in value.values())
         )
-        found += _leaves(value, f"{prefix}{key}.") if inner else [(f"{prefix}{key}", value)]
-    return found
+        result += _leaves(value, f"{prefix}{key}.") if inner else [(f"{prefix}{key}", value)]
+    return result
 
 
 def _number(value: object, known: Quantity, where: str) -> float:
@@ -427,13 +431,13 @@ def _outputs(table: object, file: str) -> dict[str, Output] | None:
     _known(table, table if isinstance(table, dict) else (), where)
     needs = f'one of {", ".join(KINDS)}, such as {{final = "x"}}'
     numbers = dict.fromkeys(TIMES, TIME)
-    found: dict[str, Output] = {}
+    result: dict[str, Output] = {}
     for name, own in cast("dict[str, Any]", table).items():
         at = f"{name} in {where}"
         if isinstance(own, dict) and not isinstance(own.get("times", []), list):
             raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
-        found[name] = _made(KINDS, own, at, needs, numbers)
-    return found
+        result[name] = _made(KINDS, own, at, needs, numbers)
+    return result
 
 
 # ``stickslip sweep``, ``stickslip orbits`` and ``stickslip optimise``.
@@ -478,7 +482,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
     settings["y0"] = rig.start(law)
     measured: list[tuple[float, float]] = []
-    found: VelocityMap | VelocityBand
+    result: VelocityMap | VelocityBand
     if draws is not None:
         laws, settings["error"] = inputs.laws_drawn(
             rig, chosen, options.law_load, draws, options.seed
@@ -489,13 +493,13 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
             values, [at for at, _ in measured]
         )  # a curve with jumps tells nothing in between
         with Drawing("Running", "laws") as progress:
-            found = velocity_band(
+            result = velocity_band(
                 rig.mechanism, laws, {name: values}, progress=progress, **settings
             )
-        content = _band_content(found, laws, measured)
+        content = _band_content(result, laws, measured)
     else:
         with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
-            found = average_velocity(
+            result = average_velocity(
                 rig.mechanism,
                 law,
                 axes,
@@ -505,19 +509,19 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
                 progress=progress,
                 **settings,
             )
-        content = _map_content(found)
+        content = _map_content(result)
     from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
 
-    if isinstance(found, VelocityBand):
-        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
-        units = {found.path: found.unit, "laws": "1"} | dict.fromkeys(ends, found.velocity_unit)
+    if isinstance(result, VelocityBand):
+        drawing, ends = draw_velocity_band(result, measured), ("low", "median", "high")
+        units = {result.path: result.unit, "laws": "1"} | dict.fromkeys(ends, result.velocity_unit)
     else:
-        drawing = draw_velocity_map(found)
-        units = {**found.units, "period": "s", "velocity": found.unit}
-        units |= {"unsettled": found.unit, "spread": found.unit}
-        units |= units_of_columns(found.energies, found.unit.removesuffix("/s"))
+        drawing = draw_velocity_map(result)
+        units = {**result.units, "period": "s", "velocity": result.unit}
+        units |= {"unsettled": result.unit, "spread": result.unit}
+        units |= units_of_columns(result.energies, result.unit.removesuffix("/s"))
     svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
-    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
+    write_files({output: table_bytes(result.to_dataframe(), output, units), figure: svg})
     if options.as_json:
         files = [str(output), str(figure)]
         terminal.print_json(
@@ -527,9 +531,9 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     counts = [f"{name} {times}" for name, times in content.get("laws", {}).items()]
     drawn = f"laws drawn: {joined(counts)}"
     inputs.show_heading(rig, drawn if counts else f"{inputs.friction_title(chosen)} friction")
-    terminal.show_summary(found.in_short())
-    if isinstance(found, VelocityBand):
-        _show_measured(found, measured)
+    terminal.show_summary(result.in_short())
+    if isinstance(result, VelocityBand):
+        _show_measured(result, measured)
     stdout().print(f"\nWritten: {output}, {figure}")
 
 
@@ -596,7 +600,7 @@ def _few(vary: Sequence[str]) -> Sequence[str]:
 
 def _axes(vary: Sequence[str]) -> dict[str, Array]:
     """Read ``path=low:high:n`` or ``path=[values]``, once or twice."""
-    found = {}
+    result = {}
     for text in _few(vary):
         path, numbers, listed = _numbers(text)
         values = np.unique(numbers) if listed else np.empty(0)
@@ -610,8 +614,8 @@ def _axes(vary: Sequence[str]) -> dict[str, Array]:
                 " mechanism.drive.drive.frequency=1:6:50 or drive.frequency=[5.1, 7.3], got"
                 f" {text!r}."
             )
-        found[path] = values
-    return found
+        result[path] = values
+    return result
 
 
 def _numbers(text: str) -> tuple[str, list[float], bool]:
@@ -654,39 +658,39 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
         shared |= {"y0": rig.start(law), "progress": progress}
         if of_chart:
             box = {path: pair for path, pair, _ in ranges}
-            found: OrbitChart | OrbitDiagram = orbit_chart(
+            result: OrbitChart | OrbitDiagram = orbit_chart(
                 rig.mechanism, law, box, values=(cells, cells), **shared
             )
         else:
             count = (options.values or ORBIT_VALUES) if values is None else values
-            found = orbit_diagram(rig.mechanism, law, name, between, values=count, **shared)
-    drawing = draw_orbit_chart(found) if isinstance(found, OrbitChart) else draw_orbits(found)
+            result = orbit_diagram(rig.mechanism, law, name, between, values=count, **shared)
+    drawing = draw_orbit_chart(result) if isinstance(result, OrbitChart) else draw_orbits(result)
     size = CHART_SIZE if of_chart else DIAGRAM_SIZE
     svg = standalone_svg(drawing, size=size, title="Periodic orbits")
     axes = (
-        dict(zip(found.paths, found.parameter_units, strict=True))
-        if isinstance(found, OrbitChart)
-        else {found.path: found.unit}
+        dict(zip(result.paths, result.parameter_units, strict=True))
+        if isinstance(result, OrbitChart)
+        else {result.path: result.unit}
     )
-    units = {**found.units, **axes, "period": "s"}
-    velocities = [*found.velocities]
-    if isinstance(found, OrbitDiagram):
-        velocities = [*{name for branch in found.branches for name in branch.advances}]
-        table = found.to_dataframe(energy=options.energy)
-        (travel, *_) = (*found.velocities, rig.mechanism.coordinates[0])
-        units |= units_of_columns(map(str, table.columns), found.units[travel])
+    units = {**result.units, **axes, "period": "s"}
+    velocities = [*result.velocities]
+    if isinstance(result, OrbitDiagram):
+        velocities = [*{name for branch in result.branches for name in branch.advances}]
+        table = result.to_dataframe(energy=options.energy)
+        (travel, *_) = (*result.velocities, rig.mechanism.coordinates[0])
+        units |= units_of_columns(map(str, table.columns), result.units[travel])
     else:
-        table = found.to_dataframe()
-    units |= {f"advance {name}": found.units[name] for name in velocities}
-    units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in velocities}
+        table = result.to_dataframe()
+    units |= {f"advance {name}": result.units[name] for name in velocities}
+    units |= {f"mean velocity {name}": f"{result.units[name]}/s" for name in velocities}
     write_files({output: table_bytes(table, output, units), figure: svg})
     if options.as_json:
-        own = _chart_content(found) if isinstance(found, OrbitChart) else _diagram_content(found)
+        own = _chart_content(result) if isinstance(result, OrbitChart) else _diagram_content(result)
         content = inputs.rig_content(rig, chosen) | own
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
-    terminal.show_summary(found.in_short())
+    terminal.show_summary(result.in_short())
     stdout().print(f"\nWritten: {output}, {figure}")
 
 
@@ -771,16 +775,16 @@ def run_optimise(options: option_groups.OptimiseOptions) -> None:
         )
     )
     law = inputs.friction_of(chosen)
-    found = _optimum(rig, law, _scenarios(rig, chosen, law, options), options)
-    content = document("optimum", inputs.rig_content(rig, chosen) | found.to_dict())
+    result = _optimum(rig, law, _scenarios(rig, chosen, law, options), options)
+    content = document("optimum", inputs.rig_content(rig, chosen) | result.to_dict())
     if folder is not None:
-        write_folder(folder, _files(found, content))
+        write_folder(folder, _files(result, content))
     if options.as_json:
         terminal.print_json(content)
     else:
-        terminal.show_summary(found.in_short())
+        terminal.show_summary(result.in_short())
         terminal.stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
-    if found.cancelled:
+    if result.cancelled:
         terminal.note("The search was stopped early; this is the best motion so far.")
 
 
@@ -900,7 +904,7 @@ def run_characterize(options: option_groups.CharacterizeOptions) -> None:
     given = [_law(text) for text in options.laws]
     chosen = None if tests is None else [name.strip() for name in tests.split(",")]
     with Drawing("Testing") as progress:
-        found = characterize(
+        result = characterize(
             given[0],
             *given[1:],
             load=_load(options.load, mechanism),
@@ -910,12 +914,12 @@ def run_characterize(options: option_groups.CharacterizeOptions) -> None:
             inputs=_inputs(options.inputs),
             progress=progress,
         )
-    page = characterization_page(found, commands=[terminal.command_line()], versions=versions())
+    page = characterization_page(result, commands=[terminal.command_line()], versions=versions())
     if report is not None:
         write_files({report: render(page)})
     if options.as_json:
         files = [] if report is None else [str(report)]
-        terminal.print_json(document("characterize", {**found.to_dict(), "files": files}))
+        terminal.print_json(document("characterize", {**result.to_dict(), "files": files}))
         return
     terminal.show_sections(section for section in page.sections if section.id in SHORT)
     if report is not None:
@@ -926,14 +930,14 @@ def _law(text: str) -> FrictionLaw | str:
     """Return the law of a file, or the name or composition as it is."""
     if not text.lower().endswith(".toml"):
         return text
-    found = load_rig(text).laws
-    if len(found) != 1:
-        names = ", ".join(found) or "none"
+    result = load_rig(text).laws
+    if len(result) != 1:
+        names = ", ".join(result) or "none"
         raise InputError(
             f"{text} must have one law with all its values to be tested, it has {names}: give a"
             " file with one, such as the law.toml of a fit."
         )
-    (law,) = found.values()
+    (law,) = result.values()
     return law
 
 
@@ -948,15 +952,15 @@ def _load(text: str | None, mechanism: Mechanism | None) -> float:
 
 def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
     """Return values by name, of ``temperature=20,40``."""
-    found = {}
+    result = {}
     for text in texts:
         name, equals, values = text.partition("=")
         try:
-            found[name.strip()] = [float(text) for text in values.split(",")]
+            result[name.strip()] = [float(text) for text in values.split(",")]
         except ValueError:
             equals = ""
         if not equals:
             raise InputError(
                 f"--input takes NAME=VALUE,... such as temperature=20,40, got {text!r}."
             )
-    return found
+    return result

@@ -190,8 +190,8 @@ def run_doctor(options: JsonOption) -> None:
         print_json(document("doctor", facts))
     else:
         width = max(map(len, facts)) + 2
-        for subject, found in facts.items():
-            stdout().print(f"{subject:<{width}}{_in_words(found)}")
+        for subject, results in facts.items():
+            stdout().print(f"{subject:<{width}}{_in_words(results)}")
     if failed:
         raise SimulationError(f"the self-test failed in {joined(failed)}.")
 
@@ -226,12 +226,12 @@ def _tried(look: Callable[[], Facts]) -> Facts:
 
 def _required() -> dict[str, list[str]]:
     """Return the names of packages by extra; those that are always needed are under no name."""
-    found: dict[str, list[str]] = {}
+    result: dict[str, list[str]] = {}
     for line in importlib.metadata.requires("stickslip") or ():
         match = REQUIREMENT.fullmatch(line)
         if match is not None:
-            found.setdefault(match[2] or "", []).append(match[1])
-    return found
+            result.setdefault(match[2] or "", []).append(match[1])
+    return result
 
 
 def _version_of(package: str) -> str:

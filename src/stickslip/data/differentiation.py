@@ -191,12 +191,12 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
     cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1
     if cuts.size > MOST_ENTRIES:  # such a record is more gaps than samples: left as it is
         return values
-    found = np.array(values, dtype=float)
+    result = np.array(values, dtype=float)
     for piece in np.split(np.arange(time.size), cuts):
         if piece.size >= FEW_SAMPLES:
             span = slice(piece[0], piece[-1] + 1)
-            found[span] = _low_pass(sections, corner, time[span], found[span])
-    return found
+            result[span] = _low_pass(sections, corner, time[span], result[span])
+    return result
 
 
 def _low_pass(sections: Array, corner: float, time: Array, values: Array) -> Array:
@@ -507,11 +507,11 @@ def without_outliers(
     >>> dict(times)
     {'force': (2.0,)}
     """
-    found: dict[str, tuple[float, ...]] = {}
-    records = tuple(_without(record, found) for record in measurement.records())
-    if found:
+    result: dict[str, tuple[float, ...]] = {}
+    records = tuple(_without(record, result) for record in measurement.records())
+    if result:
         measurement = replace(measurement, trials=records) if measurement.trials else records[0]
-    return measurement, found
+    return measurement, result
 
 
 def _without(record: Measurement, found: dict[str, tuple[float, ...]]) -> Measurement:

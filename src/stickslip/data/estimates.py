@@ -484,8 +484,8 @@ class LawEstimates:
         # The distribution is split at its centre, and each half scaled to the side of its interval.
         share = sides / np.maximum(sides.max(axis=1, keepdims=True), np.finfo(float).tiny)
         share[share > NEARLY_ALL] = 1.0  # a covariance is that of the longer side
-        found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
-        return found
+        result: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
+        return result
 
     def _ends(self, name: str, value: float) -> tuple[float, float]:
         """Return the interval of a parameter; without one, that of its row of the covariance."""

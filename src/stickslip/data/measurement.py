@@ -144,10 +144,10 @@ def plain_conditions(given: object) -> dict[str, float | str]:
     """
     if not isinstance(given, Mapping):
         raise InputError(f"Measurement.conditions must be a mapping by name, got {given!r}.")
-    found: dict[str, float | str] = {}
+    result: dict[str, float | str] = {}
     for name, value in given.items():
         if isinstance(value, str) and value.strip():
-            found[str(name)] = value.strip()
+            result[str(name)] = value.strip()
             continue
         real = isinstance(value, numbers.Real) and not isinstance(value, bool)
         if not real or not math.isfinite(float(value)):
@@ -155,8 +155,8 @@ def plain_conditions(given: object) -> dict[str, float | str]:
                 f"Measurement.conditions of {name!r} must be a finite number or a text, got"
                 f" {value!r}: leave an unknown condition out."
             )
-        found[str(name)] = float(value)
-    return found
+        result[str(name)] = float(value)
+    return result
 
 
 def condition_name(full: str) -> str:
@@ -511,12 +511,12 @@ class Measurement(Tabular, InPanels):
         >>> Measurement(time=[0, 1], force=[2, 3], inputs={"temperature": 20}).input_names()
         ('temperature',)
         """
-        found = [
+        result = [
             {name for own in (record, *record.joints.values()) for name in own.contact_inputs()}
             for record in self.records()
         ]
         # In the order of the table of inputs, whatever order records have.
-        return tuple(name for name in CONTACT_INPUTS if all(name in own for own in found))
+        return tuple(name for name in CONTACT_INPUTS if all(name in own for own in result))
 
     def contact_inputs(self, joint: str = "") -> dict[str, Array | float]:
         """Return what was measured of `inputs`, or stated as a condition of one of their names.
@@ -709,8 +709,8 @@ class Measurement(Tabular, InPanels):
         }
         different = dict.fromkeys(name for record in records for name in record.conditions)
         rows += [
-            (path, f"{span(min(found), max(found), '1', 4)} [SI]")
-            for path, found in changed.items()
+            (path, f"{span(min(match), max(match), '1', 4)} [SI]")
+            for path, match in changed.items()
         ]
         rows += [("conditions", ", ".join(different))] if different else []
         return Summary(
@@ -721,16 +721,16 @@ class Measurement(Tabular, InPanels):
 
     def _extent(self, quantity_name: str) -> str:
         """Return the range of the values of a quantity, with its unit, and its uncertainty."""
-        found = [record for record in self.records() if quantity_name in record.quantities()]
-        values = np.concatenate([np.atleast_1d(record.values(quantity_name)) for record in found])
+        result = [record for record in self.records() if quantity_name in record.quantities()]
+        values = np.concatenate([np.atleast_1d(record.values(quantity_name)) for record in result])
         text = span(float(values.min()), float(values.max()), self.unit(quantity_name))
         doubts = {
             span(float(np.min(doubt)), float(np.max(doubt)), self.unit(quantity_name))
-            for record in found
+            for record in result
             for doubt in [record.uncertainty.get(quantity_name)]
             if doubt is not None
         }
-        kind = found[0].uncertainty_kind
+        kind = result[0].uncertainty_kind
         return f"{text}, uncertainty {' or '.join(sorted(doubts))} ({kind})" if doubts else text
 
     def _span_of_input(self, name: str) -> str:
@@ -856,7 +856,7 @@ def _with_own_inputs(
     """Return joints with the contact inputs that are given by joint."""
     given: Any = record.inputs
     tables = {name: value for name, value in given.items() if isinstance(value, Mapping)}
-    found = dict(joints)
+    result = dict(joints)
     for name, table in tables.items():
         for joint, values in table.items():
             if joint not in joints:
@@ -866,8 +866,8 @@ def _with_own_inputs(
                         " force is given by joint."
                     )
                 raise UnknownNameError(f"joint in Measurement.inputs, {name}:", joint, joints)
-            found[joint] = replace(found[joint], inputs={**found[joint].inputs, name: values})
-    return found
+            result[joint] = replace(result[joint], inputs={**result[joint].inputs, name: values})
+    return result
 
 
 def _joints(record: Measurement) -> Mapping[str, Measurement]:
@@ -893,7 +893,7 @@ def _joints(record: Measurement) -> Mapping[str, Measurement]:
             )
     given_offset: Any = record.offset  # checked later
     offsets = given_offset if isinstance(given_offset, Mapping) else {}
-    found = {}
+    result = {}
     for joint in names:
         own = {name: table[joint] for name, table in tables.items() if joint in table}
         offset = {
@@ -902,10 +902,10 @@ def _joints(record: Measurement) -> Mapping[str, Measurement]:
             if str(name).partition(".")[2] == joint
         }
         with concerning(f"joint {joint!r}:", InputError):
-            found[joint] = Measurement(
+            result[joint] = Measurement(
                 time=record.time, **own, offset=offset, turning=record.turning, name=joint
             )
-    return found
+    return result
 
 
 def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
@@ -1111,8 +1111,8 @@ def _uncertainty(record: Measurement) -> dict[str, Array | float]:
         checked[name] = doubt = _numbers(f"uncertainty.{name}", quantity, value, record.turning)
         if isinstance(doubt, np.ndarray):
             _check_doubts(record, name, doubt, quantity)
-        for one in np.atleast_1d(doubt) if name in TRAVELS else ():
-            _check_size("Measurement.uncertainty", name, float(one), quantity)
+        for item in np.atleast_1d(doubt) if name in TRAVELS else ():
+            _check_size("Measurement.uncertainty", name, float(item), quantity)
     return checked
 
 
@@ -1157,14 +1157,14 @@ def _floats(owner: str, given: object) -> dict[str, float]:
 
 
 def _positive(owner: str, given: object) -> dict[str, float]:
-    found = _floats(owner, given)
-    for name, value in found.items():
+    result = _floats(owner, given)
+    for name, value in result.items():
         if not value > 0.0:
             raise ParameterError(
                 f"Measurement.{owner} of {name!r} must be a standard uncertainty above 0, in the"
                 f" SI unit of the parameter, got {value:g}. Leave it out if the value is exact."
             )
-    return found
+    return result
 
 
 def _check_trials(whole: Measurement) -> None:

@@ -68,18 +68,18 @@ def gains_of(given: Mapping[str, float | str], known: Iterable[str]) -> dict[str
     {'force': 35.0}
     """
     known = list(known)
-    found: dict[str, float | str] = {}
+    result: dict[str, float | str] = {}
     for name, value in given.items():
-        found[name] = _gain(name, value)
-        if found[name] == 0.0:
+        result[name] = _gain(name, value)
+        if result[name] == 0.0:
             raise ParameterError(
                 f"gain.{name} (g) must be a finite number other than 0, got 0: it would set the"
                 " whole column to 0."
             )
-    for name in found:
+    for name in result:
         if name not in known:
             raise UnknownNameError("quantity in gain", name, known)
-    return found
+    return result
 
 
 def _gain(name: str, value: object) -> float | str:
@@ -150,13 +150,13 @@ class Scaling:
         targets, turning = self._targets(raw)
         # The load first: coefficients are multiplied by it; friction last: that has one without.
         order = sorted(raw, key=lambda name: (name in RUBBING) + (name == "friction"))
-        found: dict[str, Array] = {}
+        result: dict[str, Array] = {}
         for name in order:
-            load = found["load"] - self.load_offset if "load" in found else self.load
+            load = result["load"] - self.load_offset if "load" in result else self.load
             if load is None and name == "friction" and self._per_load(name, targets[name]):
-                load = found["load"] = np.ones(len(raw[name]))  # levels over it are coefficients
-            found[name] = self._one(name, raw[name], targets[name], load)
-        return {name: found[name] for name in dict.fromkeys([*raw, *found])}, turning
+                load = result["load"] = np.ones(len(raw[name]))  # levels over it are coefficients
+            result[name] = self._one(name, raw[name], targets[name], load)
+        return {name: result[name] for name in dict.fromkeys([*raw, *result])}, turning
 
     def _per_load(self, name: str, target: str) -> bool:
         """Whether a column is a coefficient, of which no gain makes a force."""
@@ -659,22 +659,22 @@ class _Files:
 
     def _with_cells(self, frame: "QuantityTable", wanted: Iterable[str]) -> list[str]:
         """Return the columns of quantities without those of channels that were off."""
-        found = [name for name in wanted if name in frame.names]
+        result = [name for name in wanted if name in frame.names]
         named = ("time", *self.reading.columns)
-        filled = [name for name in found if name in named or not frame.is_empty(name)]
-        return filled if {*filled} - {"time"} else found
+        filled = [name for name in result if name in named or not frame.is_empty(name)]
+        return filled if {*filled} - {"time"} else result
 
     def _joint_columns(self, frame: "QuantityTable") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.
 
         A log of a robot has more joints than a mechanism of some of them, or than one axis.
         """
-        found = [name for name in frame.names if _of_joint(name)]
+        result = [name for name in frame.names if _of_joint(name)]
         chosen = self.reading.columns
         own = () if self.mechanism is None else self.mechanism.coordinates
-        fitting = [name for name in found if name.partition(".")[2] in own] or found
+        fitting = [name for name in result if name.partition(".")[2] in own] or result
         single = any(name in chosen for name in BY_JOINT)
-        yield from (name for name in found if name in chosen or (name in fitting and not single))
+        yield from (name for name in result if name in chosen or (name in fitting and not single))
 
     def _refuse_twice(self, raw: Iterable[str]) -> None:
         """Refuse a named column of a joint beside one of the same quantity that is of none."""
@@ -688,28 +688,28 @@ class _Files:
     def _beside(self, frame: "QuantityTable") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
         joints = {name.partition(".")[2] for name in self._joint_columns(frame)}
-        found: dict[str, Array] = {}
+        result: dict[str, Array] = {}
         for name in filter(is_beside, frame.names):
             first, _, joint = name.partition(".")
             if not joint or joint in joints:
                 named = name in self.reading.columns
                 holes = named and "gaps" in self.reading.repair
                 with self._optional(name):
-                    found[name] = frame.raw(name, holes=holes, repairable=named)
+                    result[name] = frame.raw(name, holes=holes, repairable=named)
             elif name in self.reading.columns:
                 raise UnknownNameError(f"joint in columns, {first}:", joint, joints)
-        return found
+        return result
 
     def _inputs(
         self, frame: "QuantityTable", raw: Mapping[str, Array], turning: bool
     ) -> dict[str, Array | dict[str, Array]]:
         """Return contact inputs in their units; those of joints, as a table by joint."""
-        found: dict[str, Array] = {}
+        result: dict[str, Array] = {}
         for name in filter(is_beside, raw):
             with self._optional(name):
                 target = unit_of_input(name.partition(".")[0], turning=turning)
-                found[name] = frame.scaled(name, raw[name], target)
-        return _nested(found)
+                result[name] = frame.scaled(name, raw[name], target)
+        return _nested(result)
 
     @contextmanager
     def _optional(self, name: str) -> Iterator[None]:
@@ -729,14 +729,14 @@ def _of_joint(name: str) -> bool:
 
 def _nested(values: Mapping[str, Array]) -> dict[str, Array | dict[str, Array]]:
     """Return columns by quantity; what is of joints, as a table by joint."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for name, column in values.items():
         quantity, _, joint = name.partition(".")
         if not joint:
-            found[quantity] = column
-        elif isinstance(found.setdefault(quantity, {}), dict):
-            found[quantity][joint] = column
-    return found
+            result[quantity] = column
+        elif isinstance(result.setdefault(quantity, {}), dict):
+            result[quantity][joint] = column
+    return result
 
 
 def _is_table(given: object) -> bool:

@@ -498,15 +498,15 @@ def as_tolerance(value: float | str, called: str = "tolerance") -> float:
     """
     text = str(value).strip()
     try:
-        found = float(text.rstrip("% ")) / (100.0 if text.endswith("%") else 1.0)
+        result = float(text.rstrip("% ")) / (100.0 if text.endswith("%") else 1.0)
     except ValueError:
-        found = math.nan
-    if not 0.001 <= found <= 0.5:
+        result = math.nan
+    if not 0.001 <= result <= 0.5:
         raise InputError(
             f"{called} must be a share of friction from 0.001 to 0.5, such as 0.02 or"
             f' "2 %", got {value!r}.'
         )
-    return found
+    return result
 
 
 def estimated_law(
@@ -661,12 +661,12 @@ class LoopSamples:
     ) -> tuple[Array, tuple[mechanisms.LoopMemory, ...]]:
         """Return the voltages (n,) [V] of a loop and what it remembers before each sample."""
         memory: mechanisms.LoopMemory = None
-        found, memories = [], [memory]
+        result, memories = [], [memory]
         for goal, position in zip(self.goal.tolist(), self.position.tolist(), strict=True):
             voltage, memory = loop.sampled(goal, position, memory, limit=limit)
-            found.append(voltage)
+            result.append(voltage)
             memories.append(memory)
-        return np.array(found), tuple(memories)
+        return np.array(result), tuple(memories)
 
 
 def loop_samples(
@@ -797,15 +797,15 @@ def carried_by_contact(
             f" {mechanism.name} are {_said(own)}: write the values into tables such as"
             f" [friction.{here[0]}] of {mechanism.name}."
         )
-    found = assigned(tuple(here), rig.law_by_contact(names))
-    assert isinstance(found, Laws)  # of several contacts
-    known = estimates_by_contact(rig, found)
+    result = assigned(tuple(here), rig.law_by_contact(names))
+    assert isinstance(result, Laws)  # of several contacts
+    known = estimates_by_contact(rig, result)
     # Levels at rest that nobody measured are said of each contact.
     rest = [
-        f"{contact}: {sentence}" for contact, law in found.members for sentence in _about_rest(law)
+        f"{contact}: {sentence}" for contact, law in result.members for sentence in _about_rest(law)
     ]
-    remarks = (*rest, *_about_doubt(found, known))
-    return CarriedLaws(laws=found, estimates=known, remarks=remarks, source=rig.path)
+    remarks = (*rest, *_about_doubt(result, known))
+    return CarriedLaws(laws=result, estimates=known, remarks=remarks, source=rig.path)
 
 
 def estimates_by_contact(rig: Rig, laws: Laws) -> estimates.LawEstimates | None:
@@ -850,9 +850,9 @@ def carried(
     stickslip.errors.InputError: law.toml: the levels of coulomb are forces, ...
     """
     name = _name(rig, law)
-    found, known = rig.laws[name], rig.estimates_of(name)
+    result, known = rig.laws[name], rig.estimates_of(name)
     levels = levels_at(rig.mechanism) if known is None else known.levels
-    divided = _per_load(found)
+    divided = _per_load(result)
     here = levels_at(mechanism)
     remarks: list[str] = []
     if load is not None:
@@ -860,9 +860,9 @@ def carried(
         # Only what is over the load: viscous coefficients and rates stay as they are.
         factors = dict.fromkeys(divided, 1.0 / load)
         changes = {f"friction.{name}": factors[name] * x for name, x in divided.items()}
-        divided_law = vary(found, "friction", changes)
-        _check_divided(rig, found, divided_law, load)
-        found = divided_law
+        divided_law = vary(result, "friction", changes)
+        _check_divided(rig, result, divided_law, load)
+        result = divided_law
         known = None if known is None else known.scaled(factors)
         remarks.append(
             f"The levels were forces and are divided by the given load of {quantity(load, 'N')}."
@@ -871,13 +871,17 @@ def carried(
         raise InputError(_refusal(rig, name, levels))
     elif divided and here != "per load":
         remarks += _about_unit_load(mechanism, levels, here)
-    remarks += _about_viscosity(found, known, slips_by_angle(rig.mechanism))
+    remarks += _about_viscosity(result, known, slips_by_angle(rig.mechanism))
     if here == "per load":
-        remarks += _about_bristles(found, slips_by_angle(mechanism))
-    remarks += _about_rest(found)
-    remarks += _about_doubt(found, known)
+        remarks += _about_bristles(result, slips_by_angle(mechanism))
+    remarks += _about_rest(result)
+    remarks += _about_doubt(result, known)
     return CarriedLaw(
-        law=found, estimates=known, remarks=tuple(remarks), source=rig.path, fitted_on=rig.mechanism
+        law=result,
+        estimates=known,
+        remarks=tuple(remarks),
+        source=rig.path,
+        fitted_on=rig.mechanism,
     )
 
 
@@ -954,12 +958,14 @@ def unfitted_bristles(
     >>> unfitted_bristles(law, None, 0.2, block)
     ()
     """
-    found = [
+    result = [
         (path.removeprefix("friction."), known_quantity, value)
         for path, known_quantity, value in parameters(law, "friction")
         if _is_of_bristles(known_quantity) and value
     ]
-    stiffness = [value for _, known_quantity, value in found if known_quantity.scale == "stiffness"]
+    stiffness = [
+        value for _, known_quantity, value in result if known_quantity.scale == "stiffness"
+    ]
     fitted = () if known is None else known.intervals
     if not stiffness or distance == 0.0:
         return ()
@@ -969,7 +975,7 @@ def unfitted_bristles(
         return ()
     return tuple(
         f"${measured.symbol}$ = {quantity(value, estimates.unit_on(mechanism, measured))}"
-        for name, measured, value in found
+        for name, measured, value in result
         if name not in fitted
     )
 
@@ -991,17 +997,17 @@ def bristle_remark(
     'The back-slip of 50 µm depends on bristle parameters that were not measured: ...
     """
     unit = turned("m", slips_by_angle(mechanism))
-    found = {
+    result = {
         f"{name} of {quantity(size, unit)}": symbols
         for name, size in distances.items()
         if (symbols := unfitted_bristles(law, known, size, mechanism))
     }
-    if not found:
+    if not result:
         return ""
-    depend = "depends" if len(found) == 1 else "depend"
-    (symbols, *_) = found.values()
+    depend = "depends" if len(result) == 1 else "depend"
+    (symbols, *_) = result.values()
     return (
-        f"The {joined(list(found))} {depend} on bristle parameters that were not measured:"
+        f"The {joined(list(result))} {depend} on bristle parameters that were not measured:"
         f" {joined(list(symbols))}."
     )
 
@@ -1072,7 +1078,7 @@ def _is_of_bristles(quantity: Quantity) -> bool:
 
 
 def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
-    found = estimates.LOAD.check("carried", "load", load)
+    result = estimates.LOAD.check("carried", "load", load)
     if levels == "per load":
         raise ParameterError(
             f"{rig.path}: the levels of its law are already coefficients (per normal force); leave"
@@ -1080,7 +1086,7 @@ def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
         )
     if levels == "torques":
         raise InputError(f"{_torques(rig)}, or leave --law-load out.")
-    return found
+    return result
 
 
 def _refusal(rig: Rig, name: str, levels: Levels) -> str:
@@ -1117,35 +1123,35 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
 def _about_viscosity(
     law: FrictionLaw, known: estimates.LawEstimates | None, turning: bool
 ) -> list[str]:
-    found = [
+    result = [
         f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
         for path, known_quantity, value in parameters(law, "friction")
         if known_quantity.unit.startswith("N") and value
     ]
-    if not found:
+    if not result:
         return []
     speed = known.largest_speed if known is not None else None
     assert not isinstance(speed, Mapping)  # that of one contact
     unit = turned("m/s", turning)
     reach = "" if speed is None else f", and was fitted up to {quantity(speed, unit)}"
-    are = "applies" if len(found) == 1 else "apply"
+    are = "applies" if len(result) == 1 else "apply"
     return [
-        f"{joined(found)} {are} to the contact of the fit: viscous friction does not scale with"
+        f"{joined(result)} {are} to the contact of the fit: viscous friction does not scale with"
         f" the normal force in this law{reach}."
     ]
 
 
 def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
-    found = [
+    result = [
         f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
         for _, known_quantity, value in parameters(law, "friction")
         if _is_of_bristles(known_quantity) and value
     ]
-    if not found:
+    if not result:
         return []
-    are = "is" if len(found) == 1 else "are"
+    are = "is" if len(result) == 1 else "are"
     return [
-        f"{joined(found)} {are} per normal force: the bristles are assumed to stiffen in"
+        f"{joined(result)} {are} per normal force: the bristles are assumed to stiffen in"
         " proportion to it, which was not tested."
     ]
 

@@ -231,11 +231,11 @@ def travels_of_films(
     t_end = min(t_end, *(float(np.asarray(record.time)[-1]) for record in records))
     if said := list(other_drives(mechanism, measurement)):
         raise InputError(" ".join(said))
-    found = [_read(mechanism, record, t_end, i) for i, record in enumerate(records, 1)]
-    if len(found) == 1:
-        doubts = {**measurement.parameter_uncertainties, **found[0].parameter_uncertainties}
-        return replace(found[0], parameter_uncertainties=doubts), t_end
-    return replace(measurement, trials=tuple(found)), t_end
+    result = [_read(mechanism, record, t_end, i) for i, record in enumerate(records, 1)]
+    if len(result) == 1:
+        doubts = {**measurement.parameter_uncertainties, **result[0].parameter_uncertainties}
+        return replace(result[0], parameter_uncertainties=doubts), t_end
+    return replace(measurement, trials=tuple(result)), t_end
 
 
 def settled_speed(mechanism: Mechanism, film: Measurement) -> tuple[float, float]:

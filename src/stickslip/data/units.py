@@ -31,17 +31,17 @@ def read_number(value: object, quantity: Quantity) -> float:
     else:
         number = value
     try:
-        found = quantity.check("", "", number)
+        result = quantity.check("", "", number)
     except (ParameterError, OverflowError):
         wanted = _wanted(quantity, value, _size(number))
         raise ParameterError(f"({quantity.symbol}) must be {wanted}, got {shown(value)}.") from None
-    wanted = size_wanted(found, quantity)
+    wanted = size_wanted(result, quantity)
     if wanted:
         raise ParameterError(
             f"({quantity.symbol}) must {wanted}, got {shown(value)}: correct the number or its"
             " unit."
         )
-    return found
+    return result
 
 
 def size_wanted(value: float, quantity: Quantity) -> str:
@@ -144,12 +144,12 @@ def read_gain(value: object) -> float | str:
     >>> read_gain(35.15), read_gain("-1"), read_gain("0.3 N m/A")
     (35.15, -1.0, '0.3 N m/A')
     """
-    found = split_number(value)
-    unit = found["unit"] if found else None
-    if found is None or unit is None or unit == "%" or is_of(unit, "1"):
+    result = split_number(value)
+    unit = result["unit"] if result else None
+    if result is None or unit is None or unit == "%" or is_of(unit, "1"):
         return read_number(value, Quantity("g"))
-    read_number(found["number"], Quantity("g"))
-    return f"{found['number']} {unit}"
+    read_number(result["number"], Quantity("g"))
+    return f"{result['number']} {unit}"
 
 
 def gain_factor(gain: str, unit: str, target: str) -> float:

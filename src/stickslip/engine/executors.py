@@ -99,13 +99,13 @@ def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
     if count <= 1:
         return [work(item) for item in items]
     begun = perf_counter()
-    found: list[Any] = [work(items[0]), *items[1:]]
+    result: list[Any] = [work(items[0]), *items[1:]]
     rest = iter(range(1, len(items)))
 
     def take() -> None:
         for i in rest:
             try:
-                found[i] = work(items[i])
+                result[i] = work(items[i])
             except BaseException:
                 for _ in rest:  # which ends the work of the other threads
                     pass
@@ -113,7 +113,7 @@ def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
 
     if (perf_counter() - begun) * (len(items) - 1) < LEAST_WORK:
         take()
-        return found
+        return result
     # for this call only: a forked copy of the process would have none of its threads
     with ThreadPoolExecutor(count - 1) as pool:
         # errors of floating point are handled as they are here
@@ -121,7 +121,7 @@ def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
         take()
     for other in others:
         other.result()
-    return found
+    return result
 
 
 def spread(

@@ -300,11 +300,11 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
             f"{type(mechanism).__name__} has one contact, which has no name: give its law alone,"
             f" got {law!r}."
         )
-    found = assigned(names, law)
-    own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
+    result = assigned(names, law)
+    own = dict(result.members) if isinstance(result, Laws) else dict.fromkeys(names, result)
     for contact, member in own.items():
         _check_inputs(mechanism, contact, member)
-    return found
+    return result
 
 
 def _with_values(given: object) -> FrictionLaw:
@@ -314,13 +314,13 @@ def _with_values(given: object) -> FrictionLaw:
     kind = law_type(given) if isinstance(given, str) else given
     if not (isinstance(kind, type) and issubclass(kind, FrictionLaw)):
         raise no_law(given)
-    found = with_typical_values(kind)
-    if found is None:
+    result = with_typical_values(kind)
+    if result is None:
         raise InputError(
             f"the law {kind.name} has no typical values: give it with values, such as"
             f' law("{kind.name}")(...) of stickslip.friction.'
         )
-    return found
+    return result
 
 
 def _check_inputs(mechanism: Mechanism, contact: str, law: FrictionLaw) -> None:
@@ -347,22 +347,22 @@ def _check_inputs(mechanism: Mechanism, contact: str, law: FrictionLaw) -> None:
 
 def own_law(mechanism: object, law: object) -> FrictionLaw:
     """Return the law of a mechanism that has one contact, for what takes no others."""
-    found = event_driven_law(mechanism, law)
+    result = event_driven_law(mechanism, law)
     assert isinstance(mechanism, Mechanism)  # as was checked
     slip_of(mechanism)
-    assert isinstance(found, FrictionLaw)  # of one contact
-    return found
+    assert isinstance(result, FrictionLaw)  # of one contact
+    return result
 
 
 def event_driven_law(mechanism: object, law: object) -> FrictionLaw | Laws:
     """Return the law, or the laws by contact, for what takes no fixed steps."""
-    found = check_pair(mechanism, law)
-    if isinstance(found, PrintedForm):
+    result = check_pair(mechanism, law)
+    if isinstance(result, PrintedForm):
         raise InputError(
             f"this runs with EventDriven only, which cannot solve {law!r}: give another law, or"
             " run it alone with FixedStep(...)."
         )
-    return found
+    return result
 
 
 def _told(

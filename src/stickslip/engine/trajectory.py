@@ -133,8 +133,8 @@ class _Seen:
     """Names of the columns, by those that they have here."""
 
     def __call__(self, t: "NDArray[np.float64]") -> Mapping[str, "NDArray[np.float64]"]:
-        found = self.evaluate(t)
-        return {name: found[column] for name, column in self.columns.items()}
+        result = self.evaluate(t)
+        return {name: result[column] for name, column in self.columns.items()}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -285,8 +285,8 @@ class Trajectory(InPanels):
             raise InputError("this run has no sensitivities: run it with solver=EventDriven().")
         if state not in self.states:
             raise UnknownNameError("state", state, self.states)
-        found = self.differentiate(self.t, [parameter])
-        return found[:, self.states.index(state), 0]
+        result = self.differentiate(self.t, [parameter])
+        return result[:, self.states.index(state), 0]
 
     def sampled(self, count: int = 400) -> "Trajectory":
         """Return the run at evenly spaced times, ends included."""

@@ -159,12 +159,12 @@ def _attribute_edits(data: bytes, tag: Tag, values: Mapping[str, str]) -> Iterat
 
 def root_of(data: bytes) -> str:
     """Return the name of the first element; empty of what is no XML."""
-    found: list[str] = []
+    result: list[str] = []
     parser = expat.ParserCreate()
-    parser.StartElementHandler = lambda name, _: found.append(name)
+    parser.StartElementHandler = lambda name, _: result.append(name)
     with contextlib.suppress(*NOT_XML):
         parser.Parse(data[:HEAD], False)
-    return found[0] if found else ""
+    return result[0] if result else ""
 
 
 def markup_of(path: Path, data: bytes) -> Markup:
@@ -201,9 +201,9 @@ def _parsed(path: Path, data: bytes) -> Tag:
 
 def _tag_end(data: bytes, start: int) -> int:
     """Return the first byte behind a start tag; values may contain ``>``."""
-    found = re.compile(rb"""(?:[^"'>]|"[^"]*"|'[^']*')*>""").match(data, start)
-    assert found is not None  # expat has found the tag well-formed
-    return found.end()
+    result = re.compile(rb"""(?:[^"'>]|"[^"]*"|'[^']*')*>""").match(data, start)
+    assert result is not None  # expat has found the tag well-formed
+    return result.end()
 
 
 # Scenes of USD as text: where prims, their schemas and their values stand.
@@ -272,20 +272,20 @@ class Stage:
 
     def edits(self, prim: Prim, values: Mapping[str, str], schema: str) -> list[Edit]:
         """Return the edits that apply a schema to a prim, and give it values."""
-        found, added = list(self._schema(prim, schema)), ""
+        result, added = list(self._schema(prim, schema)), ""
         newline, indent = self._indent(prim.body)
         for name, value in values.items():
             if name in prim.values:
                 there = prim.values[name]
-                found.append(Edit(there.start, there.end, value.encode("ascii")))
+                result.append(Edit(there.start, there.end, value.encode("ascii")))
             else:
                 added += f"{newline}{indent}float {name} = {value}"
         if added:
             place = self._behind(prim.body)
             # what follows in the line goes on in one of its own
             added += newline if self._rest(place) else ""
-            found.append(Edit(place, place, added.encode("ascii")))
-        return found
+            result.append(Edit(place, place, added.encode("ascii")))
+        return result
 
     def _schema(self, prim: Prim, schema: str) -> Iterator[Edit]:
         text = f'"{schema}"'
@@ -315,8 +315,8 @@ class Stage:
 
     def _behind(self, place: int) -> int:
         """Return the place, or behind the comment that follows it in the line."""
-        found = re.compile(rb"[ \t]*(?:#|//)[^\r\n]*").match(self.data, place)
-        return place if found is None else found.end()
+        result = re.compile(rb"[ \t]*(?:#|//)[^\r\n]*").match(self.data, place)
+        return place if result is None else result.end()
 
     def _rest(self, place: int) -> bytes:
         """Return what follows in the line."""
@@ -343,23 +343,23 @@ def stage_of(path: Path, data: bytes) -> Stage:
 
 def _length(path: Path, token: Token) -> float:
     try:
-        found = float(token.text)
+        result = float(token.text)
     except ValueError:
-        found = 0.0
-    if not 0.0 < found < float("inf"):
+        result = 0.0
+    if not 0.0 < result < float("inf"):
         raise InputError(f"{path}: a unit of the scene must be above 0, got {token.text}.")
-    return found
+    return result
 
 
 def _tokens(path: Path, data: bytes) -> Iterator[Token]:
     place = 0
     while place < len(data):
-        found = TOKEN.match(data, place)
-        if found is None:
+        result = TOKEN.match(data, place)
+        if result is None:
             raise InputError(f"{path} is not USD: {_line(data, place)}.")
-        if found.lastgroup != "space":
-            yield Token(str(found.lastgroup), found[0], found.start(), found.end())
-        place = found.end()
+        if result.lastgroup != "space":
+            yield Token(str(result.lastgroup), result[0], result.start(), result.end())
+        place = result.end()
 
 
 def _line(data: bytes, place: int) -> str:
@@ -369,7 +369,7 @@ def _line(data: bytes, place: int) -> str:
 
 def _closes(path: Path, data: bytes, tokens: Sequence[Token]) -> dict[int, int]:
     """Return where what each opening mark opens is closed."""
-    found: dict[int, int] = {}
+    result: dict[int, int] = {}
     opened: list[int] = []
     for i, token in enumerate(tokens):
         if token.data in PAIRS and token.kind == "mark":
@@ -377,10 +377,10 @@ def _closes(path: Path, data: bytes, tokens: Sequence[Token]) -> dict[int, int]:
         elif token.kind == "mark" and token.data in PAIRS.values():
             if not opened or PAIRS[tokens[opened[-1]].data] != token.data:
                 raise InputError(f"{path} is not USD: {_line(data, token.start)}.")
-            found[opened.pop()] = i
+            result[opened.pop()] = i
     if opened:
         raise InputError(f"{path} is not USD: {_line(data, tokens[opened[-1]].start)}.")
-    return found
+    return result
 
 
 def _prims(data: bytes, tokens: Sequence[Token], closes: Mapping[int, int]) -> Iterator[Prim]:
@@ -592,14 +592,14 @@ class Model(ABC):
                 f"{self.path}: {len(lines)} joints are called {name!r}, in lines"
                 f" {', '.join(lines)}: rename all but one."
             )
-        found = given[names.index(name)]
-        if found.kind not in _MOVE:
+        result = given[names.index(name)]
+        if result.kind not in _MOVE:
             raise InputError(
-                f"{self.path}: joint {name!r} is of type {found.kind}, which"
-                f" {_REFUSED.get(found.kind, _OTHER)}. Joints that take friction:"
+                f"{self.path}: joint {name!r} is of type {result.kind}, which"
+                f" {_REFUSED.get(result.kind, _OTHER)}. Joints that take friction:"
                 f" {', '.join(self.movable) or 'none'}."
             )
-        return found
+        return result
 
     @property
     def movable(self) -> list[str]:
@@ -776,7 +776,7 @@ class Mjcf(XmlModel):
 
     def _classes(self) -> dict[str, dict[str, tuple[str, str]]]:
         """Return attributes of joints by default class, with the class that gives each."""
-        found: dict[str, dict[str, tuple[str, str]]] = {"": {}}
+        result: dict[str, dict[str, tuple[str, str]]] = {"": {}}
 
         def read(tag: Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
             name = tag.attributes.get("class", top or "main")
@@ -784,16 +784,16 @@ class Mjcf(XmlModel):
             for child in tag.children:
                 if child.name == "joint":
                     own |= {key: (value, name) for key, value in child.attributes.items()}
-            found[name] = own
+            result[name] = own
             for child in tag.children:
                 if child.name == "default":
                     read(child, own, "")
 
         for tag in (child for root in self._roots() for child in root.children):
             if tag.name == "default":
-                read(tag, found[""], "main")
-                found[""] = found[tag.attributes.get("class", "main")]
-        return found
+                read(tag, result[""], "main")
+                result[""] = result[tag.attributes.get("class", "main")]
+        return result
 
     def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
         values = {
@@ -918,13 +918,13 @@ class Urdf(XmlModel):
     @cached_property
     def markup(self) -> Markup:
         """The elements of the file."""
-        found = markup_of(self.path, self.data)
+        result = markup_of(self.path, self.data)
         if any(
             tag.name.startswith("xacro:") or "${" in "".join(tag.attributes.values())
-            for tag in found.root.walk()
+            for tag in result.root.walk()
         ):
             raise has_macros(str(self.path))
-        return found
+        return result
 
     def joints(self) -> Iterator[ModelJoint]:
         for tag in self.markup.root.children:
@@ -1060,10 +1060,10 @@ class Physx(UsdModel):
 
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
         yield from _of_drive(joint)
-        found = joint.place.values.get("physxJoint:jointFriction")
-        if found is not None and found.text not in ("0", "0.0"):
+        result = joint.place.values.get("physxJoint:jointFriction")
+        if result is not None and result.text not in ("0", "0.0"):
             yield (
-                f"physxJoint:jointFriction = {found.text} adds friction in proportion to what the"
+                f"physxJoint:jointFriction = {result.text} adds friction in proportion to what the"
                 " joint transmits: remove it."
             )
 
@@ -1107,10 +1107,10 @@ class Newton(UsdModel):
 def _of_drive(joint: ModelJoint) -> Iterator[str]:
     """Yield that a drive damps the joint too, in a sentence."""
     name = f"drive:{AXES[joint.kind]}:physics:damping"
-    found = joint.place.values.get(name)
-    if found is not None and found.text not in ("0", "0.0"):
+    result = joint.place.values.get(name)
+    if result is not None and result.text not in ("0", "0.0"):
         yield (
-            f"The drive of the joint has a damping too, {name} = {found.text}, which comes on top:"
+            f"The drive of the joint has a damping too, {name} = {result.text}, which comes on top:"
             " it is for control and not for friction."
         )
 
@@ -1158,10 +1158,10 @@ class Ros2(Model):
                 f"{self.path} has an alias in line {line}, which ROS 2 does not read: write what it"
                 " stands for."
             )
-        found = [*_node_parameters("", root)]
-        if not found:
+        result = [*_node_parameters("", root)]
+        if not result:
             raise InputError(f"{self.path} has no ros__parameters, so it has none of a ROS 2 node.")
-        return found
+        return result
 
     def joints(self) -> Iterator[ModelJoint]:
         for node, parameters in self.nodes:
@@ -1233,15 +1233,15 @@ class Ros2(Model):
     def _steepness(self, place: Mapping[str, Any]) -> float:
         name = next(key for key in place if ".fp2[" in key)
         try:
-            found = float(place[name].value)
+            result = float(place[name].value)
         except ValueError:
-            found = 0.0
-        if not 0.0 < found < float("inf"):
+            result = 0.0
+        if not 0.0 < result < float("inf"):
             raise InputError(
                 f"{self.path}: {name} must be above 0 s/rad, got {place[name].value}: it is the"
                 " inverse of the speed within which the compensation grows, and stays as it is."
             )
-        return found
+        return result
 
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         place, _ = joint.place
@@ -1378,8 +1378,8 @@ class Bam(Model):
             lost = (*of_damper(subject, beside), *lost)
         else:
             model = "m1"
-            found, near, left = level_and_damping(subject, beside, wishes)
-            friction = {"friction_base": found.level, "friction_viscous": found.damping[0]}
+            result, near, left = level_and_damping(subject, beside, wishes)
+            friction = {"friction_base": result.level, "friction_viscous": result.damping[0]}
             lost = (*left, *lost)
         stays = [
             key for key in (*LEVELS, *SPEEDS, SURPLUS) if key in joint.has and key not in friction
@@ -1390,12 +1390,12 @@ class Bam(Model):
         return Carried(values={**written, "model": model}, near=near, lost=lost)
 
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
-        found, added = [], []
+        result, added = [], []
         for key, value in values.items():
             text = json.dumps(value) if key == "model" else value
             if key in self.members:
                 _, start, end = self.members[key]
-                found.append(
+                result.append(
                     Edit(byte_of(self.text, start), byte_of(self.text, end), text.encode("ascii"))
                 )
             else:
@@ -1406,16 +1406,16 @@ class Bam(Model):
             assert between is not None  # it may be empty
             place, space = byte_of(self.text, last), between[0] or " "
             text = "".join(f",{space}{name}" for name in added)
-            found.append(Edit(place, place, text.encode("ascii")))
-        return found
+            result.append(Edit(place, place, text.encode("ascii")))
+        return result
 
 
 def _json_members(text: str) -> Iterator[tuple[str, tuple[Any, int, int]]]:
     """Yield the members of an object, each value with where it stands."""
     decoder, place = json.JSONDecoder(), text.index("{") + 1
-    while found := MEMBER.match(text, place):
-        value, end = decoder.raw_decode(text, found.end())
-        yield json.loads(found[1]), (value, found.end(), end)
+    while result := MEMBER.match(text, place):
+        value, end = decoder.raw_decode(text, result.end())
+        yield json.loads(result[1]), (value, result.end(), end)
         comma = re.compile(r"\s*,?").match(text, end)
         assert comma is not None  # it may be empty
         place = comma.end()
@@ -1430,9 +1430,9 @@ def gear_law(law: FrictionLaw) -> FrictionLaw | None:
             values = containment.embed(law) if containment.law == law.name else None
             if values is None:
                 continue
-            found = LAWS[name](**values)
-            if not found.inputs and _same_parameters(found, law):
-                return found
+            result = LAWS[name](**values)
+            if not result.inputs and _same_parameters(result, law):
+                return result
     return None
 
 
@@ -1459,18 +1459,18 @@ def _gear_parameters(law: FrictionLaw, load: float) -> Iterator[tuple[str, float
 
 def _of_motor(beside: Beside) -> tuple[Mapping[str, float], tuple[str, ...]]:
     """Return the values of the motor at the shaft of the servo, and what they leave of it."""
-    motor, found = beside.motor, dict[str, float]()
+    motor, result = beside.motor, dict[str, float]()
     lost: tuple[str, ...] = ()
     if motor is not None:
-        found |= {"kt": motor.gear_ratio * motor.torque_constant, "R": motor.resistance}
+        result |= {"kt": motor.gear_ratio * motor.torque_constant, "R": motor.resistance}
         if motor.back_emf != motor.torque_constant:
             lost = (
                 f"The back-EMF constant is taken to be the torque constant, and was"
                 f" {quantity(motor.gear_ratio * motor.back_emf, 'V s/rad')} at the shaft.",
             )
     if beside.armature is not None:
-        found["armature"] = beside.armature
-    return found, lost
+        result["armature"] = beside.armature
+    return result, lost
 
 
 # The formats of model files by name.
@@ -1562,8 +1562,8 @@ class AppliedJoint(metaclass=Described):
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
         names = ("joint", "contact", "law", "before", "after", "largest_speed", "rms", "largest")
-        found = {name: getattr(self, name) for name in names}
-        return dict(json_value({**found, "unit": turned("N", self.rotary), "lost": self.lost}))
+        result = {name: getattr(self, name) for name in names}
+        return dict(json_value({**result, "unit": turned("N", self.rotary), "lost": self.lost}))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

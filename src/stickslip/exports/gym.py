@@ -112,8 +112,8 @@ class MotorTask(Parametrised):
     def _motor(self) -> str | None:
         """Name of the field that holds the motor."""
         fields = dataclasses.fields(self.mechanism)
-        found = [f.name for f in fields if isinstance(getattr(self.mechanism, f.name), Motor)]
-        return found[0] if found else None
+        result = [f.name for f in fields if isinstance(getattr(self.mechanism, f.name), Motor)]
+        return result[0] if result else None
 
     def driven(self, actions: Sequence[float] = ()) -> Mechanism:
         """Return the mechanism whose motor holds actions, one after the other.
@@ -233,8 +233,8 @@ def task_of(task: str | MotorTask) -> MotorTask:
         return task
     if not isinstance(task, str):
         raise InputError(f"task must be a MotorTask or a name, got {task!r}.")
-    found: MotorTask = named(TASKS, task, "task")
-    return found
+    result: MotorTask = named(TASKS, task, "task")
+    return result
 
 
 @dataclass(frozen=True)
@@ -266,19 +266,19 @@ def laws_of(task: MotorTask, laws: Sequence[FrictionLaw] | Draws | None) -> list
     """Return the laws of which episodes draw one: that of the task if none are given."""
     if laws is None:
         return [task.law]
-    found = laws if isinstance(laws, Sequence) else getattr(laws, "sample", tuple)()
-    if not found or not all(isinstance(law, FrictionLaw) for law in found):
+    result = laws if isinstance(laws, Sequence) else getattr(laws, "sample", tuple)()
+    if not result or not all(isinstance(law, FrictionLaw) for law in result):
         raise InputError(
             "laws must be friction laws, at least one, or what draws them by sample(), as a verdict"
             f" or TISSUES['wet'], got {laws!r}."
         )
-    return [*found]
+    return [*result]
 
 
 def values_in(task: MotorTask, vary: Mapping[str, Sequence[float | str]]) -> dict[str, list[float]]:
     """Return the values of which episodes draw one [SI], by the full path of a parameter."""
     known = {path: quantity for path, quantity, _ in parameters(task.mechanism, "mechanism")}
-    found: dict[str, list[float]] = {}
+    result: dict[str, list[float]] = {}
     for name, given in vary.items():
         path = full_path(name, known)
         if isinstance(given, str) or np.ndim(given) != 1 or len(given) == 0:
@@ -289,10 +289,10 @@ def values_in(task: MotorTask, vary: Mapping[str, Sequence[float | str]]) -> dic
         # Through the check of a parameter, which also reads units.
         for x in given:
             own = changed(task.mechanism, "mechanism", {path: cast("float", x)})
-            found.setdefault(path, []).append(
+            result.setdefault(path, []).append(
                 {p: v for p, _, v in parameters(own, "mechanism")}[path]
             )
-    return found
+    return result
 
 
 class Steps:
@@ -335,15 +335,15 @@ class Steps:
     @property
     def states(self) -> Array:
         """Coordinates and rates of all (count, 4) [SI]."""
-        found = np.empty((self.count, 4))
+        result = np.empty((self.count, 4))
         for runs, rows in self._moving:
-            found[rows] = runs.states[rows, :4]
-        return found
+            result[rows] = runs.states[rows, :4]
+        return result
 
     def state(self, row: int) -> Array:
         """Return the state of one, with those of its law (n,) [SI]."""
-        found: Array = self._at[row].states[row]
-        return found
+        result: Array = self._at[row].states[row]
+        return result
 
     @property
     def observations(self) -> Array:

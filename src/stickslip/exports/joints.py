@@ -206,9 +206,9 @@ def simplified(
         parts = parts[:, 1:]
     # Weights of at least 0 keep level and damping from driving the joint.
     weights, _ = nnls(powers @ parts, steady.force - powers @ known)
-    found = known + parts @ weights
+    result = known + parts @ weights
     # What least squares leave of the largest term is rounding.
-    level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
+    level, *dampings = np.where(np.abs(result) > ROUNDING * np.abs(result).max(), result, 0.0)
     damping, slope, curvature = (float(x / most ** (k + 1)) for k, x in enumerate(dampings))
     joint: JointFriction | PolynomialFriction
     if polynomial:
@@ -413,8 +413,8 @@ def inertia_of(subject: Subject) -> float | None:
         return None
     # Kinetic energy at a velocity of 1 is half the inertia.
     moving = defaultdict(float, {slips[0]: 1.0})
-    found = float(2.0 * mechanism.kinetic_energy(defaultdict(float), moving))
-    return found if math.isfinite(found) and found > 0.0 else None
+    result = float(2.0 * mechanism.kinetic_energy(defaultdict(float), moving))
+    return result if math.isfinite(result) and result > 0.0 else None
 
 
 def _about_inertia(subject: Subject, inertia: float | None) -> str:
@@ -444,8 +444,8 @@ class _Joint:
 
 def _by_constraint(subject: Subject, inertia: float) -> _Joint:
     """Return the friction of a joint as a level and a damping."""
-    found = simplified(subject)
-    level, damping = found.joint.level, found.joint.damping
+    result = simplified(subject)
+    level, damping = result.joint.level, result.joint.damping
     creep = 0.6 * CREEP * level / inertia  # 60 % of the level, as the sentence says
     return _Joint(
         attributes=f' frictionloss="{level!r}" damping="{damping!r}"'
@@ -455,7 +455,7 @@ def _by_constraint(subject: Subject, inertia: float) -> _Joint:
             " solreffriction and solimpfriction to the joint of your model.",
         ),
         said=(
-            *_sentences(subject, found),
+            *_sentences(subject, result),
             "Creep: MuJoCo's frictionloss is a soft constraint. Loaded with 60 % of its level, this"
             f" joint creeps by {quantity(creep, turned('m/s', subject.rotary))}, in proportion to"
             " load and inverse inertia, at time steps up to 1 ms, and by twice that at 2 ms. With"
@@ -584,9 +584,9 @@ class Urdf(Target):
     evaluates: ClassVar[bool] = True
 
     def export(self, subject: Subject) -> Export:
-        found = simplified(subject)
-        joint, name, known = found.joint, subject.name, inertia_of(subject)
-        inertia, said = 1.0 if known is None else known, tuple(_sentences(subject, found))
+        result = simplified(subject)
+        joint, name, known = result.joint, subject.name, inertia_of(subject)
+        inertia, said = 1.0 if known is None else known, tuple(_sentences(subject, result))
         notes = (
             "The joint's friction is a simplification of this law. Copy the element dynamics to the"
             " joint of your robot. URDF has no armature: reflected inertia belongs to the link.",

@@ -82,7 +82,7 @@ def identifiers(texts: Sequence[str], taken: Collection[str] = ()) -> tuple[str,
     ('v_2', 'mu', 'mu_prime', 'mu_prime_2')
     """
     known = set(taken)
-    found = []
+    result = []
     for text in texts:
         first = name = identifier(text)
         count = 1
@@ -90,8 +90,8 @@ def identifiers(texts: Sequence[str], taken: Collection[str] = ()) -> tuple[str,
             count += 1
             name = f"{first}_{count}"
         known.add(name)
-        found.append(name)
-    return tuple(found)
+        result.append(name)
+    return tuple(result)
 
 
 def _spelt(character: str) -> str:
@@ -194,14 +194,14 @@ def equations_of(law: FrictionLaw) -> Equations:
             f"{law!r} is no friction law that can be exported: give one such as Coulomb(...), a"
             " fit, a verdict, or a rig with one law."
         )
-    found = list(parameters(law, "friction"))
+    result = list(parameters(law, "friction"))
     # In this order: what comes later steps out of the way of names that are taken.
     states = identifiers((*law.states, *_flags(law)), LOCAL)
     own = identifiers(law.inputs, (*LOCAL, *states))
     inputs = dict(zip(own, law.inputs, strict=True))
     taken = (*LOCAL, *states, *inputs, *(form.format(z) for z in states for form in OF_BRISTLES))
-    names = identifiers([quantity.symbol for _, quantity, _ in found], taken)
-    symbols = {path: name for (path, _, _), name in zip(found, names, strict=True)}
+    names = identifiers([quantity.symbol for _, quantity, _ in result], taken)
+    symbols = {path: name for (path, _, _), name in zip(result, names, strict=True)}
 
     def traced(board: Switchboard) -> FrictionLaw:
         twin = shadow(law, "friction", lambda path: Traced(se.Symbol(symbols[path]), board))
@@ -216,7 +216,7 @@ def equations_of(law: FrictionLaw) -> Equations:
                     quantity=quantity,
                     value=float(value),
                 )
-                for path, quantity, value in found
+                for path, quantity, value in result
             ),
             bristles=states[: len(law.states)],
             flags=states[len(law.states) :],
@@ -247,13 +247,13 @@ def _slip(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[A
 
 def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[Any, ...]:
     """Return the states after a period, and whether each latched switch is on then."""
-    found = law.moved(at[0], load, states, Traced(PERIOD, at[1]))
+    result = law.moved(at[0], load, states, Traced(PERIOD, at[1]))
     after = (
         se.Piecewise((se.Integer(1), at[1].deciding(switch) > 0), (se.Integer(0), True))
         for switch in at[1].switches.values()
         if switch.hold is not None
     )
-    return (*found, *(Traced(value, at[1]) for value in after))
+    return (*result, *(Traced(value, at[1]) for value in after))
 
 
 def _has_formula(law: FrictionLaw) -> bool:

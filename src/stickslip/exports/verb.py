@@ -493,12 +493,12 @@ def subject_of(
             f"rotary={rotary} is for a law without a mechanism: leave it out, the mechanism says it"
             " (of an Axis, its field rotary)."
         )
-    found = _taken(source, usage, rig)
+    result = _taken(source, usage, rig)
     used = dataclasses.replace(
-        found,
-        name=identifier(name if name is not None else found.law.name),
-        load=_load(found, law_load if usage.load is None and rig is None else usage.load),
-        largest_speed=_speed(found, usage.largest_speed),
+        result,
+        name=identifier(name if name is not None else result.law.name),
+        load=_load(result, law_load if usage.load is None and rig is None else usage.load),
+        largest_speed=_speed(result, usage.largest_speed),
     )
     if name is not None and not any(character.isalnum() for character in name):
         raise InputError(f"the name of a program needs a letter or a digit, got {name!r}.")
@@ -610,14 +610,14 @@ def _carried(
     source: data.Rig, law: str | None, rig: data.Rig | None, law_load: float | None
 ) -> Subject:
     onto = source.mechanism if rig is None else rig.mechanism
-    found: data.CarriedLaw = data.carried(source, onto, law=law, load=law_load)
+    result: data.CarriedLaw = data.carried(source, onto, law=law, load=law_load)
     origin = Path(source.path).name
     if origin and source.digest:
         origin = f"{origin}, SHA-256 {source.digest}"
-    known = found.estimates
+    known = result.estimates
     levels = data.levels_at(onto) if known is None else known.levels
     return Subject(
-        law=found.law,
+        law=result.law,
         name="",
         estimates=known,
         mechanism=onto,
@@ -643,7 +643,7 @@ def _of_contact(
         )
     if contact not in laws:
         raise UnknownNameError("contact with a law", contact, laws)
-    (place,) = (one for one in mechanism.contacts() if one.name == contact)
+    (place,) = (item for item in mechanism.contacts() if item.name == contact)
     rotary = mechanisms.slips_by_angle(mechanism, place)
     said = data.LawEstimates(law={contact: laws[contact].name}, levels=data.levels_at(mechanism))
     if known is not None and not isinstance(known.law, str) and contact in known.law:

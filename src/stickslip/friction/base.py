@@ -158,7 +158,9 @@ class _RangedParameters:
         # @dataclass asks for the attribute as well, before a class has fields of its own
         made = next(member for member in kind.__mro__ if "__dataclass_fields__" in vars(member))
         given = {
-            one.name for one in dataclasses.fields(made) if one.default is not dataclasses.MISSING
+            item.name
+            for item in dataclasses.fields(made)
+            if item.default is not dataclasses.MISSING
         }
         return tuple(
             name
@@ -462,7 +464,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
     >>> force_parameters(Dahl)["bristle_stiffness"][1].unit
     'N/m'
     """
-    found = {}
+    result = {}
     for name, quantity in fields_of(law).items():
         is_level = quantity.scale.rstrip("+-") == "level"
         unit = quantity.force_unit
@@ -471,8 +473,8 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol
             # `at_least` names a coefficient, and what is told is a force: the law itself checks it.
             own = dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)
-            found[key] = name, own
-    return MappingProxyType(found)
+            result[key] = name, own
+    return MappingProxyType(result)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -119,11 +119,11 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
     reached = _below(kind)
     for form in _forms(simpler.made_of.term, simpler):
         if form in reached:
-            found = _containment(kind.made_of, simpler, *reached[form])
+            result = _containment(kind.made_of, simpler, *reached[form])
             known = fields_of(kind)
-            fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
+            fixed = {n: v for n, v in result.values.items() if not isinstance(v, str)}
             # Not with a value that the richer law does not allow, as at the open end of a range.
-            return found if all(known[n].allows(v) for n, v in fixed.items()) else None
+            return result if all(known[n].allows(v) for n, v in fixed.items()) else None
     return None
 
 
@@ -131,18 +131,18 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
 def _below(kind: type[FrictionLaw]) -> Mapping[str, tuple[Values, tuple[str, ...]]]:
     """Return by composition what leads from a law to each simpler one, on the shortest way."""
     c = kind.made_of
-    found: dict[str, tuple[Values, tuple[str, ...]]] = {}
+    result: dict[str, tuple[Values, tuple[str, ...]]] = {}
     level: list[Reduction] = [(c.term, {}, ())]
     while level:
         below: list[Reduction] = []
         for term, values, limits in level:
             for simpler, more, lost in _reductions(term):
                 form = notation.canonical(simpler)
-                if form not in found and form != notation.canonical(c.term):
-                    found[form] = {**values, **more}, (*limits, *lost)
-                    below.append((simpler, *found[form]))
+                if form not in result and form != notation.canonical(c.term):
+                    result[form] = {**values, **more}, (*limits, *lost)
+                    below.append((simpler, *result[form]))
         level = below
-    return found
+    return result
 
 
 def _forms(term: notation.Term, kind: type[FrictionLaw]) -> Iterator[str]:
@@ -175,11 +175,11 @@ def nearest_contained(
     What is known are entries by their canonical composition; only of laws that are found are
     classes asked for.
     """
-    found: dict[str, tuple[type[FrictionLaw], Containment]] = {}
+    result: dict[str, tuple[type[FrictionLaw], Containment]] = {}
 
     def find(law: Any, values: Values, limits: tuple[str, ...]) -> None:
-        if law.name not in found:
-            found[law.name] = law.law, _containment(c, law.law, values, limits)
+        if law.name not in result:
+            result[law.name] = law.law, _containment(c, law.law, values, limits)
 
     def named(term: notation.Term) -> Any:
         """Return the law of a term, or of the same with a power of the speed that is 1."""
@@ -210,8 +210,8 @@ def nearest_contained(
                     find(there, *state[1:])
         level = below
     by_name = {law.name: law for law in known.values()}
-    within = {name for law, _ in found.values() for name in _all_within(law, by_name)}
-    yield from (containment for law, containment in found.values() if law.name not in within)
+    within = {name for law, _ in result.values() for name in _all_within(law, by_name)}
+    yield from (containment for law, containment in result.values() if law.name not in within)
 
 
 def _with_power(term: notation.Term) -> notation.Term:
@@ -246,7 +246,7 @@ def _containment(
     c: Composition, simpler: type[FrictionLaw], values: Values, limits: tuple[str, ...]
 ) -> Containment:
     mine, theirs = c.fields, simpler.made_of.fields
-    found: dict[str, float | str] = {
+    result: dict[str, float | str] = {
         field: field for field in mine if field in theirs and field not in (*values, *limits)
     }
     gone = [limit for limit in limits if limit in mine]
@@ -261,9 +261,9 @@ def _containment(
         if value in limits:  # of both directions, which became one before
             gone.append(field)
         elif not (isinstance(value, str) and value not in theirs):
-            found[field] = value
+            result[field] = value
     defaults = {entry.name: entry.default for entry in dataclasses.fields(simpler)}
-    reached = {value for value in found.values() if isinstance(value, str)}
+    reached = {value for value in result.values() if isinstance(value, str)}
     # What nothing leads to must have its default in the simpler law.
     where: dict[str, Any] = {
         field: defaults[field]
@@ -275,7 +275,7 @@ def _containment(
         where[power] = 1.0  # whatever its default is
     return Containment(
         law=simpler.name,
-        values=found,
+        values=result,
         limits=tuple(gone),
         where=where,
     )
@@ -463,7 +463,7 @@ def one_way(term: notation.Term, side: int) -> notation.Term:
 
 def _level(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
     """Return the level of sliding, over the load; None where no part has one."""
-    found = []
+    result = []
     for leaf in leaves:
         if isinstance(leaf.part, (Level, Extra, SmoothLevel)):
             value = leaf.part.sliding(*leaf.told(law, slip, choose))
@@ -472,8 +472,8 @@ def _level(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None =
             if leaf.sign is not None and value is not None:
                 smooth = cast(SmoothSign, leaf.sign.part)
                 value = value * smooth.shape(*leaf.sign.told(law, slip, choose))
-            found.append(value)
-    return _total(found)
+            result.append(value)
+    return _total(result)
 
 
 def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Scalar:
@@ -481,15 +481,15 @@ def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Sca
     own = [leaf for leaf in leaves if not leaf.sign]
     ranks = ("kinetic_coefficient", "static_coefficient", "break_away_coefficient")
     held = {leaf.part.rest: leaf for leaf in own if isinstance(leaf.part, Level)}
-    found: Scalar = 0.0
+    result: Scalar = 0.0
     steps: list[Scalar] = []
     for leaf in (held[rest] for rest in ranks if rest in held):
         given = getattr(leaf.told(law, STILL, choose)[0], cast(Level, leaf.part).rest)
         if given is not None:
-            steps.append(leaf.times(given - found if steps else given, law, STILL, choose))
-            found = given
+            steps.append(leaf.times(given - result if steps else given, law, STILL, choose))
+            result = given
     # a level of its own, and not the sum of its steps, where no factor tells these apart
-    total = _total(steps) if any(leaf.factors for leaf in held.values()) else found
+    total = _total(steps) if any(leaf.factors for leaf in held.values()) else result
     for leaf in own:
         if isinstance(leaf.part, Extra) and leaf.part.holds:
             value = leaf.part.at_rest(*leaf.told(law, STILL, choose))
@@ -624,7 +624,7 @@ def _directional() -> dict[str, Any]:
 
 def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
     """Return the method that gives the factors that may fall below 0."""
-    found = {text: leaf for text, leaf in c.factors.items() if not leaf.part.opposes}
+    result = {text: leaf for text, leaf in c.factors.items() if not leaf.part.opposes}
 
     def limits(self: Any) -> dict[str, Scalar]:
         if c.directional:
@@ -635,7 +635,7 @@ def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
             }
         return {
             f"{text} falls below {LEAST_FACTOR:g}": leaf.factor(self, STILL, None) - LEAST_FACTOR
-            for text, leaf in found.items()
+            for text, leaf in result.items()
         }
 
     return limits
@@ -911,12 +911,12 @@ def _by_parts() -> Mapping[str, Entry]:
 
     Of equal ones it is the first.
     """
-    found: dict[str, Entry] = {}
+    result: dict[str, Entry] = {}
     for entry in CATALOGUE.values():
         term = notation.read(entry.composition)
         for form in (term, notation.without_optional(term)):
-            found.setdefault(notation.canonical(form), entry)
-    return MappingProxyType(found)
+            result.setdefault(notation.canonical(form), entry)
+    return MappingProxyType(result)
 
 
 class Contained:

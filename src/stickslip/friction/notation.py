@@ -90,7 +90,7 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
     def title(self) -> str:
         """What a law without a name is called in running text."""
         title = _title(self)
-        parts = [one.part for one in self.parts() if one.name != BOTH_WAYS]
+        parts = [part.part for part in self.parts() if part.name != BOTH_WAYS]
         if any(isinstance(piece, Surplus) for piece in parts) and all(
             isinstance(piece, Level) for piece in parts
         ):  # Stribeck is a law with a viscous part
@@ -217,7 +217,7 @@ class Product(Term):
 
         Of several parts it is empty.
         """
-        named = [one for one in self.first.parts() if one.role in MULTIPLIED]
+        named = [part for part in self.first.parts() if part.role in MULTIPLIED]
         only = "_".join(filter(None, (named[0].name, named[0].input))) if len(named) == 1 else ""
         return factor.modulated or only
 
@@ -328,12 +328,12 @@ def _canonical(term: Term) -> Iterator[str]:
             for item in items:
                 yield from _canonical(item)
         case Around(head=Name(name="both_ways") as head, inner=inner):
-            for one in terms_of(inner):
+            for entry in terms_of(inner):
                 # Where all parameters scale with levels, both_ways and both_ways[levels] are the
                 # same.
-                scales = {p.quantity.scale for name in one.parts() for p in name.part.parameters}
+                scales = {p.quantity.scale for name in entry.parts() for p in name.part.parameters}
                 whole = Name(BOTH_WAYS) if scales <= {*PER_DIRECTION} else head
-                yield from (f"{whole}({text})" for text in _canonical(one))
+                yield from (f"{whole}({text})" for text in _canonical(entry))
         case Around(head=head, inner=inner):
             yield f"{head}({canonical(inner)})"
         case Product(first=first, factors=factors):
@@ -385,17 +385,17 @@ class _Reader:
     def __init__(self, text: str) -> None:
         self.text = text
         self.tokens = [
-            (found.lastgroup, found[found.lastgroup or 0], found.start(found.lastgroup or 0))
-            for found in TOKEN.finditer(text)
+            (match.lastgroup, match[match.lastgroup or 0], match.start(match.lastgroup or 0))
+            for match in TOKEN.finditer(text)
         ]
         self.at = 0
 
     def whole(self) -> Term:
         """Return the term of the whole text."""
-        found = self.sum()
+        result = self.sum()
         if self.at < len(self.tokens):
             self.refuse("'+' or '*'")
-        return found
+        return result
 
     def sum(self) -> Term:
         items = [*terms_of(self.product())]
@@ -404,19 +404,19 @@ class _Reader:
         return summed(tuple(items))
 
     def product(self) -> Term:
-        found = self.one()
+        result = self.one()
         place = self.here()[2]
         while self.took("*"):
             factor = self.one()
             try:
-                found = found * factor
+                result = result * factor
             except InputError as error:
                 raise InputError(
                     f"the friction law {self.text!r} cannot be read at character {place + 1}:"
                     f" {error}"
                 ) from None
             place = self.here()[2]
-        return found
+        return result
 
     def one(self) -> Term:
         if self.took("("):
@@ -442,10 +442,10 @@ class _Reader:
         return name(self.closed()) if self.took("(") else name
 
     def closed(self) -> Term:
-        found = self.sum()
+        result = self.sum()
         if not self.took(")"):
             self.refuse("')'")
-        return found
+        return result
 
     def here(self) -> tuple[str | None, str, int]:
         return self.tokens[self.at] if self.at < len(self.tokens) else (None, "", len(self.text))

@@ -31,8 +31,8 @@ class _Lazy(Mapping[str, type[FrictionLaw]]):
         self._known |= {kind.name: kind for kind in kinds}
 
     def __getitem__(self, name: str) -> type[FrictionLaw]:
-        found = self._known[name]
-        return found.law if isinstance(found, Entry) else found
+        result = self._known[name]
+        return result.law if isinstance(result, Entry) else result
 
     def __contains__(self, name: object) -> bool:
         return name in self._known
@@ -168,8 +168,9 @@ def specification(name: str) -> CandidateSpec:
         kind = law(name)
         written = tuple(
             field
-            for field, one in kind.made_of.fields.items()
-            if one.quantity.scale and not (one.quantity.structural and one.default is not MISSING)
+            for field, item in kind.made_of.fields.items()
+            if item.quantity.scale
+            and not (item.quantity.structural and item.default is not MISSING)
         )
         # a law of that name may hold the exponent of a power that is written here
         same = {*written} == {*kind.fit_order}
@@ -346,13 +347,13 @@ def rungs() -> Mapping[str, Rung]:
     >>> list(rungs())[:4]
     ['coulomb-viscous', 'direction-dependent', 'stribeck', 'power-viscous']
     """
-    found: dict[str, Rung] = {}
+    result: dict[str, Rung] = {}
     level = [Rung()]
     while level:
-        found |= {rung.specification.name: rung for rung in level}
+        result |= {rung.specification.name: rung for rung in level}
         above = dict.fromkeys(step for rung in level for step in rung.above())
-        level = [rung for rung in above if rung not in found.values()]
-    return found
+        level = [rung for rung in above if rung not in result.values()]
+    return result
 
 
 def usual_specifications() -> tuple[CandidateSpec, ...]:

@@ -72,15 +72,15 @@ def specifications(
     if laws is None:
         return usual_specifications()
     if isinstance(laws, Mapping):
-        found = [CandidateSpec.of(name, law) for name, law in laws.items()]
+        result = [CandidateSpec.of(name, law) for name, law in laws.items()]
     else:
-        found = [
-            specification(one) if isinstance(one, str) else CandidateSpec.of(one.name, one)
-            for one in laws
+        result = [
+            specification(law) if isinstance(law, str) else CandidateSpec.of(law.name, law)
+            for law in laws
         ]
-    check_any(found)
-    check_apart([one.name for one in found])
-    return tuple(found)
+    check_any(result)
+    check_apart([item.name for item in result])
+    return tuple(result)
 
 
 def check_any(laws: Collection[object]) -> None:
@@ -310,7 +310,9 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
     def scored(self) -> tuple[Candidate_co, ...]:
         """The candidates that have a held-out error."""
         return tuple(
-            one for one in self.candidates if one.score is not None and math.isfinite(one.score)
+            candidate
+            for candidate in self.candidates
+            if candidate.score is not None and math.isfinite(candidate.score)
         )
 
     def _plot(self, ax: "Target") -> "Drawing":
@@ -394,13 +396,13 @@ def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]
     ('Record more samples: The record has only 15 samples.',)
     """
     warned = [
-        one
-        for one in checks.findings
-        if one.severity == "warning" and one.kind not in (TOO_SHORT, *but)
+        finding
+        for finding in checks.findings
+        if finding.severity == "warning" and finding.kind not in (TOO_SHORT, *but)
     ]
-    warned.sort(key=lambda one: bool(one.measure))  # what can be corrected comes first
+    warned.sort(key=lambda item: bool(item.measure))  # what can be corrected comes first
     return tuple(
-        f"{one.measure or 'First correct the record'}: {one.sentence}" for one in warned[:1]
+        f"{item.measure or 'First correct the record'}: {item.sentence}" for item in warned[:1]
     )
 
 
@@ -415,12 +417,12 @@ def longer(checks: Checks) -> tuple[str, ...]:
     >>> longer(Checks(findings=(few,)))
     ('Record for longer: the effective sample size is 17 of 3,600 samples.',)
     """
-    short = (one for one in checks.of(TOO_SHORT) if one.severity == "warning")
+    short = (item for item in checks.of(TOO_SHORT) if item.severity == "warning")
     return tuple(
         "Record for longer: the effective sample size"
-        f"{f' of {one.record}' if one.record else ''} is {number(one.numbers['independent'], 2)}"
-        f" of {number(one.numbers['samples'], 9)} samples."
-        for one in itertools.islice(short, 1)
+        f"{f' of {item.record}' if item.record else ''} is {number(item.numbers['independent'], 2)}"
+        f" of {number(item.numbers['samples'], 9)} samples."
+        for item in itertools.islice(short, 1)
     )
 
 
@@ -447,7 +449,7 @@ def friction_of(title: str) -> str:
     >>> friction_of("Coulomb by position + viscous with a drag")
     'Coulomb friction by position + viscous with a drag'
     """
-    joints = [one for one in (" by ", " with ") if one in title]
+    joints = [item for item in (" by ", " with ") if item in title]
     joint = min(joints, key=title.index, default=" with ")
     kind, joint, more = in_sentence(title).partition(joint)
     noun = "" if kind.endswith("friction") else " friction"

@@ -59,8 +59,8 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
             f" parts: use stickslip.fit for its parameters. Compared can be {', '.join(known)} and"
             " sums of these."
         )
-    found: set[str] = set()
-    parts = [str(one) for one in kind.composition.parts()]
+    result: set[str] = set()
+    parts = [str(item) for item in kind.composition.parts()]
     both = any(part.startswith("both_ways") for part in parts)
     smooth = "tanh" in parts
     unknown = []
@@ -72,20 +72,20 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
         if name not in known:
             unknown.append(part)
             continue
-        found.add(name)
+        result.add(name)
         other = BOTH_WAYS.get(name) if both else None
         if other == "level_direction" and other not in known:
             other = "offset"  # under one load they are the same
         if other is not None and other in known:
-            found.add(other)
-            found -= {"stribeck"} if other == "stribeck_sides" else set()
+            result.add(other)
+            result -= {"stribeck"} if other == "stribeck_sides" else set()
     text = str(kind.composition)
     for name in inputs:
         for part in ("level", "viscous"):
             if f"{part} * linear[{name}]" in text and f"{part}*{name}" in known:
-                found.add(f"{part}*{name}")
+                result.add(f"{part}*{name}")
     if unknown:
-        memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
+        memory = [item for item in unknown if item in PARTS and PARTS[item].role == "memory"]
         why = (
             "tells the memories of Dahl and LuGre, and only in time: stickslip.fit with"
             " route='shooting' simulates it along a recorded force"
@@ -96,7 +96,7 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
             f"{kind.title} friction cannot be compared on this measurement, which {why}. Compared"
             f" can be {', '.join(known)} and sums of these."
         )
-    return held_power(found, kind.fit_order)
+    return held_power(result, kind.fit_order)
 
 
 def held_power(terms: Collection[str], found: Collection[str]) -> Family:
@@ -139,10 +139,10 @@ class WholeLaw:
         """Whether it may be a family of the vocabulary: other laws are linear about values."""
         if self.kind.composition is None:
             return False
-        parts = [str(one) for one in self.kind.composition.parts()]
+        parts = [str(part) for part in self.kind.composition.parts()]
         optional = {"break_away_coefficient", *(["static_coefficient"] * ("step" in parts))}
         needed = {*self.kind.fit_order} - MAY_BE_HELD
-        both = any(one.startswith("both_ways") for one in parts)
+        both = any(part.startswith("both_ways") for part in parts)
         if not {*self.found} <= {*self.kind.fit_order}:
             return False
         return not both and needed <= {*self.found} and not optional & {*self.found}
@@ -178,14 +178,14 @@ def laws_to_compare(
     """
     given = [*(laws.values() if isinstance(laws, Mapping) else laws)]
     families, own = list[Family](), list[OwnLaw]()
-    for one in given:
-        if isinstance(one, OwnLaw):
-            own.append(one)
+    for item in given:
+        if isinstance(item, OwnLaw):
+            own.append(item)
             continue
-        fitted = isinstance(one, WholeLaw)
-        law = one.kind if fitted else law_type(one) if isinstance(one, str) else one
+        fitted = isinstance(item, WholeLaw)
+        law = item.kind if fitted else law_type(item) if isinstance(item, str) else item
         kind: type[FrictionLaw] = law if isinstance(law, type) else type(law)
-        whole = one if fitted else WholeLaw(kind=kind, found=tuple(law.fit_order))
+        whole = item if fitted else WholeLaw(kind=kind, found=tuple(law.fit_order))
         family = None
         if whole.is_family or kind.states or not whole.found:
             try:
@@ -201,7 +201,7 @@ def laws_to_compare(
             families.append(family)
     if not families and not own:
         raise InputError("laws is empty: name at least one law, or leave it out.")
-    fitted = any(isinstance(one, WholeLaw | OwnLaw) for one in given)
+    fitted = any(isinstance(item, WholeLaw | OwnLaw) for item in given)
     return LawsToCompare(families=tuple(dict.fromkeys(families)), own=tuple(own), fitted=fitted)
 
 
@@ -210,11 +210,11 @@ def laws_for(laws: Any, records: Sequence[Record], load: float) -> LawsToCompare
     if laws is None:
         return LawsToCompare()
     known = [*PARTS_OF_LAWS, "offset", "viscous_direction", *REMEMBERED]
-    if any(one.load is not None for one in records):
+    if any(record.load is not None for record in records):
         known.append("level_direction")
-    if any(through_gear(one) is not None for one in records):
+    if any(through_gear(record) is not None for record in records):
         known.append("gear")
-    inputs = {name for one in records for name in one.inputs if name != TRANSMITTED}
+    inputs = {name for record in records for name in record.inputs if name != TRANSMITTED}
     known += [f"{part}*{name}" for name in sorted(inputs) for part in ("level", "viscous")]
     return laws_to_compare(laws, known, load)
 
@@ -228,30 +228,31 @@ def with_own_laws(problem: Any, asked: LawsToCompare) -> Any:
     rows = problem.slips(problem.places())
     usual = float(problem.slips(problem.at(1.0)).load[0])
     told = [
-        replace(one, load=usual).fitted(target.middle, target.allowed, rows) for one in asked.own
+        replace(item, load=usual).fitted(target.middle, target.allowed, rows) for item in asked.own
     ]
-    for one, given in zip(told, asked.own, strict=True):
-        if given.varied and not one.varied:
+    for entry, given in zip(told, asked.own, strict=True):
+        if given.varied and not entry.varied:
             raise InputError(
-                f"nothing that was measured depends on what is varied of {one.law.title} friction."
+                f"nothing that was measured depends on what is varied of {entry.law.title}"
+                " friction."
             )
-    values = [one.values for one in told]
+    values = [item.values for item in told]
     for _ in range(ROUNDS):
-        structures = [one.structure(x) for one, x in zip(told, values, strict=True)]
-        found = problem.with_laws(structures, asked.families)
-        rungs = [one for one in Judgement(found).rungs if is_own(one.structure)]
+        structures = [item.structure(x) for item, x in zip(told, values, strict=True)]
+        result = problem.with_laws(structures, asked.families)
+        rungs = [rung for rung in Judgement(result).rungs if is_own(rung.structure)]
         before, values = values, list(values)
-        for k, one in enumerate(told):
+        for k, entry in enumerate(told):
             own = [x for x in rungs if any(n in dict(structures[k]) for n in dict(x.structure))]
             if own:
                 best = min(own, key=lambda x: x.excess)
                 composed = own_composition(best.structure, best.coefficients[None])
-                at = one.at([float(composed.values[name][0]) for name in one.varied])
-                values[k] = replace(one, law=at).values
+                at = entry.at([float(composed.values[name][0]) for name in entry.varied])
+                values[k] = replace(entry, law=at).values
         moved = [
-            float(np.max(np.abs(one.friction(x, rows) - one.friction(y, rows)) / target.allowed))
-            for one, x, y in zip(told, values, before, strict=True)
+            float(np.max(np.abs(item.friction(x, rows) - item.friction(y, rows)) / target.allowed))
+            for item, x, y in zip(told, values, before, strict=True)
         ]
         if max(moved) <= STAYS:
             break
-    return found
+    return result

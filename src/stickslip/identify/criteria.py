@@ -122,7 +122,7 @@ def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
 
 def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
     """Return what limits each interval of a fit, with the path of the parameter."""
-    limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
+    limits = {estimate.path: limit_of(fit, estimate).strip() for estimate in fit.estimates}
     return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
 
 
@@ -145,7 +145,7 @@ def limit_text(
     rig = {path: error for path, error in estimate.sources.items() if path != READINGS}
     if not rig:
         return ""
-    path = max(rig, key=lambda one: rig[one])
+    path = max(rig, key=lambda item: rig[item])
     known = f"the {path.rpartition('.')[2].replace('_', ' ')}{_known_to(path, stated)}"
     if rig[path] > estimate.sources[READINGS]:
         return f" {capital(known)} contributes more to its uncertainty than {readings}."

@@ -176,7 +176,7 @@ def loads_apart(load: Array) -> list[float]:
     known = known[apart]
     if len(known) == 1:
         return [0.0]
-    return [float(one) for one in known[:: math.ceil(len(known) / len(MARKERS))]]
+    return [float(item) for item in known[:: math.ceil(len(known) / len(MARKERS))]]
 
 
 def plot_band(what: BandDrawing, ax: "Target" = None) -> "Drawing":

@@ -61,16 +61,18 @@ def fitted_law(
     given_whole = isinstance(law, type) and not known
     own = whole if given_whole else OwnLaw(law=starting(law, known, load), varied=names)
     verdict = select([own])
-    found = _as(verdict, kind, {})
-    if found is None:
+    result = _as(verdict, kind, {})
+    if result is None:
         reason = in_sentence(verdict.words.verdict).rstrip(".")
         raise NoLawError(f"{kind.title} friction has no values here: {reason}.")
-    return _said(found, verdict)
+    return _said(result, verdict)
 
 
 def _said(fit: LawFit, verdict: BandVerdict) -> LawFit:
     """Return a fit with what is said of it."""
-    left_out = offset_left_out(fit.law, fit.mechanism, [one.path for one in fit.estimates])
+    left_out = offset_left_out(
+        fit.law, fit.mechanism, [estimate.path for estimate in fit.estimates]
+    )
     return replace(fit, verdict=verdict, remarks=(*fit.remarks, *left_out))
 
 
@@ -85,23 +87,25 @@ def names_to_find(
     >>> names_to_find(CoulombViscous, None, {"viscous_coefficient"})
     ('kinetic_coefficient',)
     """
-    usual = kind.fit_order or tuple(name for name, one in fields_of(kind).items() if one.scale)
-    found = list[str]()
+    usual = kind.fit_order or tuple(name for name, item in fields_of(kind).items() if item.scale)
+    result = list[str]()
     for path in (LAW,) if free is None else free:
-        found += usual if path == LAW else [path.removeprefix("friction.")]
-    return tuple(name for name in dict.fromkeys(found) if name not in known)
+        result += usual if path == LAW else [path.removeprefix("friction.")]
+    return tuple(name for name in dict.fromkeys(result) if name not in known)
 
 
 def _as(verdict: BandVerdict, kind: type[FrictionLaw], held: Mapping[str, float]) -> LawFit | None:
     """Return the fit of a verdict as a law of some type; None if it is no such law."""
-    fit = next((one.fit for one in verdict.candidates if one.outcome == "named"), None)
+    fit = next(
+        (candidate.fit for candidate in verdict.candidates if candidate.outcome == "named"), None
+    )
     if fit is None:
         return None
     names = fields_of(kind)
     values = {name: getattr(fit.law, name) for name in fields_of(type(fit.law)) if name in names}
     with suppress(InputError, TypeError):
         law = kind(**{**held, **{name: x for name, x in values.items() if x is not None}})
-        known = {one.path.rpartition(".")[2] for one in fit.estimates}
+        known = {estimate.path.rpartition(".")[2] for estimate in fit.estimates}
         if type(fit.law) is kind or {*values} >= known & {*names}:
             return replace(fit, law=law)
     return None

@@ -115,12 +115,12 @@ def doubts_of(
     >>> doubts_of(Axis(inertia=3.0), record, [])
     {'mechanism.inertia': 0.1}
     """
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for parts in uncertainties_of(mechanism, measurement):
-        for path, doubt in (one for part in parts for one in part.items()):
-            found[path] = max(doubt, found.get(path, 0.0))
-    refuse_load(found, measurement)
-    return {path: doubt for path, doubt in found.items() if path not in unknown}
+        for path, doubt in (item for part in parts for item in part.items()):
+            result[path] = max(doubt, result.get(path, 0.0))
+    refuse_load(result, measurement)
+    return {path: doubt for path, doubt in result.items() if path not in unknown}
 
 
 def forces_along(
@@ -173,13 +173,13 @@ def forces_along(
                 still = known_forces(one, x, v, none)[1]
             return np.concatenate([force - still, still, [mass]])
 
-    found, rest = _looked_for(mechanism, on, unknown, linear=linear and not several)
-    found |= _doubtful(mechanism, on, doubts or {})
+    result, rest = _looked_for(mechanism, on, unknown, linear=linear and not several)
+    result |= _doubtful(mechanism, on, doubts or {})
     return Forces(
         driven=rest[:count],
         still=rest[count:-1],
         inertia=float(rest[-1]),
-        unknown=found,
+        unknown=result,
         load=load,
     )
 
@@ -197,7 +197,7 @@ def _looked_for(
     count from their values here, about which a column is the slope.
     """
     base = forces({})
-    found, count = dict[str, Unknown](), len(base) // 2
+    result, count = dict[str, Unknown](), len(base) // 2
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     ranges = all_paths(mechanism, "mechanism")
     looked = [path for path in unknown if not path.endswith(".offset")]  # that is a term of its own
@@ -224,7 +224,7 @@ def _looked_for(
         low, high = own.low if own.above is None else max(own.low, own.above), own.high
         drives = bool(np.any(np.abs(first[:count]) > _rounding(first)[:count]))
         given = values[path] if drives or not linear else 0.0
-        found[path] = Unknown(
+        result[path] = Unknown(
             force=slope[:count] + slope[count:-1],
             inertia=float(slope[-1]),
             given=given,
@@ -234,7 +234,7 @@ def _looked_for(
         rest -= (values[path] - given) * slope
     # what is left of unknowns is rounding
     rest[(np.abs(rest) <= _rounding(base)) & (rest != base)] = 0.0
-    return found, rest
+    return result, rest
 
 
 def _doubtful(
@@ -244,18 +244,18 @@ def _doubtful(
 ) -> dict[str, Unknown]:
     """Return what doubtful parameters change of forces (2 n + 1,), about their given values."""
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    found = {}
+    result = {}
     for path, doubt in doubts.items():
         low, high = span_of(mechanism, path, doubt)
         slope = (forces({path: high}) - forces({path: low})) / (high - low)
         count = len(slope) // 2
-        found[path] = Unknown(
+        result[path] = Unknown(
             force=slope[:count] + slope[count:-1],
             inertia=float(slope[-1]),
             given=values[path],
             doubt=doubt,
         )
-    return found
+    return result
 
 
 def _rounding(x: Array) -> Array:
@@ -281,12 +281,12 @@ def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     """
     if len(mechanism.coordinates) > 1:
         return measurement
-    found = transmitted_along(mechanism, measurement)
-    if found is None:
+    result = transmitted_along(mechanism, measurement)
+    if result is None:
         return measurement
     records = tuple(
         replace(record, inputs={**record.inputs, TRANSMITTED: x})
-        for record, x in zip(measurement.records(), found, strict=True)
+        for record, x in zip(measurement.records(), result, strict=True)
     )
     return replace(measurement, trials=records) if measurement.trials else records[0]
 
@@ -300,12 +300,12 @@ def with_transmitted(inputs: Mapping[str, Array]) -> dict[str, Array]:
     >>> with_transmitted(both)["transmitted"].tolist()
     [3.0]
     """
-    found = {name: x for name, x in inputs.items() if name not in DRIVES}
+    result = {name: x for name, x in inputs.items() if name not in DRIVES}
     if TRANSMITTED in inputs:
-        found[TRANSMITTED] = np.abs(inputs[TRANSMITTED])
+        result[TRANSMITTED] = np.abs(inputs[TRANSMITTED])
     elif {"motor", "external"} <= {*inputs}:
-        found[TRANSMITTED] = np.abs(inputs["motor"] - inputs["external"])
-    return found
+        result[TRANSMITTED] = np.abs(inputs["motor"] - inputs["external"])
+    return result
 
 
 def transmitted_of(inputs: Mapping[str, Array]) -> Array | None:
@@ -319,11 +319,11 @@ def transmitted_of(inputs: Mapping[str, Array]) -> Array | None:
     >>> transmitted_of(both).tolist()
     [-2.0, 2.0]
     """
-    found = inputs.get(TRANSMITTED)
-    if found is None and {"motor", "external"} <= {*inputs}:
-        found = inputs["motor"] - inputs["external"]
-    signed = found is not None and float(np.min(found)) < 0.0 < float(np.max(found))
-    return found if signed else None
+    result = inputs.get(TRANSMITTED)
+    if result is None and {"motor", "external"} <= {*inputs}:
+        result = inputs["motor"] - inputs["external"]
+    signed = result is not None and float(np.min(result)) < 0.0 < float(np.max(result))
+    return result if signed else None
 
 
 def load_slopes(
@@ -340,20 +340,20 @@ def load_slopes(
     >>> round(slopes["mechanism.mass"][0], 6)
     9.81
     """
-    base, found = load_of(mechanism), {}
+    base, result = load_of(mechanism), {}
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     for path in unknown:
         step = _step(mechanism, path, values[path])
         step *= NEAR
         change = load_of(vary(mechanism, "mechanism", {path: values[path] + step})) - base
         if abs(change) > NEAR * THRESHOLDS.rounding * base:
-            found[path] = change / step, values[path]
+            result[path] = change / step, values[path]
     for path, doubt in (doubts or {}).items():
         ends = span_of(mechanism, path, doubt)
         low, high = (load_of(vary(mechanism, "mechanism", {path: end})) for end in ends)
         if abs(high - low) > THRESHOLDS.rounding * base * (ends[1] - ends[0]) / doubt:
-            found[path] = (high - low) / (ends[1] - ends[0]), values[path]
-    return found
+            result[path] = (high - low) / (ends[1] - ends[0]), values[path]
+    return result
 
 
 def _applied(mechanism: Mechanism, record: Measurement) -> Array | None:
@@ -373,11 +373,11 @@ def _closes_loop(record: Measurement) -> bool:
 def _step(mechanism: Mechanism, path: str, value: float) -> float:
     """Return a step of a parameter, two of which stay in its range."""
     step = STEP * abs(value) or 1.0
-    for one in (step, -step, 1e-3 * step, -1e-3 * step):
+    for item in (step, -step, 1e-3 * step, -1e-3 * step):
         try:
-            vary(mechanism, "mechanism", {path: value + 2.0 * one})
+            vary(mechanism, "mechanism", {path: value + 2.0 * item})
         except ParameterError:
             continue
-        return one
+        return item
     name = path.removeprefix("mechanism.")
     raise InputError(f"vary: {name} cannot be moved from {value:.4g} in its range: leave it out.")

@@ -119,13 +119,13 @@ class _Body:
 
     def drives(self, time: Any) -> dict[str, Any]:
         """Return the values of the drives at a time, or at times (n,)."""
-        found: dict[str, Any] = {
+        result: dict[str, Any] = {
             name: np.vectorize(drive.value, otypes=[float])(time)
             for name, drive in self.mechanism.drives().items()
         }
         if self.applied is not None:
-            found["drive"] = np.interp(time, *self.applied)
-        return found
+            result["drive"] = np.interp(time, *self.applied)
+        return result
 
     def equations(
         self, time: Any, q: Sequence[Any], q_dot: Sequence[Any], drives: Mapping[str, Any]
@@ -155,7 +155,7 @@ class _Body:
             ]
             for i in range(count)
         ]
-        q_of, q_dot_of = (dict(zip(self.names, one, strict=True)) for one in (places, rates))
+        q_of, q_dot_of = (dict(zip(self.names, item, strict=True)) for item in (places, rates))
         other = self.mechanism.forces(time, q_of, q_dot_of, drives)
         ahead, behind = (
             [x + side * SMALL * rate for x, rate in zip(places, rates, strict=True)]
@@ -179,13 +179,13 @@ class _Body:
         mechanism = self.mechanism
         slip = self.names.index(slip_of(mechanism))
         inner = [j for j in range(self.moving) if j != slip]
-        guides = {self.names.index(name): one.drive for name, one in mechanism.guided().items()}
+        guides = {self.names.index(name): item.drive for name, item in mechanism.guided().items()}
 
         def rates_of(t: float, state: Array) -> tuple[Array, Array]:
             q, q_dot = np.zeros(self.moving), np.zeros(self.moving)
             q[inner], q_dot[inner] = np.split(state, 2)
             q[slip], q_dot[slip] = np.interp(t, time, x), np.interp(t, time, v)
-            drives = {name: float(one) for name, one in self.drives(t).items()}
+            drives = {name: float(drive) for name, drive in self.drives(t).items()}
             known = {slip: float(np.interp(t, time, a))}
             known |= {j: drives[name] for j, name in guides.items()}
             free = [j for j in inner if j not in known]

@@ -65,7 +65,7 @@ class JointRequest:
         zeros: bool,
     ) -> "JointRequest":
         """Resolve names to full paths."""
-        contacts = tuple(one.name for one in contacts_along(mechanism).values())
+        contacts = tuple(item.name for item in contacts_along(mechanism).values())
         if isinstance(laws, FrictionLaw):
             raise InputError(
                 "a law given alone would be shared by all joints, which fits do not do: give its"
@@ -137,9 +137,9 @@ def _law_of(
     if given is None:
         return None, ()
     if isinstance(given, str | CandidateSpec):
-        found = specification(given) if isinstance(given, str) else given
-        own = (LAW,) if found.free is None else tuple(f"friction.{one}" for one in found.free)
-        return found.law, own
+        result = specification(given) if isinstance(given, str) else given
+        own = (LAW,) if result.free is None else tuple(f"friction.{item}" for item in result.free)
+        return result.law, own
     kind = given if isinstance(given, type) else type(given)
     if not issubclass(kind, FrictionLaw):
         raise InputError(
@@ -181,8 +181,14 @@ def _multiplied(
     records = []
     for record in measurement.records():
         own = record.joints[name]
-        known = {one: factor * getattr(own, one) for one in signals if one in own.quantities()}
-        offset = {one: factor * size if one in known else size for one, size in own.offset.items()}
+        known = {
+            signal: factor * getattr(own, signal)
+            for signal in signals
+            if signal in own.quantities()
+        }
+        offset = {
+            item: factor * size if item in known else size for item, size in own.offset.items()
+        }
         joints = {**record.joints, name: replace(own, **known, offset=offset)}
         records.append(replace(record, joints=joints))
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]

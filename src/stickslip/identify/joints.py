@@ -105,15 +105,15 @@ class _OfJoints:
             If no joint of the fit moves in it, or it has the same readings.
         """
         refuse_same(self.measurement, measurement)
-        found, resting = dict[str, Foreseen](), list[str]()
-        for name, one in self.joints.items():
+        result, resting = dict[str, Foreseen](), list[str]()
+        for name, joint in self.joints.items():
             try:
-                found[name] = one.foreseer(measurement)
+                result[name] = joint.foreseer(measurement)
             except NotToldError as error:
                 resting.append(str(error))
-        if not found:
+        if not result:
             raise InputError(" ".join(resting))
-        return found
+        return result
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -142,14 +142,14 @@ class JointLawFit(_OfJoints, Fit[Laws]):
 
     def law_estimates(self) -> LawEstimates:
         fits = self.fits
-        parts = [np.eye(len(self.estimates) - sum(len(one.estimates) for one in fits.values()))]
-        parts += [one.correlation for one in fits.values()]
+        parts = [np.eye(len(self.estimates) - sum(len(fit.estimates) for fit in fits.values()))]
+        parts += [fit.correlation for fit in fits.values()]
         return estimates_for(
             self.law,
             self.estimates,
             block_diag(*parts),
             levels=levels_at(self.mechanism),
-            largest_speed={name: one.largest_speed for name, one in fits.items()},
+            largest_speed={name: fit.largest_speed for name, fit in fits.items()},
         )
 
     def _plot(self, ax: "Target") -> "Drawing":
@@ -174,7 +174,7 @@ class JointVerdict(_OfJoints, Verdict[Candidate[JointLawFit]]):
 
     @property
     def score_unit(self) -> str:
-        units = {one.score_unit for one in self.joints.values()}
+        units = {joint.score_unit for joint in self.joints.values()}
         return units.pop() if len(units) == 1 else ""
 
     @property
@@ -244,15 +244,15 @@ class JointVerdict(_OfJoints, Verdict[Candidate[JointLawFit]]):
         list of Laws
             Laws by contact; those of one joint are drawn without regard to another.
         """
-        drawn = {name: one.sample(count, seed=seed + k)
-                 for k, (name, one) in enumerate(self.joints.items())}  # fmt: skip
+        drawn = {name: joint.sample(count, seed=seed + k)
+                 for k, (name, joint) in enumerate(self.joints.items())}  # fmt: skip
         return [
-            _laws(self.mechanism, {n: one[k] for n, one in drawn.items()}) for k in range(count)
+            _laws(self.mechanism, {n: item[k] for n, item in drawn.items()}) for k in range(count)
         ]
 
     def _details(self) -> Mapping[str, Any]:
         return {
-            "joints": {name: one.to_dict() for name, one in self.joints.items()},
+            "joints": {name: joint.to_dict() for name, joint in self.joints.items()},
             "resting": list(self.resting),
         }
 
@@ -266,9 +266,9 @@ class JointVerdict(_OfJoints, Verdict[Candidate[JointLawFit]]):
             JSON schema of draft 2020-12; verdicts on joints are as `BandVerdict.schema` says.
         """
         text = files("stickslip.identify").joinpath("joints.schema.json").read_text("utf-8")
-        found: dict[str, Any] = json.loads(text)
+        result: dict[str, Any] = json.loads(text)
         of_joint = dict(BandVerdict.schema())
-        return found | {"$defs": {**of_joint.pop("$defs"), "joint": of_joint}}
+        return result | {"$defs": {**of_joint.pop("$defs"), "joint": of_joint}}
 
     def _plot(self, ax: "Target") -> "Drawing":
         return self.candidates[0].fit.plot(ax)  # type: ignore[union-attr]
@@ -291,7 +291,7 @@ def select_joints(
         validate=validate, tolerance=tolerance,
     )  # fmt: skip
     joints = {judge.records.contacts[name]: judge.verdict_of(name, laws) for name in judge.own}
-    fits = {name: one.closest.fit for name, one in joints.items() if one.closest.fit}
+    fits = {name: joint.closest.fit for name, joint in joints.items() if joint.closest.fit}
     return _verdict(judge, joints, fits)
 
 
@@ -417,7 +417,7 @@ class _JointJudge:
         resting_of(mechanism, measurement)  # refuses records that lack a joint
         if vary is not None and LINKS in names_of(vary):
             mechanism, links = told_links(mechanism, measurement, held=held, zeros=zeros)
-            vary = [*(one for one in names_of(vary) if one != LINKS), *links]
+            vary = [*(item for item in names_of(vary) if item != LINKS), *links]
         request = JointRequest.of(mechanism, laws, vary, fixed, measurement, zeros=zeros)
         refuse_unused(measurement)
         refuse_faults(measurement, request.mechanism)
@@ -465,8 +465,8 @@ class _JointJudge:
         return (
             *(REST.format(name) for name in self.records.resting),
             *(
-                f"{capital(one)} is not identified: the motion cannot distinguish it from others."
-                for one in lost
+                f"{capital(item)} is not identified: the motion cannot distinguish it from others."
+                for item in lost
             ),
         )
 
@@ -480,7 +480,7 @@ class _JointJudge:
         given = self.request.offsets.get(name)
         own = [*self.own[name]]
         if given is not None:
-            own = [replace(one, force=one.force - given, constant=given) for one in own]
+            own = [replace(item, force=item.force - given, constant=given) for item in own]
         # forces of another joint may follow none of the laws
         asked = LawsToCompare() if self.wrong else laws_for(laws, own, load_of(alone))
         judged = problem_of_records(
@@ -513,7 +513,7 @@ def _wrong_columns(
     """
     if left < MOST:
         return ""
-    found = []
+    result = []
     for finding, other in suspected(measurement, request.mechanism):
         try:
             seen = JointBalances.about(
@@ -522,8 +522,8 @@ def _wrong_columns(
             )  # fmt: skip
         except InputError:
             continue
-        found.append((seen.links.left, finding))
-    least, finding = min(found, default=(math.inf, ""))
+        result.append((seen.links.left, finding))
+    least, finding = min(result, default=(math.inf, ""))
     if least > MOST * min(left, 1.0):
         return ""
     falls = (
@@ -561,15 +561,15 @@ class _Again:
 
     def of(self, name: str, measurement: Measurement) -> Sequence[Record]:
         """Return the records of a joint."""
-        found = self.records(measurement)
-        if name not in found:
+        result = self.records(measurement)
+        if name not in result:
             raise NotToldError(f"the {name} does not move in the other measurement.")
-        return found[name]
+        return result[name]
 
 
 def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
     """Return a joint as an axis, whose law has the same levels."""
-    contact = next(one for one in mechanism.contacts() if one.slips[0] == coordinate)
+    contact = next(item for item in mechanism.contacts() if item.slips[0] == coordinate)
     load = contact.load if isinstance(contact.load, int | float) else 1.0
     axis = Axis(inertia=max(inertia, 1e-300), load=float(load))
     turns = mechanism.units[mechanism.coordinates.index(coordinate)] == "rad"
@@ -579,28 +579,28 @@ def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
 def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[Estimate, ...]:
     """Return the parameters of the mechanism that were found."""
     known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
-    found = []
+    result = []
     for path in paths:
         q, given = known[path]
         value = given + links.change[path]
         half = 1.96 * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
         told = math.isfinite(half)
-        found.append(
+        result.append(
             Estimate(
                 path=path, quantity=q, value=value, low=max(value - half, least),
                 high=min(value + half, q.high), interval="95 %",
                 reason="" if told else "the motion cannot distinguish it from others",
             )
         )  # fmt: skip
-    return tuple(found)
+    return tuple(result)
 
 
 def _laws(mechanism: Mechanism, laws: Mapping[str, FrictionLaw]) -> Laws:
     """Return laws by contact, none where a joint rests."""
-    names = tuple(one.name or one.slips[0] for one in mechanism.contacts())
-    found = assigned(names, dict.fromkeys(names) | dict(laws))
-    return found if isinstance(found, Laws) else Laws(members=tuple(laws.items()))
+    names = tuple(contact.name or contact.slips[0] for contact in mechanism.contacts())
+    result = assigned(names, dict.fromkeys(names) | dict(laws))
+    return result if isinstance(result, Laws) else Laws(members=tuple(laws.items()))
 
 
 def _verdict(
@@ -616,17 +616,17 @@ def _verdict(
     along = {contact: name for name, contact in records.contacts.items()}
     of_joints = [
         replace(
-            one,
+            estimate,
             path=OFFSET + along[name]
-            if one.path == "offset"
-            else one.path.replace("friction.", f"friction.{name}.", 1),
+            if estimate.path == "offset"
+            else estimate.path.replace("friction.", f"friction.{name}.", 1),
         )
         for name, fit in fits.items()
-        for one in fit.estimates
+        for estimate in fit.estimates
     ]
     try:
         moved = (
-            with_values(rig, "mechanism", {one.path: one.value for one in values})
+            with_values(rig, "mechanism", {value.path: value.value for value in values})
             if values
             else rig
         )
@@ -642,22 +642,26 @@ def _verdict(
         fits=fits,
     )
     candidate: Candidate[JointLawFit] = Candidate(
-        name=",".join(f"{name}={one.closest.name}" for name, one in joints.items()),
+        name=",".join(f"{name}={joint.closest.name}" for name, joint in joints.items()),
         title=", ".join(
-            f"{name}: {in_sentence(one.closest.title)}" for name, one in joints.items()
+            f"{name}: {in_sentence(joint.closest.title)}" for name, joint in joints.items()
         ),
         fit=fitted,
         outcome="named",
     )
     wrong = checks.of("joint columns")
-    said = [f"{capital(name)}: {in_sentence(one.words.verdict)}" for name, one in joints.items()]
+    said = [
+        f"{capital(name)}: {in_sentence(joint.words.verdict)}" for name, joint in joints.items()
+    ]
     said += [
         f"{capital(name)}: at rest, so nothing tells its friction." for name in records.resting
     ]
-    named = not wrong and all(one.best is not None for one in joints.values())
+    named = not wrong and all(joint.best is not None for joint in joints.values())
     words = Wording(
         verdict=f"No law is recommended. {wrong[0].sentence}" if wrong else " ".join(said),
-        lede=" ".join(f"{capital(n)}: {in_sentence(one.words.lede)}" for n, one in joints.items()),
+        lede=" ".join(
+            f"{capital(n)}: {in_sentence(joint.words.lede)}" for n, joint in joints.items()
+        ),
         settles=_of_each(joints, "settles"),
         cannot_tell=_of_each(joints, "cannot_tell"),
         measure_next=_of_each(joints, "measure_next"),
@@ -678,16 +682,16 @@ def _verdict(
 
 def _of_each(joints: Mapping[str, BandVerdict], part: str) -> tuple[str, ...]:
     """Return sentences on each joint in turn; those of all joints alike once."""
-    lines = {name: getattr(one.words, part) for name, one in joints.items()}
+    lines = {name: getattr(joint.words, part) for name, joint in joints.items()}
     common = set.intersection(*({*own} for own in lines.values()))
-    found = [
+    result = [
         f"{capital(name)}: {in_sentence(line)}"
         for name, own in lines.items()
         for line in own
         if line not in common
     ]
     first = next(iter(lines.values()))
-    return (*found, *(line for line in first if line in common))
+    return (*result, *(line for line in first if line in common))
 
 
 def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
@@ -695,8 +699,8 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
     return (
         partial(opening_section, verdict, origin, remark),
         *(
-            partial(joint_section, name, one, number)
-            for number, (name, one) in enumerate(verdict.joints.items(), 1)
+            partial(joint_section, name, joint, number)
+            for number, (name, joint) in enumerate(verdict.joints.items(), 1)
         ),
         partial(mechanism_section, verdict),
         partial(record_and_checks, verdict.checks),
@@ -728,15 +732,15 @@ def mechanism_section(verdict: JointVerdict) -> Section | None:
     """Return what was found of the mechanism; None without anything."""
     fit = verdict.closest.fit
     assert fit is not None
-    shown = [one for one in fit.shown if one.path.startswith("mechanism.")]
+    shown = [item for item in fit.shown if item.path.startswith("mechanism.")]
     if not shown:
         return None
     items = tuple(
         KeyValue(
-            key=f"${one.quantity.symbol}$, {parameter_words(one.path)}",
-            value=with_unit(one.range, one.quantity.unit),
+            key=f"${item.quantity.symbol}$, {parameter_words(item.path)}",
+            value=with_unit(item.range, item.quantity.unit),
         )
-        for one in shown
+        for item in shown
     )
     return Section(
         id="mechanism", nav="Mechanism", heading="What was found of the mechanism",

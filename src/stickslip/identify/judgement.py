@@ -209,7 +209,7 @@ class Problem(ABC):
         """Return the columns of a law at rows (n, p); (k, n, p) for shapes of k draws."""
         if not structure:
             return np.zeros((len(rows.velocity), 0))
-        columns = [x for one in self.tied(structure) for x in self.columns(one, rows)]
+        columns = [x for item in self.tied(structure) for x in self.columns(item, rows)]
         return np.stack(np.broadcast_arrays(*columns), axis=-1)
 
     def designs(
@@ -219,9 +219,11 @@ class Problem(ABC):
 
         Those of terms that are known are not made again.
         """
-        for column in {one for structure in structures for one in structure} - known.keys():
+        for column in {item for structure in structures for item in structure} - known.keys():
             known[column] = self.columns(column, rows)
-        return np.array([np.column_stack([x for one in s for x in known[one]]) for s in structures])
+        return np.array(
+            [np.column_stack([x for item in s for x in known[item]]) for s in structures]
+        )
 
     @abstractmethod
     def candidates(self) -> Sequence[Candidates]:
@@ -297,7 +299,7 @@ class Problem(ABC):
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "Problem":
         """Return the problem with laws that are no sums of parts, where they and some are named."""
-        names = joined([one[0][0].partition(".")[0] for one in own])
+        names = joined([item[0][0].partition(".")[0] for item in own])
         raise InputError(
             f"{names} friction cannot be compared on this measurement, as it is no sum of parts:"
             " use stickslip.fit with route='shooting' for its parameters."
@@ -357,8 +359,8 @@ class Judgement:
     @cached_property
     def draws(self) -> list[Draws]:
         """Draws from which everything is read."""
-        found: list[Draws] = self.problem.posterior.draws(DRAWS, seed=self.seed)
-        return found
+        result: list[Draws] = self.problem.posterior.draws(DRAWS, seed=self.seed)
+        return result
 
     @cached_property
     def _places(self) -> Any:
@@ -381,7 +383,7 @@ class Judgement:
     def rungs(self) -> tuple[Rung, ...]:
         """The closest law of each family, by the number of parameters and the distance."""
         masses, adequate = self.problem.masses(self.tolerance)
-        found, known = [], dict[Any, list[Array]]()
+        result, known = [], dict[Any, list[Array]]()
         for each in self.problem.candidates():
             columns = self.problem.designs(each.structures, self._places, known)
             rung = self._projection.closest(
@@ -389,23 +391,23 @@ class Judgement:
             )
             if rung is not None:
                 share = masses.get(each.family, 0.0)
-                found.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
-        if not self.is_told or not found:
+                result.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
+        if not self.is_told or not result:
             none = self._projection.rung((), np.zeros(0), np.zeros((len(self.target.middle), 0)), 0)
             share = float(self.problem.posterior.weights[self.problem.nothing()].sum())
-            found.append(replace(none, share=share, adequate=adequate.get((), 0.0)))
-        return tuple(sorted(found, key=lambda one: (one.parameters, one.excess)))
+            result.append(replace(none, share=share, adequate=adequate.get((), 0.0)))
+        return tuple(sorted(result, key=lambda item: (item.parameters, item.excess)))
 
     @cached_property
     def named(self) -> Rung:
         """The named law, with shapes between those of the grid."""
         likely = most_probable(self.rungs) if self.problem.exact() >= EXACT else None
-        found = self._shaped(likely) if likely else None
-        if found is None or (found.structure and found.excess > MARGIN):
-            found = self._shaped(cheapest(self.rungs, self.tolerance))
-        if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(found):
-            found = next((one for one in self.rungs if not one.structure), found)
-        return found
+        result = self._shaped(likely) if likely else None
+        if result is None or (result.structure and result.excess > MARGIN):
+            result = self._shaped(cheapest(self.rungs, self.tolerance))
+        if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(result):
+            result = next((rung for rung in self.rungs if not rung.structure), result)
+        return result
 
     def _shaped(self, rung: Rung) -> Rung:
         """Return a law of the ladder with shapes between those of the grid."""
@@ -462,17 +464,19 @@ class Judgement:
 
         A longer law stands only if it is closer, or cannot be distinguished from the named one.
         """
-        found: list[Rung] = []
-        for one in self.rungs:
-            closer = all(one.distance < other.distance for other in found)
-            if closer or self._is_named(one) or self._is_rival(one):
-                found.append(one)
-        best = sorted(found, key=lambda one: (not self._is_named(one), -one.adequate, one.excess))
+        result: list[Rung] = []
+        for rung in self.rungs:
+            closer = all(rung.distance < other.distance for other in result)
+            if closer or self._is_named(rung) or self._is_rival(rung):
+                result.append(rung)
+        best = sorted(
+            result, key=lambda item: (not self._is_named(item), -item.adequate, item.excess)
+        )
         kept = best[:SHOWN]
         return tuple(
-            self.named if self._is_named(one) else one
-            for one in found
-            if any(one is other for other in kept)
+            self.named if self._is_named(item) else item
+            for item in result
+            if any(item is other for other in kept)
         )
 
     def _is_named(self, rung: Rung) -> bool:
@@ -484,22 +488,22 @@ class Judgement:
     @cached_property
     def set(self) -> tuple[Rung, ...]:
         """Laws that cannot be distinguished, the named one first."""
-        rivals = [one for one in self.rungs if self._is_rival(one) and not self._is_named(one)]
-        return (self.named, *sorted(rivals, key=lambda one: -one.adequate))
+        rivals = [rung for rung in self.rungs if self._is_rival(rung) and not self._is_named(rung)]
+        return (self.named, *sorted(rivals, key=lambda rival: -rival.adequate))
 
     @cached_property
     def simpler(self) -> Rung | None:
         """The shortest law whose curve is within the tolerance of the named one's."""
-        for one in self.rungs:
-            if one.parameters >= self.named.parameters:
+        for rung in self.rungs:
+            if rung.parameters >= self.named.parameters:
                 return None
-            if self.apart(one) <= self.tolerance:
-                return one
+            if self.apart(rung) <= self.tolerance:
+                return rung
         return None
 
     def apart(self, rung: Rung) -> float:
         """Return the share of friction within which a law stays of the named one at 95 %."""
-        own, other = (self.curve_of(one, self._places) for one in (self.named, rung))
+        own, other = (self.curve_of(item, self._places) for item in (self.named, rung))
         return float(np.quantile(np.abs(other - own) / self.target.size, PLACES))
 
     @cached_property
@@ -518,13 +522,13 @@ class Judgement:
     def is_explained(self) -> bool:
         """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold."""
         every = (self.named, *self.rungs)
-        near = any(one.distance <= NO_LAW or one.excess <= MARGIN for one in every)
+        near = any(item.distance <= NO_LAW or item.excess <= MARGIN for item in every)
         return near or self.named.adequate >= MAY_HOLD
 
     @property
     def beside(self) -> frozenset[str]:
         """What stands beside a law that cannot be distinguished from the named one."""
-        return frozenset(name for one in self.set for name in self.beside_of(one))
+        return frozenset(name for item in self.set for name in self.beside_of(item))
 
     def beside_of(self, rung: Rung) -> tuple[str, ...]:
         """Return what stands beside a law and no level of it holds, but for what is sought."""
@@ -539,7 +543,7 @@ class Judgement:
     @property
     def families(self) -> tuple[Family, ...]:
         """Families that cannot be distinguished, the named one first."""
-        return tuple(one.family for one in self.set)
+        return tuple(item.family for item in self.set)
 
     def measured(self) -> MeasuredPoints:
         """Return what a figure shows of the measurement."""
@@ -559,7 +563,9 @@ class Judgement:
         return {
             "tolerance": self.tolerance,
             "odds_of_friction": self.odds if math.isfinite(self.odds) else None,
-            "findings": [{**asdict(one), "asserted": one.asserted} for one in self.findings],
+            "findings": [
+                {**asdict(finding), "asserted": finding.asserted} for finding in self.findings
+            ],
         }
 
     def curves(self, rows: Any, *, new: bool = False) -> Array:
@@ -637,12 +643,12 @@ class Judgement:
         own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
         composed = self.problem.composition(own, coefficients, draws, offset=self.offset)
         curves, load = self.problem.steady(self._both_ways, draws), composed.normal()
-        found: list[FrictionLaw] = []
+        result: list[FrictionLaw] = []
         for k in np.resize(np.random.default_rng(seed).permutation(len(places)), count).tolist():
             law = composed.law(k) if apart[k] <= self.tolerance else None
             rung = replace(self.named, coefficients=coefficients[k])
-            found.append(drawn_curve(self.sliding(curves[k], rung), load) if law is None else law)
-        return found
+            result.append(drawn_curve(self.sliding(curves[k], rung), load) if law is None else law)
+        return result
 
     def curve_of(self, rung: Rung, rows: Any) -> Array:
         """Return the friction of a law at rows (n,), with its offset."""
@@ -652,10 +658,10 @@ class Judgement:
     def composition(self) -> Composition:
         """The named law, with what was looked for of the rig."""
         named = self.named
-        found = self.problem.composition(
+        result = self.problem.composition(
             named.structure, named.coefficients[None], offset=self.offset
         )
-        return replace(found, rig={**found.rig, **self.rig})
+        return replace(result, rig={**result.rig, **self.rig})
 
     @cached_property
     def rig(self) -> dict[str, Array]:
@@ -675,22 +681,22 @@ class Judgement:
         if not rung.structure:
             return dict(self.problem.rig(draws))
         groups: dict[tuple[Structure, bool], list[Draws]] = {}
-        for one in draws:
-            key = with_shapes(rung.structure, one.structure, alone=self.problem.is_alone(one))
-            groups.setdefault(key, []).append(one)
+        for draw in draws:
+            key = with_shapes(rung.structure, draw.structure, alone=self.problem.is_alone(draw))
+            groups.setdefault(key, []).append(draw)
         every = [
             self._projected(replace(rung, structure=structure), own, same=same)
             for (structure, same), own in groups.items()
         ]
         coefficients = np.vstack([c for c, _ in every])
-        ordered = [one for own in groups.values() for one in own]
+        ordered = [item for own in groups.values() for item in own]
         entries = [
             [np.broadcast_to(np.ravel(x), len(c)) for _, shape in shaped for x in shape]
             for c, shaped in every
         ]
         each = map(np.concatenate, zip(*entries, strict=True))
-        found = [(name, tuple(next(each) for _ in shape)) for name, shape in rung.structure]
-        composed = self.problem.composition(found, coefficients, ordered, offset=self.offset)
+        result = [(name, tuple(next(each) for _ in shape)) for name, shape in rung.structure]
+        composed = self.problem.composition(result, coefficients, ordered, offset=self.offset)
         return composed.paths() | dict(self.problem.rig(ordered))
 
     def _values_if(self, rung: Rung, count: int) -> dict[str, Array]:
@@ -718,7 +724,7 @@ class Judgement:
         Over all laws, those that cannot be distinguished from the named one count by the root of
         their odds: what cannot be distinguished must not be left out.
         """
-        tails, found = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)), []
+        tails, result = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)), []
         flow = self.composition.flow
         others = []
         for rung in self.set[1:]:
@@ -740,7 +746,7 @@ class Judgement:
             below, above = self._open_ends.get(path, (False, False))
             low, low_any = (-math.inf, -math.inf) if below else (low, low_any)
             high, high_any = (math.inf, math.inf) if above else (high, high_any)
-            found.append(
+            result.append(
                 Interval(
                     path=path,
                     value=float(value[0]),
@@ -750,7 +756,7 @@ class Judgement:
                     high_any=max(high, high_any, float(value[0])),
                 )
             )
-        return tuple(found)
+        return tuple(result)
 
     @cached_property
     def _open_ends(self) -> dict[str, tuple[bool, bool]]:
@@ -760,7 +766,7 @@ class Judgement:
         fades below the slowest speed may be of any size, and so may the level below one that fades
         above the fastest.
         """
-        found, paths = dict[str, tuple[bool, bool]](), self.composition.paths()
+        result, paths = dict[str, tuple[bool, bool]](), self.composition.paths()
         for free in self.problem.free(self.named)[0] if self.named.structure else ():
             term = self.named.structure[free.column][0]
             if (path := self._path_of(free)) not in self.named_values:
@@ -768,13 +774,13 @@ class Judgement:
             x, tail = self.named_values[path], 0.5 * (1.0 - LEVEL)
             below, above = x < free.low * (1.0 + AT_END), x > free.high / (1.0 + AT_END)
             ends = float(np.mean(below)) > tail, float(np.mean(above)) > tail
-            found[path] = ends
+            result[path] = ends
             for level in paths if term in SURPLUSES else ():
                 if level.endswith("static_coefficient") and ends[0]:
-                    found[level] = False, True
+                    result[level] = False, True
                 elif level.endswith("kinetic_coefficient") and ends[1]:
-                    found[level] = True, False
-        return found
+                    result[level] = True, False
+        return result
 
     def _path_of(self, free: Free) -> str:
         """Return the path of the parameter that an entry of a shape is; "" if it is none."""
@@ -784,21 +790,21 @@ class Judgement:
         changed[free.column][free.entry] = pair
         own = [(name, tuple(x)) for name, x in zip(family_of(structure), changed, strict=True)]
         both = np.tile(self.named.coefficients, (2, 1))
-        found = self.problem.composition(self.problem.tied(own), both).paths()
-        return next((path for path, x in found.items() if np.array_equal(x, pair)), "")
+        result = self.problem.composition(self.problem.tied(own), both).paths()
+        return next((path for path, x in result.items() if np.array_equal(x, pair)), "")
 
     @cached_property
     def correlation(self) -> Array:
         """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
         if not self.intervals:
             return np.zeros((0, 0))
-        known, paths = self.named_values, [one.path for one in self.intervals]
+        known, paths = self.named_values, [interval.path for interval in self.intervals]
         none = np.zeros(len(next(iter(known.values()))))  # what no draw tells is alone
         return correlation_of(np.array([known.get(path, none) for path in paths]))
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """What may stand beside the law."""
-        found = self.problem.findings(self.draws)
+        result = self.problem.findings(self.draws)
         friction = bool(self.named.structure)
-        return tuple(one for one in found if friction or one.term not in OF_FRICTION)
+        return tuple(item for item in result if friction or item.term not in OF_FRICTION)

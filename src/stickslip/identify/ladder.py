@@ -121,8 +121,8 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     if not named.structure and not judgement.is_told:
         return f"No friction stands above the noise of the {words.measured}."
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
-    found = [one for one in judgement.findings if one.asserted and one.is_mistake]
-    doubts = [*wrong, *(one.sentence for one in found)]
+    result = [finding for finding in judgement.findings if finding.asserted and finding.is_mistake]
+    doubts = [*wrong, *(item.sentence for item in result)]
     if doubts and judgement.is_told:
         return (
             f"Check units, gains and signs first. {doubts[0]} If they are right,"
@@ -157,7 +157,7 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f"{capital(phrase)}{beside} stays within {how}; as measured, friction is known to"
             f" ± {percent(judgement.known)}: use the measured curve where that matters"
         )
-    others = [_other(judgement, one) for one in judgement.set[1:]]
+    others = [_other(judgement, item) for item in judgement.set[1:]]
     if others:
         more = others if len(others) < MOST else [others[0], f"{len(others) - 1} more"]
         these = "these" if words.measured.endswith("s") else "this"
@@ -210,7 +210,7 @@ def rest_sentence(velocities: Array, unit: str) -> str:
 
 def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int) -> str:
     """Return how well friction of another specimen is known, where that is less; else nothing."""
-    mine, new = (float(np.median(relative(one))) for one in (own, other))
+    mine, new = (float(np.median(relative(item))) for item in (own, other))
     if new < DIFFERENT * mine:
         return ""
     return (
@@ -235,14 +235,14 @@ def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
     scale, unit = verdict.scale, verdict.measurement.unit("velocity")
     rows = [
         [
-            one.title,
-            str(one.count),
-            *ladder_texts(one, unit),
-            score_text(scale, one.left).value,
-            probability_text(one.share),
-            one.outcome,
+            candidate.title,
+            str(candidate.count),
+            *ladder_texts(candidate, unit),
+            score_text(scale, candidate.left).value,
+            probability_text(candidate.share),
+            candidate.outcome,
         ]
-        for one in sorted(verdict.candidates, key=lambda one: one.count)
+        for candidate in sorted(verdict.candidates, key=lambda candidate: candidate.count)
     ]
     leaves = f"leaves, {scale.unit or verdict.score_unit}"
     return ["law", "parameters", "stays within", "worst", leaves, "probability", ""], rows
@@ -254,11 +254,11 @@ def untold_of_law(judgement: Judgement, fit: LawFit) -> Iterator[str]:
     if own is None:
         return
     inputs = [
-        {name: np.atleast_1d(x) for name, x in one.contact_inputs().items()}
-        for one in fit.measurement.records()
+        {name: np.atleast_1d(x) for name, x in record.contact_inputs().items()}
+        for record in fit.measurement.records()
     ]
     yield from unvaried(own.law, inputs)
-    symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.known]
+    symbols = [f"${estimate.quantity.symbol}$" for estimate in fit.estimates if not estimate.known]
     if symbols:
         yield (
             f"{joined(symbols)} cannot be determined: other values explain the measurement as well."
@@ -285,7 +285,7 @@ def candidate_of(
         largest_speed=largest_speed,
         named=named,
     )
-    alike = any(rung.family == one.family for one in judgement.set)
+    alike = any(rung.family == item.family for item in judgement.set)
     return LawCandidate(
         name=name_of(judgement, rung),
         title=title + beside_of(judgement, rung),
@@ -324,12 +324,12 @@ def ladder_verdict(
     rows = judgement.problem.asked()
     band = judgement.band(rows)
     # laws that cannot be distinguished stand with those of the ladder
-    shown = {one.family: one for one in (judgement.named, *judgement.set, *judgement.ladder)}
+    shown = {item.family: item for item in (judgement.named, *judgement.set, *judgement.ladder)}
     candidates = tuple(
-        candidate_of(judgement, one, mechanism, measurement, largest_speed)
-        for one in shown.values()
+        candidate_of(judgement, item, mechanism, measurement, largest_speed)
+        for item in shown.values()
     )
-    titles = {name: judgement.problem.title(name) for one in shown for name in one}
+    titles = {name: judgement.problem.title(name) for item in shown for name in item}
     candidates = told_apart(candidates, titles)
     first = candidates[0]
     assert first.fit is not None
@@ -349,14 +349,14 @@ def ladder_verdict(
         *filter(None, (simpler_sentence(judgement),)),
         *said,
     ]
-    doubts = [finding_sentence(one) for one in judgement.findings if one.asserted]
+    doubts = [finding_sentence(finding) for finding in judgement.findings if finding.asserted]
     doubts += judgement.problem.untold()
     doubts += untold_of_law(judgement, first.fit)
     if far := judgement.outliers:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if foreseen is not None:
         doubts.append(second_sentence(foreseen))
-    of_load = {"load_exponent", "adhesion"} & {one.path for one in every}
+    of_load = {"load_exponent", "adhesion"} & {item.path for item in every}
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
     doubts += [UNIT_LOAD_SENTENCE] * any(UNIT_LOAD in x.provenance for x in measurement.records())

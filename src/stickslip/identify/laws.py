@@ -110,8 +110,8 @@ class Composition:
             if not own.keys() <= names.keys():
                 own = {name.replace(LINEAR, FALLING): x for name, x in own.items()}
             with suppress(InputError):  # such as friction at rest below that of sliding
-                found: FrictionLaw = law_class(text)(**own)
-                return found
+                result: FrictionLaw = law_class(text)(**own)
+                return result
         return None
 
     def through(self, sliding: Sliding) -> FrictionLaw:
@@ -236,9 +236,9 @@ def compose(
     made = _Composer(terms, means, count)
     made.level()
     made.flows()
-    found = made.composition(memory)
-    values = {**found.values, **(memory_values or {})} if found.memory else found.values
-    return replace(found, values=values, fixed=found.fixed | {*memory_fixed})
+    result = made.composition(memory)
+    values = {**result.values, **(memory_values or {})} if result.memory else result.values
+    return replace(result, values=values, fixed=result.fixed | {*memory_fixed})
 
 
 class _Composer:
@@ -359,9 +359,9 @@ class _Composer:
         both = "both_ways({})" if self.inputs else "both_ways[levels]({})"
         around = both if sides and not alone else "{}"
         levels = " + ".join(
-            [f"tanh({one})" if one == "level" and self.smooth else one for one in self.levels]
+            [f"tanh({item})" if item == "level" and self.smooth else item for item in self.levels]
         )
-        beside = [one for one in self.beside if not (falls and one == "viscous")]
+        beside = [item for item in self.beside if not (falls and item == "viscous")]
         if memory:
             parts = [f"{memory}({around.format(levels)})"]
             rest = " + ".join(beside)
@@ -382,15 +382,17 @@ class _Composer:
         """
 
         def along(side: float) -> dict[str, Array]:
-            found = {name: x + side * self.change.get(name, 0.0) for name, x in self.values.items()}
-            middle = dict(found)
+            result = {
+                name: x + side * self.change.get(name, 0.0) for name, x in self.values.items()
+            }
+            middle = dict(result)
             for name, (of, x, mean) in self.inputs.items():
                 share = x / np.where(middle[of], middle[of], 1.0)
-                found[of] = found[of] * (1.0 - share * mean)  # where the input is 0
-                found[name] = share / np.where(share * mean == 1.0, 1.0, 1.0 - share * mean)
-            if "static_coefficient" in found:
-                found["static_coefficient"] += found["kinetic_coefficient"]
-            return found
+                result[of] = result[of] * (1.0 - share * mean)  # where the input is 0
+                result[name] = share / np.where(share * mean == 1.0, 1.0, 1.0 - share * mean)
+            if "static_coefficient" in result:
+                result["static_coefficient"] += result["kinetic_coefficient"]
+            return result
 
         names = law_class(text).__dataclass_fields__ if text else {}
         ahead, back = along(1.0), along(-1.0)
@@ -459,8 +461,8 @@ class MeasuredCurve(SetValuedLaw):
         return cls(points=tuple(points))
 
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
-        pairs = [(one.speed, one.level) for one in self.points]
-        slopes = [one.slope for one in self.points]
+        pairs = [(point.speed, point.level) for point in self.points]
+        slopes = [point.slope for point in self.points]
         return self.curve_factor * curve_through(pairs, slopes, speed) * load
 
     def break_away(self, load: Scalar) -> Scalar:
@@ -491,11 +493,11 @@ class MeasuredCurves(FrictionLaw):
     """That of slip backwards."""
 
     def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
-        ahead, back = (one.force(velocity, load) for one in (self.forward, self.backward))
+        ahead, back = (item.force(velocity, load) for item in (self.forward, self.backward))
         return where(velocity < 0.0, back, ahead)
 
     def break_away(self, load: Scalar) -> Scalar:
-        ahead, back = (one.break_away(load) for one in (self.forward, self.backward))
+        ahead, back = (item.break_away(load) for item in (self.forward, self.backward))
         return where(ahead < back, ahead, back)
 
     def towards(self, direction: int) -> MeasuredCurve:
@@ -512,7 +514,7 @@ def drawn_curve(sliding: Sliding, load: float) -> MeasuredCurve | MeasuredCurves
     >>> law.name, float(law.force(1.0, 1.0))
     ('measured-curve', 3.0)
     """
-    ahead, back = (MeasuredCurve.through(*one) for one in sliding.levels(load))
+    ahead, back = (MeasuredCurve.through(*level) for level in sliding.levels(load))
     return ahead if ahead == back else MeasuredCurves(forward=ahead, backward=back)
 
 
@@ -529,10 +531,10 @@ def curve_law(sliding: Sliding, load: float, memory: str = "{}") -> type[Frictio
     -5.0
     """
     texts = [
-        [f"{u:.6g}: {f:.6g}" for u, f in zip(*one, strict=True)] for one in sliding.levels(load)
+        [f"{u:.6g}: {f:.6g}" for u, f in zip(*level, strict=True)] for level in sliding.levels(load)
     ]
     ahead, back = texts
-    points = ahead if ahead == back else [*(f"-{one}" for one in reversed(back)), *ahead]
+    points = ahead if ahead == back else [*(f"-{item}" for item in reversed(back)), *ahead]
     return law_class(memory.format(f"table[{', '.join(points)}]"))
 
 

@@ -85,11 +85,15 @@ class OwnLaw:
     def at(self, values: Sequence[float]) -> FrictionLaw:
         """Return the law at values (p,) of what is varied, inside their ranges."""
         own = dict[str, float]()
-        for name, one, value in zip(self.varied, self.quantities, values, strict=True):
-            low = one.low if one.above is None else max(one.low, one.above + 1e-12)
-            own[name] = min(max(float(value), low), one.high)
-        for name, one in fields_of(type(self.law)).items():
-            least, held = one.at_least, getattr(self.law, name)
+        for name, quantity, value in zip(self.varied, self.quantities, values, strict=True):
+            low = (
+                quantity.low
+                if quantity.above is None
+                else max(quantity.low, quantity.above + 1e-12)
+            )
+            own[name] = min(max(float(value), low), quantity.high)
+        for name, quantity in fields_of(type(self.law)).items():
+            least, held = quantity.at_least, getattr(self.law, name)
             if least is not None and name in own:
                 own[name] = max(own[name], own.get(least, getattr(self.law, least)))
             elif least in own and name in self.untold:
@@ -115,7 +119,7 @@ class OwnLaw:
 
     def columns(self, values: Sequence[float], rows: "Slipping") -> Array:
         """Return the rest, then the change with each parameter, at rows (n, 1 + p)."""
-        found, middle = [], self.friction(values, rows)
+        result, middle = [], self.friction(values, rows)
         for k in range(len(self.varied)):
             step = STEP * max(abs(values[k]), self.sizes.get(self.varied[k], 0.0), TINY)
             ends = [list(values) for _ in range(2)]
@@ -123,8 +127,8 @@ class OwnLaw:
             ends[1][k] += step
             before, after = (self.friction(x, rows) for x in ends)
             inside = [getattr(self.at(x), self.varied[k]) for x in ends]  # one side, at a bound
-            found.append((after - before) / max(inside[1] - inside[0], 1e-300))
-        x = np.column_stack([middle, *found])
+            result.append((after - before) / max(inside[1] - inside[0], 1e-300))
+        x = np.column_stack([middle, *result])
         x[:, 0] -= x[:, 1:] @ np.asarray(values)
         return x
 
@@ -135,7 +139,7 @@ class OwnLaw:
             term = Slope(f"{self.law.name}.{name}")
             term.own, term.place = self, place
             terms.append((term, tuple(map(float, values))))
-        return tuple(sorted(terms, key=lambda one: one[0]))
+        return tuple(sorted(terms, key=lambda item: item[0]))
 
     def fitted(self, target: Array, allowed: Array, rows: "Slipping") -> "OwnLaw":
         """Return the law as it fits friction at rows (n,) best, by the deviations allowed (n,).
@@ -149,13 +153,15 @@ class OwnLaw:
         top = float(np.max(np.abs(rows.velocity)))
         size = float(np.sqrt(np.mean(target**2))) + 1e-300
         load = float(np.median(rows.load))
-        ranges = [_sizes(size, load, top).of(one) for one in self.quantities]
-        low = np.array([one.low for one in ranges])
-        high = np.array([one.high for one in ranges])
-        own = [float(x) if x is not None else one.start for x, one in zip(
+        ranges = [_sizes(size, load, top).of(quantity) for quantity in self.quantities]
+        low = np.array([item.low for item in ranges])
+        high = np.array([item.high for item in ranges])
+        own = [float(x) if x is not None else item.start for x, item in zip(
             (getattr(self.law, name) for name in self.varied), ranges, strict=True)]  # fmt: skip
         wide = (low >= 0.0) & (high > 30.0 * np.maximum(low, 1e-3 * high))
-        shapes = [k for k, one in enumerate(self.quantities) if one.scale in ("speed", "none")]
+        shapes = [
+            k for k, quantity in enumerate(self.quantities) if quantity.scale in ("speed", "none")
+        ]
         grids = [
             np.geomspace(max(low[k], 1e-3 * high[k]), high[k], BEGINNINGS + 2)[1:-1]
             if wide[k] else np.linspace(low[k], high[k], BEGINNINGS + 2)[1:-1]
@@ -170,16 +176,16 @@ class OwnLaw:
 
         def left(x: Array) -> Array:
             try:
-                found = (self.friction(x.tolist(), rows) - target) / allowed
+                result = (self.friction(x.tolist(), rows) - target) / allowed
             except StickslipError:
                 return np.full(len(target), 1e6)
             if both:
-                found = found - np.sum(found / allowed) / np.sum(allowed**-2.0) / allowed
-            return np.where(np.isfinite(found), found, 1e6)
+                result = result - np.sum(result / allowed) / np.sum(allowed**-2.0) / allowed
+            return np.where(np.isfinite(result), result, 1e6)
 
         sizes = [
-            max(abs(x), abs(one.start), OF_RANGE * max(abs(one.low), abs(one.high)), TINY)
-            for x, one in zip(own, ranges, strict=True)
+            max(abs(x), abs(item.start), OF_RANGE * max(abs(item.low), abs(item.high)), TINY)
+            for x, item in zip(own, ranges, strict=True)
         ]
         scale = np.array(sizes)
         best, cost = own, math.inf
@@ -189,11 +195,11 @@ class OwnLaw:
                 end = least_squares(left, inside, bounds=(low, high), x_scale=scale)
                 if end.cost < cost:
                     best, cost = end.x.tolist(), float(end.cost)
-        found = replace(self, law=self.at(best), sizes=dict(zip(self.varied, sizes, strict=True)))
+        result = replace(self, law=self.at(best), sizes=dict(zip(self.varied, sizes, strict=True)))
         own_sizes = np.where(np.abs(best) > SMALL * scale, np.abs(best), scale)
 
         def changes(values: Sequence[float]) -> Array:
-            return found.columns(values, rows)[:, 1:] * own_sizes / allowed[:, None]
+            return result.columns(values, rows)[:, 1:] * own_sizes / allowed[:, None]
 
         x = changes(best)
         least = UNTOLD * math.sqrt(len(x))
@@ -206,11 +212,11 @@ class OwnLaw:
             lost |= np.linalg.norm(hidden, axis=0) < least
         given = np.where(lost, own, best)
         if np.sum(left(given) ** 2) <= 2.0 * cost + 1.0:
-            found = replace(found, law=self.at(given.tolist()))
+            result = replace(result, law=self.at(given.tolist()))
         _, order = qr(x, mode="r", pivoting=True)
         kept = {*order[: int(np.sum(told >= least))].tolist()} - {*np.flatnonzero(lost).tolist()}
         return replace(
-            found,
+            result,
             varied=tuple(name for k, name in enumerate(self.varied) if k in kept),
             untold=tuple(name for name, x in zip(self.varied, lost, strict=True) if x),
         )
@@ -263,13 +269,13 @@ def is_own(structure: Sequence[tuple[str, Any]]) -> bool:
 
 def certain_of(structures: Sequence[Structure]) -> dict[str, float]:
     """Return the terms of laws whose coefficients are known."""
-    terms = (name for one in structures for name, _ in one)
+    terms = (name for structure in structures for name, _ in structure)
     return {name: 1.0 for name in terms if is_slope(name) and name.place < 0}
 
 
 def signed_of(structures: Sequence[Structure]) -> frozenset[str]:
     """Return the terms of laws whose coefficients may be below 0."""
-    terms = (name for one in structures for name, _ in one)
+    terms = (name for structure in structures for name, _ in structure)
     return frozenset(name for name in terms if is_slope(name) and may_be_negative(name))
 
 
@@ -308,7 +314,7 @@ def starting(
 def _sizes(size: float, load: float, top: float) -> Sizes:
     """Return the sizes that ranges of parameters are multiples of, as friction has them."""
     level = size / load
-    found = {
+    result = {
         **dict.fromkeys(("level", "level+", "level-"), level),
         "load": load,
         "force": size,
@@ -319,4 +325,4 @@ def _sizes(size: float, load: float, top: float) -> Sizes:
         "stiffness": 1e3 * level,
         "damping": level / top,
     }
-    return Sizes(typical=found, reach=found)
+    return Sizes(typical=result, reach=result)

@@ -52,7 +52,11 @@ def sections_of(
         partial(parameters_section, verdict),
         partial(remarks_section, verdict),
         partial(record_and_checks, verdict.checks),
-        partial(reproduce, origin, laws=[one.fit.law for one in verdict.candidates[:1] if one.fit]),
+        partial(
+            reproduce,
+            origin,
+            laws=[candidate.fit.law for candidate in verdict.candidates[:1] if candidate.fit],
+        ),
     )
 
 
@@ -74,18 +78,18 @@ def opening_section(
 
 def _estimates(verdict: Verdict) -> list[tuple[Estimate, Estimate]]:
     """Return the parameters, if the named law holds and over all laws, levels and slopes first."""
-    return sorted(verdict.stated, key=lambda one: importance(one[0]))
+    return sorted(verdict.stated, key=lambda item: importance(item[0]))
 
 
 def facts(verdict: Verdict) -> list[Fact]:
     """Return the parameters of the named law with their intervals, three at most."""
-    found = []
+    result = []
     for own, every in _estimates(verdict):
         value = with_unit(within(own.value, every.low, every.high), own.quantity.unit)
         what = f"{_words_of(own)} ${own.quantity.symbol}$, 95 % over all laws"
         aside = interval(every.low, every.high)
-        found.append(Fact(value=value, what=what, aside=aside))
-    return found[:MOST]
+        result.append(Fact(value=value, what=what, aside=aside))
+    return result[:MOST]
 
 
 def _words_of(one: Estimate) -> str:
@@ -119,14 +123,14 @@ def laws_section(verdict: BandVerdict) -> Section:
     rows = tuple(
         Row(
             cells=(
-                Name(text=one.title, aside=one.outcome),
-                str(one.count),
-                *ladder_texts(one, unit),
-                Number(value=significant(scale.factor * one.left), unit=scale.unit),
-                probability_text(one.share),
+                Name(text=candidate.title, aside=candidate.outcome),
+                str(candidate.count),
+                *ladder_texts(candidate, unit),
+                Number(value=significant(scale.factor * candidate.left), unit=scale.unit),
+                probability_text(candidate.share),
             )
         )
-        for one in sorted(verdict.candidates, key=lambda one: one.count)
+        for candidate in sorted(verdict.candidates, key=lambda candidate: candidate.count)
     )
     columns = (
         Column(head="law"),

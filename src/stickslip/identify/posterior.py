@@ -149,7 +149,7 @@ class Model(ABC):
 
     def prior(self, node: Node) -> float:
         """Return the logarithm of the prior of a node."""
-        return sum(one.logarithms[k] for one, k in zip(self.scales, node, strict=True))
+        return sum(scale.logarithms[k] for scale, k in zip(self.scales, node, strict=True))
 
 
 def family_of(structure: Structure) -> Family:
@@ -269,33 +269,39 @@ class Posterior:
     ) -> None:
         self.model, self.structures = model, tuple(structures)
         self._priors = np.asarray(priors, dtype=float)
-        self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
+        self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self._batches = tuple(self._batched())
-        self._given = [k for k, one in enumerate(model.scales) if not one.judged]
+        self._given = [k for k, item in enumerate(model.scales) if not item.judged]
         self._seen: dict[Node, Array] = {}
         self._visit(begin, most)
         self.nodes = tuple(self._seen)
-        table = np.array([self._seen[one] for one in self.nodes])
+        table = np.array([self._seen[node] for node in self.nodes])
         of = [self._data(node) for node in self.nodes]
-        total = {one: logsumexp(table[[own == one for own in of]]) for one in set(of)}
+        total = {item: logsumexp(table[[own == item for own in of]]) for item in set(of)}
         self.evidence = float(logsumexp(list(total.values())) - math.log(len(total)))
         """Logarithm of the probability of the measurement, over all laws and nodes."""
         given = [model.scales[k].prior for k in self._given]
         shares = {
-            one: math.prod(prior[k] for prior, k in zip(given, one, strict=True)) for one in total
+            item: math.prod(prior[k] for prior, k in zip(given, item, strict=True))
+            for item in total
         }
-        less = np.array([total[one] - math.log(shares[one] / sum(shares.values())) for one in of])
+        less = np.array(
+            [total[item] - math.log(shares[item] / sum(shares.values())) for item in of]
+        )
         self.weights: Array = np.exp(table - less[:, None])
         """Posterior probabilities of nodes and structures (k, s), in sum 1."""
 
     def _batched(self) -> "Iterator[tuple[Places, Places, NDArray[np.bool_], Array, Known]]":
         """Yield structures with as many columns: places, columns, signs, sums, what is known."""
-        number = {one: k for k, one in enumerate(self.columns)}
-        free = [tuple(x for x in one if x not in self.known_of(one)) for one in self.structures]
-        sums = [self.model.not_below_zero(one) for one in free]
+        number = {column: k for k, column in enumerate(self.columns)}
+        free = [
+            tuple(x for x in structure if x not in self.known_of(structure))
+            for structure in self.structures
+        ]
+        sums = [self.model.not_below_zero(item) for item in free]
         groups: dict[tuple[int, int, tuple[tuple[Column, float], ...]], list[int]] = {}
-        for k, one in enumerate(self.structures):
-            known = tuple(self.known_of(one).items())
+        for k, item in enumerate(self.structures):
+            known = tuple(self.known_of(item).items())
             groups.setdefault((len(free[k]), len(sums[k]), known), []).append(k)
         for (length, more, known), places in groups.items():
             of = [[number[column] for column in free[k]] for k in places]
@@ -312,7 +318,7 @@ class Posterior:
     def known_of(self, structure: Structure) -> Mapping[Column, float]:
         """Return the columns of a structure whose coefficients are known, with these."""
         known = self.model.certain
-        return {one: known[one[0]] for one in structure if one[0] in known}
+        return {item: known[item[0]] for item in structure if item[0] in known}
 
     def _visit(self, begin: Sequence[Node], most: int) -> None:
         """Visit nodes best first: each is compared with the best of the same data."""
@@ -350,7 +356,7 @@ class Posterior:
         """Return the logarithms of the weights of structures at a node (s,)."""
         system = self.model.system(node, self.columns)
         base, left = eliminated(system)
-        found = np.empty(len(self.structures))
+        result = np.empty(len(self.structures))
         every, nothing = left, base
         for at, of, positive, rows, known in self._batches:
             left, base = every, nothing
@@ -359,7 +365,7 @@ class Posterior:
                 base += 0.5 * float(every[-1, -1] - left[-1, -1])
             size = of.shape[1]
             if size == 0:
-                found[at] = base
+                result[at] = base
                 continue
             m = left[of[:, :, None], of[:, None, :]]
             m[:, range(size), range(size)] += COEFFICIENT**-2
@@ -372,8 +378,8 @@ class Posterior:
             gain = np.sum(moment * c, axis=1) - quadratic
             gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
             inside = brakes(c, inverse, positive, rows * system.sizes[of][:, None, :])
-            found[at] = base + gain + inside
-        return np.asarray(found + self._priors + self.model.prior(node))
+            result[at] = base + gain + inside
+        return np.asarray(result + self._priors + self.model.prior(node))
 
     @property
     def shares(self) -> Array:
@@ -391,10 +397,10 @@ class Posterior:
 
     def scale(self, name: str) -> Array:
         """Return the posterior probabilities of the values of a scale."""
-        at = [one.name for one in self.model.scales].index(name)
-        found = np.zeros(len(self.model.scales[at].values))
-        np.add.at(found, [node[at] for node in self.nodes], self.weights.sum(axis=1))
-        return found
+        at = [item.name for item in self.model.scales].index(name)
+        result = np.zeros(len(self.model.scales[at].values))
+        np.add.at(result, [node[at] for node in self.nodes], self.weights.sum(axis=1))
+        return result
 
     def draws(
         self, count: int, *, seed: int = 0, only: "NDArray[np.bool_] | None" = None
@@ -402,22 +408,22 @@ class Posterior:
         """Return `count` draws, in the order of nodes and structures, of those in `only` (k, s)."""
         weights = self.weights if only is None else np.where(only, self.weights, 0.0)
         numbers = allotted(weights.ravel(), count)
-        numbers, found = numbers.reshape(weights.shape), []
+        numbers, result = numbers.reshape(weights.shape), []
         for a in np.flatnonzero(numbers.any(axis=1)).tolist():
             node = self.nodes[a]
             system = self.model.system(node, self.columns)
             for k in np.flatnonzero(numbers[a]).tolist():
                 rng = np.random.default_rng([seed, *node, k])
                 law = self.structures[k]
-                found.append(self._drawn(node, system, law, int(numbers[a, k]), rng))
-        return found
+                result.append(self._drawn(node, system, law, int(numbers[a, k]), rng))
+        return result
 
     def _drawn(
         self, node: Node, system: System, structure: Structure, count: int, rng: np.random.Generator
     ) -> Draws:
         """Return draws of the coefficients of one structure at one node."""
         whole, known = structure, self.known_of(structure)
-        structure = tuple(one for one in whole if one not in known)
+        structure = tuple(item for item in whole if item not in known)
         mean, root = self._moments(system, structure, known)
         m = len(system.deviations)
         x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
@@ -425,15 +431,15 @@ class Posterior:
         for place, (name, _) in enumerate(structure):
             if name not in self.model.signed:
                 kept &= x[m + place] > 0.0
-        sizes = system.sizes[[self.columns.index(one) for one in structure]]
+        sizes = system.sizes[[self.columns.index(item) for item in structure]]
         kept &= np.all((self.model.not_below_zero(structure) * sizes) @ x[m:] >= 0.0, axis=0)
         x = x[:, np.argsort(~kept, kind="stable")[:count]]
         bounded = m + np.flatnonzero(self._is_positive(structure))
         held_to_zero(x, root, bounded)
         law = np.maximum(x[m:], np.where(self._is_positive(structure), 0.0, -np.inf)[:, None])
-        for place, one in enumerate(whole):
-            if one in known:
-                law = np.insert(law, place, known[one], axis=0)
+        for place, item in enumerate(whole):
+            if item in known:
+                law = np.insert(law, place, known[item], axis=0)
                 sizes = np.insert(sizes, place, 1.0)
         return Draws(node=node, structure=whole, law=law * sizes[:, None], random=x[:m])
 
@@ -445,7 +451,7 @@ class Posterior:
     ) -> tuple[Array, Array]:
         """Return mean and a root of the covariance of random and law coefficients (m + d)."""
         m, q = len(system.deviations), system.deviations
-        at = np.r_[np.arange(m), [m + self.columns.index(one) for one in structure]].astype(int)
+        at = np.r_[np.arange(m), [m + self.columns.index(item) for item in structure]].astype(int)
         unit = np.r_[q, np.full(len(structure), COEFFICIENT)]
         k = unit[:, None] * system.gram[np.ix_(at, at)] * unit
         k[np.diag_indices(len(k))] += 1.0
@@ -459,7 +465,7 @@ class Posterior:
     def effective(self, node: Node, structure: Structure) -> float:
         """Return the number of coefficients that the measurement tells at a node."""
         system, known = self.model.system(node, self.columns), self.known_of(structure)
-        structure = tuple(one for one in structure if one not in known)
+        structure = tuple(item for item in structure if item not in known)
         _, root = self._moments(system, structure, known)
         unit = np.r_[system.deviations, np.full(len(structure), COEFFICIENT)]
         return float(len(unit) - np.sum((root / unit[:, None]) ** 2))
@@ -467,13 +473,13 @@ class Posterior:
     def estimate(self, node: Node, structure: Structure) -> tuple[Array, Array]:
         """Return the mean coefficients of a law (d,) and of the random columns (m,) at a node."""
         system, known = self.model.system(node, self.columns), self.known_of(structure)
-        free = tuple(one for one in structure if one not in known)
+        free = tuple(item for item in structure if item not in known)
         mean, _ = self._moments(system, free, known)
         m = len(system.deviations)
         law = dict(known)
-        for one, x in zip(free, mean[m:].tolist(), strict=True):
-            law[one] = x * system.sizes[self.columns.index(one)]
-        return np.array([law[one] for one in structure]), mean[:m]
+        for entry, x in zip(free, mean[m:].tolist(), strict=True):
+            law[entry] = x * system.sizes[self.columns.index(entry)]
+        return np.array([law[item] for item in structure]), mean[:m]
 
 
 def allotted(weights: Array, count: int) -> Places:
@@ -509,12 +515,12 @@ def eliminated(system: System) -> tuple[float, Array]:
 
 def without(left: Array, known: Mapping[int, float], sizes: Array) -> Array:
     """Return products of columns and values (p + 1, p + 1) with known coefficients taken off."""
-    found = left.copy()
+    result = left.copy()
     for column, x in known.items():
         scaled = x / sizes[column]
-        found[-1] -= scaled * found[column]
-        found[:, -1] -= scaled * found[:, column]
-    return found
+        result[-1] -= scaled * result[column]
+        result[:, -1] -= scaled * result[:, column]
+    return result
 
 
 def inverted(matrices: Array) -> tuple[Array, Array]:
@@ -522,16 +528,16 @@ def inverted(matrices: Array) -> tuple[Array, Array]:
 
     By sweeps over all matrices at once, which takes a tenth of the time of a loop over them.
     """
-    found = matrices.copy()
-    logarithms = np.zeros(len(found))
-    for k in range(found.shape[1]):
-        pivot = found[:, k, k].copy()
+    result = matrices.copy()
+    logarithms = np.zeros(len(result))
+    for k in range(result.shape[1]):
+        pivot = result[:, k, k].copy()
         logarithms += np.log(np.maximum(pivot, TINY))
-        row = found[:, k, :] / pivot[:, None]
-        found[:, k, :] = row
-        column = found[:, :, k].copy()
+        row = result[:, k, :] / pivot[:, None]
+        result[:, k, :] = row
+        column = result[:, :, k].copy()
         column[:, k] = 0.0
-        found -= column[:, :, None] * row[:, None, :]
-        found[:, :, k] = -column / pivot[:, None]
-        found[:, k, k] = 1.0 / pivot
-    return found, logarithms
+        result -= column[:, :, None] * row[:, None, :]
+        result[:, :, k] = -column / pivot[:, None]
+        result[:, k, k] = 1.0 / pivot
+    return result, logarithms

@@ -218,13 +218,13 @@ def most_probable(rungs: Sequence[Rung]) -> Rung | None:
 
     None where there is no such place.
     """
-    adequate = [one for one in rungs if one.adequate > 0.0]
-    return max(adequate, key=lambda one: one.adequate) if adequate else None
+    adequate = [rung for rung in rungs if rung.adequate > 0.0]
+    return max(adequate, key=lambda item: item.adequate) if adequate else None
 
 
 def cheapest(rungs: Sequence[Rung], tolerance: float) -> Rung:
     """Return the law of the least cost: further terms only follow what no law says."""
-    return min(rungs, key=lambda one: cost_of(one, tolerance))
+    return min(rungs, key=lambda rung: cost_of(rung, tolerance))
 
 
 def cost_of(rung: Rung, tolerance: float) -> float:
@@ -280,14 +280,14 @@ def shapes_to_draw(
         elif part == "power":
             free.append(Free(column=column, entry=0, low=EXPONENTS[0], high=EXPONENTS[1]))
     many = (0, BEGIN, BEGIN // 4)[min(len(free), 2)]
-    grids = [np.geomspace(one.low, one.high, many).tolist() for one in free]
-    found = []
+    grids = [np.geomspace(item.low, item.high, many).tolist() for item in free]
+    result = []
     for some in itertools.product(*grids) if free else ():
         shapes = [list(shape) for _, shape in structure]
-        for one, x in zip(free, some, strict=True):
-            shapes[one.column][one.entry] = x
+        for member, x in zip(free, some, strict=True):
+            shapes[member.column][member.entry] = x
         names = [name for name, _ in structure]
-        found.append(tuple((n, tuple(s)) for n, s in zip(names, shapes, strict=True)))
+        result.append(tuple((n, tuple(s)) for n, s in zip(names, shapes, strict=True)))
     of_load = [
         (column, len(shape) - 1)
         for column, (name, shape) in enumerate(structure)
@@ -296,7 +296,7 @@ def shapes_to_draw(
     if of_load:  # one power for all terms
         (column, entry), *_ = of_load
         free.append(Free(column=column, entry=entry, low=LOADS[0], high=LOADS[1]))
-    return free, found
+    return free, result
 
 
 class Projector:
@@ -315,10 +315,10 @@ class Projector:
 
     def _shaped(self, structure: Shaped, shapes: Array) -> Shaped:
         """Return a structure with the free entries (k, f)."""
-        found = [(name, list(shape)) for name, shape in structure]
-        for place, one in enumerate(self.free):
-            found[one.column][1][one.entry] = shapes[:, place, None]
-        return [(name, tuple(shape)) for name, shape in found]
+        result = [(name, list(shape)) for name, shape in structure]
+        for place, item in enumerate(self.free):
+            result[item.column][1][item.entry] = shapes[:, place, None]
+        return [(name, tuple(shape)) for name, shape in result]
 
     def _solved(
         self, structure: Shaped, shapes: Array, y: Array, about: Array | None = None
@@ -342,8 +342,8 @@ class Projector:
             held = np.where(square > 0.0, 1.0 / (square + 1e-300), 0.0) / norm
             gram[:, range(size), range(size)] += held / norm
             moment += about * held
-        for k, one in known_coefficients(names_of(structure)).items():
-            hold(gram, moment, k, one * norm[:, k])
+        for k, known_coefficient in known_coefficients(names_of(structure)).items():
+            hold(gram, moment, k, known_coefficient * norm[:, k])
         c = solved(gram, moment, self.positive)
         return c / norm, y - (scaled @ c[..., None])[..., 0]
 
@@ -358,9 +358,9 @@ class Projector:
         least = np.full(len(draws), np.inf)
         shapes = np.zeros((len(draws), len(self.free)))
         c = np.zeros((len(draws), len(self.positive)))
-        for one in structures:
-            own = np.array([[one[f.column][1][f.entry] for f in self.free]], dtype=float)
-            coefficients, left = self._solved(one, own, y, about)
+        for structure in structures:
+            own = np.array([[structure[f.column][1][f.entry] for f in self.free]], dtype=float)
+            coefficients, left = self._solved(structure, own, y, about)
             misfit = np.sum(left * left, axis=1)
             better = misfit < least
             least = np.where(better, misfit, least)
@@ -376,8 +376,8 @@ class Projector:
 
         Of the residual only what the columns do not take up counts (variable projection).
         """
-        low = np.log([one.low for one in self.free])
-        high = np.log([one.high for one in self.free])
+        low = np.log([item.low for item in self.free])
+        high = np.log([item.high for item in self.free])
         logs, damping = np.log(shapes), np.full(len(y), 1e-3)
         for _ in range(POLISHES):
             _, base = self._solved(structure, np.exp(logs), y)

@@ -83,19 +83,19 @@ class Refined:
         Of its root :math:`L` each column is what one of them, and others with it, changes by.
         """
         paths, root = [*self.values], np.linalg.cholesky(self.covariance)
-        found = []
+        result = []
         for record in records:
             own = dict(record.unknown)
             for j, path in enumerate(paths):
                 parts = [(root[i, j], record.unknown[other]) for i, other in enumerate(paths)]
                 own[path] = replace(
                     record.unknown[path],
-                    force=np.sum([share * one.force for share, one in parts], axis=0),
-                    inertia=float(sum(share * one.inertia for share, one in parts)),
+                    force=np.sum([share * item.force for share, item in parts], axis=0),
+                    inertia=float(sum(share * item.inertia for share, item in parts)),
                     along=dict(zip(paths, root[:, j].tolist(), strict=True)),
                 )
-            found.append(replace(record, unknown=own))
-        return found
+            result.append(replace(record, unknown=own))
+        return result
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -157,7 +157,7 @@ def refined(
     if not unknown or motor_of(mechanism) is None:
         return None
     columns = records_of(mechanism, measurement, unknown=unknown)[0].unknown
-    if not any(one.bent for one in columns.values()):
+    if not any(column.bent for column in columns.values()):
         return None
     unknown = [path for path in unknown if path in columns]  # a constant force is always sought
     wanted: Wanted = Parameters(
@@ -167,7 +167,7 @@ def refined(
     problem = simulated(choice, wanted, measurement, {}).problem
     free = problem.free_parameters
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    looked = [k for k, one in enumerate(free.items) if one.path in unknown]
+    looked = [k for k, item in enumerate(free.items) if item.path in unknown]
     given = np.array([known.get(path, 1.0) for path in free.paths])
     sizes = np.full(len(free), math.inf)
     sizes[[k for k in looked if free.items[k].log]] = PRIOR

@@ -78,7 +78,7 @@ def checked(
         )
     checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
     if checks.worst == "error":
-        wrong = [one for one in checks.findings if one.severity == "error"]
+        wrong = [finding for finding in checks.findings if finding.severity == "error"]
         raise InputError(f"{which} cannot be used. {findings_text(wrong)}")
     return checks
 
@@ -201,11 +201,11 @@ def problem_of_records(
     A constant force is among these with `offset`. What nothing drives is a free motion. It may be
     known how forces run between samples (`timed`).
     """
-    loads = [one.load for one in records if one.load is not None]
+    loads = [record.load for record in records if record.load is not None]
     slopes: dict[str, tuple[float, float]] = {}
-    doubts = {path: one.doubt for path, one in records[0].unknown.items() if one.doubt}
+    doubts = {path: item.doubt for path, item in records[0].unknown.items() if item.doubt}
     if loads:
-        if not all(np.all(one > 0.0) for one in loads):
+        if not all(np.all(load > 0.0) for load in loads):
             raise InputError("the motion lifts the body: its normal force is not above 0 N.")
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
@@ -213,7 +213,9 @@ def problem_of_records(
     constant = next((path for path in vary if path.endswith(".offset")), "offset" * offset)
     sought = [path for path in vary if path != constant]
     inertias = [path for path in sought if path not in records[0].unknown]
-    if inertias and all(one.mechanism is None and not np.ptp(one.force) for one in records):
+    if inertias and all(
+        record.mechanism is None and not np.ptp(record.force) for record in records
+    ):
         _refuse_scale(inertias[0], records)
     if free_form(records):
         return FreeMotionProblem(
@@ -366,11 +368,11 @@ def record_verdict(
         speed_unit=measurement.unit("velocity"),
     )
     foreseer = partial(_foreseen_records, judgement, measurement, again)
-    said = [*remarks, *(one.sentence for one in checks.of("volts"))]
+    said = [*remarks, *(item.sentence for item in checks.of("volts"))]
     if isinstance(problem, FreeMotionProblem):
         said.append(SCALED)
         said += run_sentences(problem, judgement, measurement)
-    if begun := [one.began for one in problem.records if one.began is not None]:
+    if begun := [record.began for record in problem.records if record.began is not None]:
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
     rows, next_, places = problem.asked(), list[str](), tuple[float, ...]()

@@ -289,14 +289,19 @@ class SimulatedPosterior:
         self._searches: dict[str, _Search] = {}
         self._set_scales()
         for stage in problem.stages:
-            ends = {name: one.at[int(np.argmax(one.value))] for name, one in self._searches.items()}
+            ends = {
+                name: search.at[int(np.argmax(search.value))]
+                for name, search in self._searches.items()
+            }
             self._search({name: problem.starts(name, ends) for name in stage})
             self._set_noise()
-        self._search({name: self._best(one) for name, one in self._searches.items()}, again=True)
+        self._search(
+            {name: self._best(search) for name, search in self._searches.items()}, again=True
+        )
         self.families = self._judged()
         """What is said of each family, by name."""
-        evidence = np.array([one.evidence + problem.prior(name)
-                             for name, one in self.families.items()])  # fmt: skip
+        evidence = np.array([family.evidence + problem.prior(name)
+                             for name, family in self.families.items()])  # fmt: skip
         works = np.isfinite(evidence)
         total = logsumexp(evidence[works]) if works.any() else 0.0
         chances = np.exp(np.where(works, evidence - total, -np.inf))
@@ -321,10 +326,12 @@ class SimulatedPosterior:
         gram = self._zw @ z
         ratio = self.noise**2 * len(z) / self.counted
         self._precisions = [np.diag(gram) * 0.0 + ratio / size**2 for size in always.sizes]
-        self._inverses = [np.linalg.inv(gram + np.diag(one)) for one in self._precisions]
+        self._inverses = [
+            np.linalg.inv(gram + np.diag(precision)) for precision in self._precisions
+        ]
         self._volumes = np.array([
-            0.5 * (np.sum(np.log(one)) + np.linalg.slogdet(inverse)[1])
-            for one, inverse in zip(self._precisions, self._inverses, strict=True)
+            0.5 * (np.sum(np.log(precision)) + np.linalg.slogdet(inverse)[1])
+            for precision, inverse in zip(self._precisions, self._inverses, strict=True)
         ])  # fmt: skip
 
     def _squares(self, left: Array) -> Array:
@@ -374,12 +381,14 @@ class SimulatedPosterior:
             one = searches[name]
             one.damping, one.live = np.full(count, 1e-2), np.isfinite(one.value)
             one.gradient, one.curvature = self._empty(one)
-        self._linearise(searches, {name: one.at for name, one in searches.items()}, first=True)
+        self._linearise(
+            searches, {name: search.at for name, search in searches.items()}, first=True
+        )
         for _ in range(4 if again else ROUNDS):
             active = {n: s for n, s in searches.items() if s.live.any() and s.at.shape[1]}
             if not active or self.cancelled:
                 break
-            self._linearise(active, {name: one.proposed() for name, one in active.items()})
+            self._linearise(active, {name: item.proposed() for name, item in active.items()})
             self._tell(active)
         self._searches |= searches
 
@@ -391,8 +400,8 @@ class SimulatedPosterior:
     def _tell(self, active: Mapping[str, _Search]) -> None:
         if self._watch is None:
             return
-        for name, one in active.items():
-            best = float(np.max(one.value - self._priors(one.unknowns, one.at)))
+        for name, item in active.items():
+            best = float(np.max(item.value - self._priors(item.unknowns, item.at)))
             rms = math.exp(-best / self.counted) / math.sqrt(len(self.problem.measured))
             if self._watch(name, rms) is False:
                 self.cancelled = True
@@ -401,32 +410,32 @@ class SimulatedPosterior:
         self, searches: Mapping[str, _Search], points: Mapping[str, Array], *, first: bool = False
     ) -> None:
         """Move searches to points (m, p) that are better, with derivatives there."""
-        steps = {name: 1e-3 * one.unknowns.deviation for name, one in searches.items()}
+        steps = {name: 1e-3 * search.unknowns.deviation for name, search in searches.items()}
         asked = {}
-        for name, one in searches.items():
-            at = points[name][one.live]
+        for name, item in searches.items():
+            at = points[name][item.live]
             nudged = at[:, None, :] + np.diag(steps[name])[None]
             asked[name] = np.concatenate([at, nudged.reshape(at.size, at.shape[1])])
         every = self._runs(asked)
-        for name, one in searches.items():
-            (which,) = np.nonzero(one.live)
-            at, k, p = points[name][which], len(which), one.at.shape[1]
+        for name, item in searches.items():
+            (which,) = np.nonzero(item.live)
+            at, k, p = points[name][which], len(which), item.at.shape[1]
             left, nudged = every[name][:, :k], every[name][:, k:].reshape(len(self._w), k, p)
-            value = self._value(one.unknowns, at, left)
+            value = self._value(item.unknowns, at, left)
             for number, place in enumerate(which):
-                gain = value[number] - one.value[place]
+                gain = value[number] - item.value[place]
                 if not (math.isfinite(value[number]) and (first or gain > 0.0)):
-                    one.damping[place] = max(one.damping[place], 1e-3) * 10.0
-                    one.live[place] &= not first and one.damping[place] < 1e7
+                    item.damping[place] = max(item.damping[place], 1e-3) * 10.0
+                    item.live[place] &= not first and item.damping[place] < 1e7
                     continue
                 slopes = (left[:, number, None] - nudged[:, number]) / 1e-3
                 slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-                one.at[place], one.value[place] = at[number], value[number]
-                one.gradient[place], one.curvature[place] = self._newton(
-                    one.unknowns, at[number], left[:, number], slopes
+                item.at[place], item.value[place] = at[number], value[number]
+                item.gradient[place], item.curvature[place] = self._newton(
+                    item.unknowns, at[number], left[:, number], slopes
                 )
-                one.damping[place] *= 0.2
-                one.live[place] = first or gain > SETTLED
+                item.damping[place] *= 0.2
+                item.live[place] = first or gain > SETTLED
 
     def _newton(
         self, unknowns: Unknowns, at: Array, left: Array, slopes: Array, which: int | None = None
@@ -482,14 +491,14 @@ class SimulatedPosterior:
     # ------------------------------------------------------------------ draws
     def _judged(self) -> dict[str, FamilyPosterior]:
         """Return what is said of each family: by weighed draws where it may hold."""
-        rough = {name: self._laplace(one) for name, one in self._searches.items()}
+        rough = {name: self._laplace(search) for name, search in self._searches.items()}
         best = max(value + self.problem.prior(name) for name, value in rough.items())
         proposals = {
             name: [
-                (one.at[k], _root(one.curvature[k], one.unknowns.deviation))
-                for k in self._places(one)
+                (search.at[k], _root(search.curvature[k], search.unknowns.deviation))
+                for k in self._places(search)
             ]
-            for name, one in self._searches.items()
+            for name, search in self._searches.items()
             if math.isfinite(rough[name])
         }
         near = [name for name in proposals
@@ -534,13 +543,13 @@ class SimulatedPosterior:
 
     def _proposed(self, proposals: "Sequence[_Proposal]") -> Array:
         """Return draws from proposals (k, p), as many from each."""
-        found = []
+        result = []
         counts = allotted(np.ones(len(proposals)), self.problem.proposed)
         for (centre, root), count in zip(proposals, counts, strict=True):
             z = self._rng.normal(size=(count, len(centre)))
             t = np.sqrt(TAILS / self._rng.chisquare(TAILS, size=(count, 1)))
-            found.append(centre + (z * t) @ root.T)
-        return np.concatenate(found)
+            result.append(centre + (z * t) @ root.T)
+        return np.concatenate(result)
 
     def _along(self, name: str, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
         """Return proposals along the ridge on which draws of some proposals come to lie.
@@ -551,7 +560,7 @@ class SimulatedPosterior:
         if not self.problem.places:
             return []
         unknowns = self._searches[name].unknowns
-        at, found = self._proposed(proposals)[:: self.problem.proposed // self.problem.places], []
+        at, result = self._proposed(proposals)[:: self.problem.proposed // self.problem.places], []
         for last in (False, False, True):
             k, p = at.shape
             nudged = at[:, None, :] + np.diag(1e-3 * unknowns.deviation)[None]
@@ -565,14 +574,14 @@ class SimulatedPosterior:
                 gradient, curvature = self._newton(unknowns, at[i], left[:, i], slopes, which)
                 if last:
                     # a ridge bends within the spread of the posterior that is linearised
-                    found.append((at[i], 0.6 * _root(curvature, unknowns.deviation)))
+                    result.append((at[i], 0.6 * _root(curvature, unknowns.deviation)))
                     continue
                 away = (at[i] - unknowns.mean) / unknowns.deviation
                 step = np.linalg.solve(curvature, gradient + away)
                 step *= min(1.0, 2.0 / max(float(np.abs(step).max()), 1e-300))
                 at[i] = at[i] + step * unknowns.deviation
             at = at[works]
-        return found
+        return result
 
     @staticmethod
     def _closer(points: Array, value: Array, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
@@ -639,15 +648,15 @@ class SimulatedPosterior:
         squares = self._squares(left)
         chance = self._likelihoods(squares)
         chance = np.exp(chance - logsumexp(chance, axis=0))
-        moment, found = self._zw @ left, np.zeros((left.shape[1], len(self._zw)))
+        moment, result = self._zw @ left, np.zeros((left.shape[1], len(self._zw)))
         which = (self._rng.random(left.shape[1]) > np.cumsum(chance, axis=0)[:-1]).sum(axis=0)
         for j, inverse in enumerate(self._inverses):
             at = np.flatnonzero(which == j)
             spread = np.sqrt(squares[j, at] / self.counted)
             noise = self._rng.normal(size=(len(at), len(inverse)))
             noise = noise @ np.linalg.cholesky(inverse).T
-            found[at] = (inverse @ moment[:, at]).T + spread[:, None] * noise
-        return found, which
+            result[at] = (inverse @ moment[:, at]).T + spread[:, None] * noise
+        return result, which
 
 
 _Proposal: TypeAlias = tuple[Array, Array]
@@ -683,10 +692,10 @@ def _density(points: Array, proposals: Sequence[_Proposal]) -> Array:
     """Return the logarithm of the density (k,) of a mixture of Student's t at points (k, p)."""
     p = points.shape[1]
     norm = gammaln(0.5 * (TAILS + p)) - gammaln(0.5 * TAILS) - 0.5 * p * math.log(TAILS * math.pi)
-    found = []
+    result = []
     for centre, root in proposals:
         z = np.linalg.solve(root, (points - centre).T)
         volume = np.log(np.abs(np.diag(root))).sum()
         squared = np.sum(z**2, axis=0)
-        found.append(norm - volume - 0.5 * (TAILS + p) * np.log1p(squared / TAILS))
-    return np.asarray(logsumexp(found, axis=0) - math.log(len(proposals)))
+        result.append(norm - volume - 0.5 * (TAILS + p) * np.log1p(squared / TAILS))
+    return np.asarray(logsumexp(result, axis=0) - math.log(len(proposals)))

@@ -69,7 +69,7 @@ class LawFit(JudgedFit[FrictionLaw]):
     def law_estimates(self) -> LawEstimates:
         # a law through levels lacks what its structure has
         known = {path for path, _, _ in parameters(self.law, "friction")}
-        kept = [k for k, one in enumerate(self.estimates) if one.path in known]
+        kept = [k for k, estimate in enumerate(self.estimates) if estimate.path in known]
         return estimates_for(
             self.law,
             [self.estimates[k] for k in kept],
@@ -102,11 +102,11 @@ class LawFit(JudgedFit[FrictionLaw]):
         return self.verdict.predict(measurement)
 
     def to_dict(self) -> Mapping[str, Any]:
-        found = super().to_dict()
+        result = super().to_dict()
         if self.verdict is None:
-            return found
+            return result
         within = self.verdict.closest.distance
-        return {**found, "within": within, "correlation": self.correlation.tolist()}
+        return {**result, "within": within, "correlation": self.correlation.tolist()}
 
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
@@ -250,7 +250,7 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def scale(self) -> Scale:
         """Multiple of the unit in which what laws leave is shown."""
-        return score_scale([one.left for one in self.candidates], self.score_unit)
+        return score_scale([candidate.left for candidate in self.candidates], self.score_unit)
 
     def named_curve(
         self,
@@ -302,7 +302,9 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def ladder(self) -> tuple["LawCandidate", ...]:
         """Laws by their number of parameters, each with how far it is from what friction is."""
-        return tuple(sorted(self.candidates, key=lambda one: (one.count, one.distance)))
+        return tuple(
+            sorted(self.candidates, key=lambda candidate: (candidate.count, candidate.distance))
+        )
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -452,7 +454,7 @@ class BandVerdict(Verdict[LawCandidate]):
     def _details(self) -> Mapping[str, Any]:
         return {
             "explained": self.explained,
-            "set": [list(one) for one in self.set],
+            "set": [list(item) for item in self.set],
             "curve_share": None,
             "units": {kind: self.measurement.unit(kind) for kind in ("velocity", "friction")},
             "band": {
@@ -471,14 +473,14 @@ class BandVerdict(Verdict[LawCandidate]):
             },
             "parameters": [
                 {
-                    "parameter": one.path,
-                    "value": one.value,
-                    "low": one.low,
-                    "high": one.high,
-                    "low_any": one.low_any,
-                    "high_any": one.high_any,
+                    "parameter": parameter.path,
+                    "value": parameter.value,
+                    "low": parameter.low,
+                    "high": parameter.high,
+                    "low_any": parameter.low_any,
+                    "high_any": parameter.high_any,
                 }
-                for one in self.parameters
+                for parameter in self.parameters
             ],
             **self.judgement.details(),
             "outliers": {str(row + 1): z for row, z in self.outliers.items()},
@@ -503,8 +505,8 @@ class BandVerdict(Verdict[LawCandidate]):
         ['velocity', 'friction']
         """
         text = files("stickslip.identify").joinpath("verdict.schema.json").read_text("utf-8")
-        found: Mapping[str, Any] = json.loads(text)
-        return found
+        result: Mapping[str, Any] = json.loads(text)
+        return result
 
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
@@ -542,7 +544,7 @@ def drawing_of(
     def at(load: float | None) -> Array:
         return judgement.acting(problem.at(speeds, load))
 
-    loads = [one for one in loads_apart(points.load) if one]
+    loads = [item for item in loads_apart(points.load) if item]
     by_load = {load: (judgement.band(problem.at(speeds, load)), at(load)) for load in loads}
     return BandDrawing(
         velocity=points.velocity,
@@ -565,17 +567,17 @@ def at_usual_inputs(fit: LawFit) -> Iterator[str]:
     usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
     if not usual:  # a table stands at the means of inputs
         return
-    names = [one.path.rpartition(".")[2] for one in fit.estimates]
+    names = [estimate.path.rpartition(".")[2] for estimate in fit.estimates]
     for part, name in (("level", "kinetic_coefficient"), ("viscous", "viscous_coefficient")):
         sizes = {of: x for of, x in usual.items() if f"{part}_{of}_slope" in names}
         if not sizes or name not in names:
             continue
-        places = [names.index(one) for one in (name, *(f"{part}_{of}_slope" for of in sizes))]
+        places = [names.index(item) for item in (name, *(f"{part}_{of}_slope" for of in sizes))]
         own = [fit.estimates[k] for k in places]
-        if not all(one.bounded for one in own):
+        if not all(item.bounded for item in own):
             continue
-        base, *slopes = (one.value for one in own)
-        spread = [spread_of(one.value, one.low, one.high) for one in own]
+        base, *slopes = (item.value for item in own)
+        spread = [spread_of(item.value, item.low, item.high) for item in own]
         covariance = fit.correlation[np.ix_(places, places)] * np.outer(spread, spread)
         each = 1.0 + np.array(slopes) * [*sizes.values()]
         times = float(np.prod(each))
@@ -589,13 +591,15 @@ def told_apart(
     candidates: Sequence[LawCandidate], titles: Mapping[str, str]
 ) -> tuple[LawCandidate, ...]:
     """Return candidates with titles of their own: those of one name with what they alone have."""
-    found = []
-    for one in candidates:
-        alike = [set(other.family) for other in candidates if other.title == one.title]
+    result = []
+    for candidate in candidates:
+        alike = [set(other.family) for other in candidates if other.title == candidate.title]
         shared = set.intersection(*alike)
-        own = [titles[name] for name in one.family if name not in shared and name in titles]
-        found.append(replace(one, title=f"{one.title} ({joined(own)})") if own else one)
-    return tuple(found)
+        own = [titles[name] for name in candidate.family if name not in shared and name in titles]
+        result.append(
+            replace(candidate, title=f"{candidate.title} ({joined(own)})") if own else candidate
+        )
+    return tuple(result)
 
 
 def law_fit(
@@ -660,26 +664,26 @@ def _rig_of(
 
     A constant offset is set with `offset`.
     """
-    found = {path: float(x[0]) for path, x in composed.rig.items()}
-    own = {path: x for path, x in found.items() if path.startswith("mechanism.")}
+    result = {path: float(x[0]) for path, x in composed.rig.items()}
+    own = {path: x for path, x in result.items() if path.startswith("mechanism.")}
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    if offset and "offset" in found and "mechanism.offset" in known:
-        own["mechanism.offset"] = found["offset"]
+    if offset and "offset" in result and "mechanism.offset" in known:
+        own["mechanism.offset"] = result["offset"]
     remarks = unphysical_of(composed, mechanism)
     own = {path: x for path, x in own.items() if known[path].allows(x)}
     mechanism = vary(mechanism, "mechanism", own) if own else mechanism
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, of_inputs = as_informed(law, mechanism, measurement)
-    return mechanism, [one for one in (*remarks, said, *of_inputs) if one]
+    return mechanism, [remark for remark in (*remarks, said, *of_inputs) if remark]
 
 
 def unphysical_of(composed: Composition, mechanism: Mechanism) -> list[str]:
     """Return what to say of parameters of a mechanism that came out where they cannot be."""
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    found = {path: float(x[0]) for path, x in composed.rig.items() if path in known}
+    result = {path: float(x[0]) for path, x in composed.rig.items() if path in known}
     return [
         unphysical_sentence(known[path], x)
-        for path, x in found.items()
+        for path, x in result.items()
         if not known[path].allows(x)
     ]
 
@@ -736,8 +740,10 @@ def _usual_quantity(name: str) -> Quantity:
     for own in (fields_of(kind) for kind in laws().values()):
         if name in own:
             return own[name]
-    of_parts = (one for part in PARTS.values() for one in part.parameters)
-    return next((one.quantity for one in of_parts if one.name == name), Quantity(name, "1"))
+    of_parts = (parameter for part in PARTS.values() for parameter in part.parameters)
+    return next(
+        (of_part.quantity for of_part in of_parts if of_part.name == name), Quantity(name, "1")
+    )
 
 
 def importance(estimate: Estimate) -> int:
@@ -758,5 +764,6 @@ def estimates_of(
 ) -> tuple[Estimate, ...]:
     """Return the parameters of the named law, with intervals if it holds or over all laws."""
     return tuple(
-        _estimate(one, law, mechanism, measurement, any_law=any_law) for one in judgement.intervals
+        _estimate(item, law, mechanism, measurement, any_law=any_law)
+        for item in judgement.intervals
     )

@@ -121,7 +121,7 @@ class Grid:
         """Yield families with the shape of each term, and the logarithm of their prior."""
         for family in names:
             place = FAMILIES.get(" ".join(family), max(FAMILIES.values()))
-            for some in itertools.product(*(self.shapes(one, family) for one in family)):
+            for some in itertools.product(*(self.shapes(item, family) for item in family)):
                 prior = math.fsum(math.log(p) for _, p in some) - PLACE * place
                 yield family, [shape for shape, _ in some], prior
 
@@ -136,10 +136,12 @@ class Grid:
                 moves.append([(shape[0] * ratio**k, *shape[1:]) for k in (-1, 0, 1)])
             elif name == "power":
                 step = 3.0 * part * STEP
-                moves.append([(shape[0] + step * k, *shape[1:]) for k in (-1, 0, 1)])
+                powers = [shape[0] + step * k for k in (-1, 0, 1)]
+                # Less than the least is the level, and 0 is no power.
+                moves.append([(p, *shape[1:]) for p in powers if p > 0.9 * EXPONENTS[0]])
             else:
                 moves.append([shape])
-        yield from (list(one) for one in itertools.product(*moves))
+        yield from (list(item) for item in itertools.product(*moves))
 
 
 def flow_direction(family: Collection[str]) -> str:

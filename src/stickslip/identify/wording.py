@@ -187,7 +187,7 @@ def motions_sentence(shrinks: Sequence[float], share: float) -> str:
 
 def again_sentence(own: PredictionBand, other: PredictionBand) -> str:
     """Return what a second record would tell, by the bands of this one and of another run."""
-    mine, new = (percent(float(np.median(relative(one)))) for one in (own, other))
+    mine, new = (percent(float(np.median(relative(item)))) for item in (own, other))
     return (
         f"Record it again, on another day (--validate): friction of this record is known to ±"
         f" {mine} and that of another one, which may differ as runs usually do, to ± {new}."

@@ -400,7 +400,7 @@ def as_rotary(mechanism: Mechanism) -> Mechanism:
 
 def _by_coordinate(mechanism: BoundedMechanism, side: str) -> dict[str, float]:
     """Return the positions of the stops of one side by coordinate."""
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for stop in mechanism.stops():
         owner = f"{type(mechanism).__name__}: the {stop.side} stop of {stop.coordinate}"
         if stop.side not in ("lower", "upper"):
@@ -414,10 +414,10 @@ def _by_coordinate(mechanism: BoundedMechanism, side: str) -> dict[str, float]:
             )
         if stop.side != side:
             continue
-        if stop.coordinate in found:
+        if stop.coordinate in result:
             raise ParameterError(f"{owner} is given twice; give it once.")
-        found[stop.coordinate] = stop.position
-    return found
+        result[stop.coordinate] = stop.position
+    return result
 
 
 def stops_between(
@@ -592,25 +592,25 @@ def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
     """
     owner = type(mechanism).__name__
     try:
-        found = mechanism.contacts()
+        result = mechanism.contacts()
     except ArithmeticError as error:
         raise InputError(
             f"{owner}: the contacts cannot be worked out at these values of its parameters"
             f" ({error}). Change the values, or write slips and loads that are finite there."
         ) from error
-    if len(found) > MOST_CONTACTS:
+    if len(result) > MOST_CONTACTS:
         raise InputError(
-            f"{owner} has {len(found)} contacts, but no more than {MOST_CONTACTS} can be simulated:"
-            " leave some out."
+            f"{owner} has {len(result)} contacts, but no more than {MOST_CONTACTS} can be"
+            " simulated: leave some out."
         )
-    for contact in found:
+    for contact in result:
         for name, factor in {} if isinstance(contact.slip, str) else contact.slip.items():
             if isinstance(factor, int | float) and not math.isfinite(factor):
                 raise InputError(
                     f"{owner}: the slip of the contact {contact.name!r} has the factor {factor} for"
                     f" {name} at these values of its parameters: it must be finite."
                 )
-    return found
+    return result
 
 
 def only_contact(mechanism: Mechanism) -> Contact:
@@ -781,13 +781,13 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
     contacts = mechanism.contacts()
     if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
         return {contacts[0].name: static_normal_force(mechanism)}
-    found = {
+    result = {
         contact.name: float(1.0 if contact.load is None else contact.load) for contact in contacts
     }
     carried = [contact for contact in contacts if contact.normal is not None]
     held = list(dict.fromkeys(name for contact in carried for name in contact.normals))
     if not held:
-        return found
+        return result
     still = dict.fromkeys((*mechanism.coordinates, *held, *mechanism.held()), 0.0)
 
     def weight(name: str) -> float:  # central, since a tilt raises a body by its square, too
@@ -805,7 +805,7 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
         raise InputError(
             f"the weight of {type(mechanism).__name__} does not tell what {names} carry."
         )
-    return found | dict(zip((contact.name for contact in carried), forces.tolist(), strict=True))
+    return result | dict(zip((contact.name for contact in carried), forces.tolist(), strict=True))
 
 
 def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
@@ -1035,8 +1035,8 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
     key = tuple((*at, isinstance(value, Drive)) for at, value in given.items())
     kind = _told(_bare(type(mechanism)), key)
     fields = {field.name: getattr(mechanism, field.name) for field in dataclasses.fields(mechanism)}
-    found: Any = kind(**{**fields, **{input_field(*at): value for at, value in given.items()}})
-    return found  # type: ignore[no-any-return]
+    result: Any = kind(**{**fields, **{input_field(*at): value for at, value in given.items()}})
+    return result  # type: ignore[no-any-return]
 
 
 def without_given(mechanism: Mechanism) -> tuple[Mechanism, dict[str, Any]]:
@@ -1059,13 +1059,13 @@ def without_given(mechanism: Mechanism) -> tuple[Mechanism, dict[str, Any]]:
 
 def _flat(inputs: GivenInputs) -> dict[tuple[str, str], Drive | float]:
     """Return inputs by contact and name; the contact is empty where all are told."""
-    found: dict[tuple[str, str], Drive | float] = {}
+    result: dict[tuple[str, str], Drive | float] = {}
     for key, value in inputs.items():
         if isinstance(value, Mapping):
-            found |= {(key, name): drive for name, drive in value.items()}
+            result |= {(key, name): drive for name, drive in value.items()}
         else:
-            found["", key] = value
-    return found
+            result["", key] = value
+    return result
 
 
 def told_fields(mechanism: Mechanism) -> Mapping[str, tuple[str, str]]:
@@ -1114,15 +1114,15 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, str, bool], ...]) -> t
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
-        found: dict[str, Any] = {**kind.contact_inputs(self, t, q, q_dot, drives)}
+        result: dict[str, Any] = {**kind.contact_inputs(self, t, q, q_dot, drives)}
         for contact, name, _ in inputs:
             field = input_field(contact, name)
             value = drives[field] if field in moving else getattr(self, field)
             if contact:
-                found[contact] = {**found.get(contact, {}), name: value}
+                result[contact] = {**result.get(contact, {}), name: value}
             else:
-                found[name] = value
-        return found
+                result[name] = value
+        return result
 
     def reduce(self: Any) -> tuple[Any, ...]:  # a type that no module has
         return given_inputs, without_given(self)

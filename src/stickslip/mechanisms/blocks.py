@@ -195,10 +195,10 @@ class TowedBlock(base.Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        found = {"x": self.damping * (self.speed - q_dot["x"])}
+        result = {"x": self.damping * (self.speed - q_dot["x"])}
         if self.modulation is not None:
-            found["y"] = -(self.steady_load + drives["modulation"])
-        return found
+            result["y"] = -(self.steady_load + drives["modulation"])
+        return result
 
     @override
     def contacts(self) -> tuple[base.Contact, ...]:

@@ -499,18 +499,18 @@ class Capsule(base.BoundedMechanism):
         weight = self.gravity * (self.capsule_mass + self.inner_mass)
         friction = coefficient * (weight + self.squeeze)
         natural = math.sqrt(self.stiffness / self.inner_mass)
-        found = {
+        result = {
             "gamma": self.capsule_mass / self.inner_mass,
             "xi": 0.5 * self.damping / (self.inner_mass * natural),
         }
         drive = self.drive.drive if isinstance(self.drive, Torque) else None
         if isinstance(drive, Sine):
-            found["alpha"] = drive.amplitude / friction
-            found["omega"] = 2.0 * math.pi * drive.frequency / natural
+            result["alpha"] = drive.amplitude / friction
+            result["omega"] = 2.0 * math.pi * drive.frequency / natural
         if self.upper_soft_stop is not None:
-            found["beta"] = self.upper_soft_stop.stiffness / self.stiffness
-            found["delta"] = self.upper_soft_stop.place * self.stiffness / friction
-        return found
+            result["beta"] = self.upper_soft_stop.stiffness / self.stiffness
+            result["delta"] = self.upper_soft_stop.place * self.stiffness / friction
+        return result
 
     def _parts(self, way: Scalar) -> tuple[Scalar, Scalar]:
         """Return the parts along and above the ground of a way or force along the inner line."""
@@ -680,26 +680,26 @@ class TwoMassCapsule(base.BoundedMechanism):
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
         v, w = q_dot["x"], q_dot["y"]
-        found = 0.5 * self.capsule_mass * (v * v + w * w)
+        result = 0.5 * self.capsule_mass * (v * v + w * w)
         for _, place, _, mass in self._inner():
             along = v + cos(mass.angle) * q_dot[place]
             up = w + sin(mass.angle) * q_dot[place]
-            found = found + 0.5 * mass.mass * (along * along + up * up)
-        return found
+            result = result + 0.5 * mass.mass * (along * along + up * up)
+        return result
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         x, y = q["x"], q["y"]
-        found = (
+        result = (
             self.gravity * self.capsule_mass * base.height(self.incline, x, y) + self.squeeze * y
         )
         for name, place, _, mass in self._inner():
             along, up = x + cos(mass.angle) * q[place], y + sin(mass.angle) * q[place]
-            found = found + self.gravity * mass.mass * base.height(self.incline, along, up)
-            found = found + 0.5 * mass.stiffness * q[place] * q[place]
+            result = result + self.gravity * mass.mass * base.height(self.incline, along, up)
+            result = result + 0.5 * mass.stiffness * q[place] * q[place]
             for stop, side, events in mass.soft_stops(name):
-                found = found + stop.energy(q[place], side, events)
-        return found
+                result = result + stop.energy(q[place], side, events)
+        return result
 
     @override
     def forces(
@@ -709,14 +709,14 @@ class TwoMassCapsule(base.BoundedMechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        found: dict[str, Scalar] = {}
+        result: dict[str, Scalar] = {}
         for name, place, _, mass in self._inner():
             own = {DRIVE: drives[motor]} if (motor := f"{name}_{DRIVE}") in drives else {}
             force = mass.drive.force(own, q[place]) - mass.damping * q_dot[place]
             for stop, side, events in mass.soft_stops(name):
                 force = force + stop.damper_force(q[place], q_dot[place], side, events)
-            found[place] = force
-        return found
+            result[place] = force
+        return result
 
     @override
     def contacts(self) -> tuple[base.Contact, ...]:
@@ -737,8 +737,10 @@ class TwoMassCapsule(base.BoundedMechanism):
     def stops(self) -> tuple[base.Stop, ...]:
         return tuple(
             stop
-            for _, place, _, one in self._inner()
-            for stop in base.stops_between(place, one.lower_stop, one.upper_stop, one.restitution)
+            for _, place, _, item in self._inner()
+            for stop in base.stops_between(
+                place, item.lower_stop, item.upper_stop, item.restitution
+            )
         )
 
     @override
@@ -759,13 +761,13 @@ class TwoMassCapsule(base.BoundedMechanism):
 
     @override
     def guided(self) -> Mapping[str, base.Guide]:
-        found = {}
+        result = {}
         for name, place, _, mass in self._inner():
             guide = mass.drive.guide(f"{name}_force", "N")
             if guide is not None:
                 drive = f"{name}_{guide.drive}"
-                found[place] = base.Guide(drive=drive, effort=guide.effort, unit=guide.unit)
-        return found
+                result[place] = base.Guide(drive=drive, effort=guide.effort, unit=guide.unit)
+        return result
 
     @override
     def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
@@ -979,13 +981,13 @@ class PendulumCart(base.BoundedMechanism):
 
     @override
     def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
-        found = dict(self.pendulum.limits(forces["theta"]) if "theta" in forces else {})
+        result = dict(self.pendulum.limits(forces["theta"]) if "theta" in forces else {})
         if self.wheelbase is not None:
             # the ground's force acts between the wheels, its moment about their middle being "tilt"
             reach, weight = 0.5 * self.wheelbase, self.gravity * (self.cart_mass + self.ball_mass)
             spare, moment = forces["y"] / weight, forces["tilt"] / (reach * weight)
-            found |= {"tips forward": spare - moment, "tips backward": spare + moment}
-        return found
+            result |= {"tips forward": spare - moment, "tips backward": spare + moment}
+        return result
 
 
 def _square(a: Scalar, b: Scalar) -> Scalar:

@@ -112,8 +112,8 @@ def checked_inputs(names: Iterable[str]) -> tuple[str, ...]:
     Traceback (most recent call last):
     stickslip.errors.UnknownNameError: unknown contact input 'temprature'. Did you mean ...
     """
-    found = tuple(names)
-    for name in found:
+    result = tuple(names)
+    for name in result:
         if name not in CONTACT_INPUTS:
             raise UnknownNameError("contact input", name, CONTACT_INPUTS)
-    return found
+    return result

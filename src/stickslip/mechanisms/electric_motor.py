@@ -148,11 +148,11 @@ class SampledLoop(MotorLoop):
             before, last = memory
             demand -= self.rate_gain * ((position - last) / self.period)
             grown = before + self.integral_gain * error * self.period
-        found, integral = within_limit(demand, before, grown, limit)
+        result, integral = within_limit(demand, before, grown, limit)
         if self.step is not None:
             # Whole counts may lie beyond the limit.
-            found = min(max(self.step * round(found / self.step), -limit), limit)
-        return found, (integral, position)
+            result = min(max(self.step * round(result / self.step), -limit), limit)
+        return result, (integral, position)
 
 
 def within_limit(demand: float, before: float, grown: float, limit: float) -> tuple[float, float]:
@@ -410,17 +410,17 @@ def motors_of(mechanism: Any) -> Mapping[str, DCMotor]:
     >>> [*motors_of(Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5)))]
     ['drive']
     """
-    found: dict[str, DCMotor] = {}
+    result: dict[str, DCMotor] = {}
     for field in fields(mechanism):
         value = getattr(mechanism, field.name)
         if isinstance(value, DCMotor):
-            found[field.name] = value
+            result[field.name] = value
         elif isinstance(value, tuple):
             for index, part in enumerate(value):
                 if isinstance(part, Parametrised):
                     own = motors_of(part)
-                    found |= {f"{field.name}.{index}.{name}": motor for name, motor in own.items()}
-    return found
+                    result |= {f"{field.name}.{index}.{name}": motor for name, motor in own.items()}
+    return result
 
 
 def driven_by_motor(mechanism: Any) -> str:

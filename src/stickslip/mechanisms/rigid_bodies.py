@@ -175,13 +175,13 @@ class _Place:
 
 def joint_places(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[tuple[Vector, Matrix]]:
     """Return where joints are and how their bodies stand."""
-    found: list[tuple[Vector, Matrix]] = []
+    result: list[tuple[Vector, Matrix]] = []
     for body, coordinate in zip(bodies, q, strict=True):
         place = _Place(body, coordinate)
-        at, axes = (NONE, UNIT) if body.parent == BASE else found[body.parent]
+        at, axes = (NONE, UNIT) if body.parent == BASE else result[body.parent]
         own = [times(axes, place.inward(row)) for row in UNIT]
-        found.append((plus(at, times(axes, place.offset)), transposed(own)))
-    return found
+        result.append((plus(at, times(axes, place.offset)), transposed(own)))
+    return result
 
 
 @dataclass
@@ -195,11 +195,11 @@ class _Beyond:
 
 def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Beyond], Vector]:
     """Return what each joint carries, and mass times place of all bodies in axes of the base."""
-    found = [_Beyond(body.mass, body.moment, body.inertia) for body in bodies]
+    result = [_Beyond(body.mass, body.moment, body.inertia) for body in bodies]
     base: Vector = NONE
     # Bodies stand behind what carries them: from the last one inwards all beyond is known.
     for i, body in reversed(list(enumerate(bodies))):
-        own, place = found[i], places[i]
+        own, place = result[i], places[i]
         moment = place.inward(own.moment)
         reached = plus(moment, _scaled(own.mass, place.offset))
         if body.parent == BASE:
@@ -209,11 +209,11 @@ def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Be
         more = both(more, place.inertia(own.inertia))
         # The rotor takes part in the motion of the link on which it sits, about its axis.
         more = both(more, tuple(_scaled(body.rotor * k, body.axis) for k in body.axis))
-        parent = found[body.parent]
+        parent = result[body.parent]
         parent.mass = parent.mass + own.mass
         parent.moment = plus(parent.moment, reached)
         parent.inertia = both(parent.inertia, more)
-    return found, base
+    return result, base
 
 
 def mass_matrix_of(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[list[Scalar]]:
@@ -393,12 +393,12 @@ class JointedMechanism(MatrixMechanism, ABC):
             [_mixed(column, row) for column in transposed(rows)]
             for row in mass_matrix_of(still, self.joint_values(q))
         ]
-        found = [
+        result = [
             [_mixed(column, other) for other in transposed(half)] for column in transposed(rows)
         ]
         for i, body in enumerate(bodies):  # motors turn with the coordinates
-            found[i][i] = found[i][i] + body.armature
-        return found
+            result[i][i] = result[i][i] + body.armature
+        return result
 
     @final
     @override
@@ -425,13 +425,13 @@ class JointedMechanism(MatrixMechanism, ABC):
         still = dict.fromkeys(self.coordinates, 0.0)
         gravity = {name: -1.0 * force for name, force in self._taken(q, still).items()}
         motors, damped = self.motors(q, q_dot, drives), self.damped(q_dot)
-        found = {}
+        result = {}
         for contact in self.contacts():
             (x,) = contact.slips
-            found[contact.name] = gear_inputs(
+            result[contact.name] = gear_inputs(
                 motors[x], gravity[x] + damped[x], gravity=gravity[x], position=q[x]
             )
-        return found
+        return result
 
     @final
     @override

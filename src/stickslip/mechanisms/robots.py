@@ -21,12 +21,12 @@ T = TypeVar("T")
 
 def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
     """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few."""
-    found = tuple(parts) if isinstance(parts, Iterable) else (parts,)
-    if len(found) < least or not all(isinstance(part, kind) for part in found):
+    result = tuple(parts) if isinstance(parts, Iterable) else (parts,)
+    if len(result) < least or not all(isinstance(part, kind) for part in result):
         raise ParameterError(
             f"{owner} must be at least {least} of {kind.__name__}(...) in a tuple, got {parts!r}."
         )
-    return found
+    return result
 
 
 # An arm of links in a row, in a vertical plane.
@@ -80,7 +80,7 @@ class Link(Parametrised):
 
 def planar_bodies(links: Sequence[Link]) -> list[rigid_bodies.Body]:
     """Return links in a row, each along its x-axis, which turn about parallel axes."""
-    found: list[rigid_bodies.Body] = []
+    result: list[rigid_bodies.Body] = []
     reach: Scalar = 0.0
     for i, link in enumerate(links):
         # Of motion in a plane, the inertia about the axis is all that counts.
@@ -88,13 +88,13 @@ def planar_bodies(links: Sequence[Link]) -> list[rigid_bodies.Body]:
         place, moment = (reach, 0.0, 0.0), (link.mass * link.centre, 0.0, 0.0)
         motor = link.torque if isinstance(link.torque, DCMotor) else link
         rotor, gear = motor.rotor_inertia, motor.gear_ratio
-        found.append(
+        result.append(
             rigid_bodies.Body(
                 i - 1, rigid_bodies.UNIT, place, link.mass, moment, inertia, rotor=rotor, gear=gear
             )
         )
         reach = link.length
-    return found
+    return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,10 +178,10 @@ class SerialArm(rigid_bodies.JointedMechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        found: dict[str, Drive] = {}
+        result: dict[str, Drive] = {}
         for i, link in enumerate(self.links):
-            found |= driving(link.torque, f"torque-{i + 1}")
-        return found
+            result |= driving(link.torque, f"torque-{i + 1}")
+        return result
 
 
 # An arm with two revolute joints.
@@ -449,15 +449,15 @@ class RobotJoint(Parametrised):
         """Return names and multiples of the coupling, which may be given as a mapping."""
         given = self.coupling
         try:
-            found = tuple((str(name), float(factor)) for name, factor in dict(given).items())
+            result = tuple((str(name), float(factor)) for name, factor in dict(given).items())
         except (TypeError, ValueError):
-            found = ((self.joint, math.nan),)
-        if not all(name != self.joint and abs(factor) < 1e9 for name, factor in found):
+            result = ((self.joint, math.nan),)
+        if not all(name != self.joint and abs(factor) < 1e9 for name, factor in result):
             raise ParameterError(
                 f"RobotJoint {self.joint!r}: coupling must be multiples below 1e9 by other joint,"
                 f" such as {{'elbow': 1.0}}, got {given!r}."
             )
-        return found
+        return result
 
     @property
     def rotation(self) -> rigid_bodies.Matrix:
@@ -526,12 +526,12 @@ class RobotJoint(Parametrised):
 def _numbers(owner: str, name: str, given: object, count: int) -> tuple[float, ...]:
     """Return so many finite numbers."""
     try:
-        found = tuple(float(x) for x in given)  # type: ignore[attr-defined]  # or it is refused
+        result = tuple(float(x) for x in given)  # type: ignore[attr-defined]  # or it is refused
     except (TypeError, ValueError):
-        found = ()
-    if len(found) != count or not all(abs(x) < 1e9 for x in found):
+        result = ()
+    if len(result) != count or not all(abs(x) < 1e9 for x in result):
         raise ParameterError(f"{owner}: {name} must be {count} numbers below 1e9, got {given!r}.")
-    return found
+    return result
 
 
 def _exact(x: float) -> float:
@@ -693,11 +693,11 @@ class Robot(BoundedMechanism, rigid_bodies.JointedMechanism):
     def motors(
         self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
-        found = {}
+        result = {}
         for joint in self.joints:
             x, name = joint.coordinate, f"effort-{joint.contact_name}"
-            found[x] = driving_force(joint.effort, drives, q[x], q_dot[x], name)
-        return found
+            result[x] = driving_force(joint.effort, drives, q[x], q_dot[x], name)
+        return result
 
     @override
     def damped(self, q_dot: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
@@ -709,13 +709,13 @@ class Robot(BoundedMechanism, rigid_bodies.JointedMechanism):
     @override
     def start(self) -> Mapping[str, Scalar]:
         """Return the middle of the range of joints whose stops exclude 0."""
-        found: dict[str, Scalar] = {}
+        result: dict[str, Scalar] = {}
         for joint in self.joints:
             low, high = joint.lower_stop, joint.upper_stop
             if (low is not None and low > 0.0) or (high is not None and high < 0.0):
                 ends = [end for end in (low, high) if end is not None]
-                found[joint.coordinate] = sum(ends) / len(ends)
-        return found
+                result[joint.coordinate] = sum(ends) / len(ends)
+        return result
 
     @override
     def stops(self) -> tuple[Stop, ...]:
@@ -736,7 +736,7 @@ class Robot(BoundedMechanism, rigid_bodies.JointedMechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        found: dict[str, Drive] = {}
+        result: dict[str, Drive] = {}
         for joint in self.joints:
-            found |= driving(joint.effort, f"effort-{joint.contact_name}")
-        return found
+            result |= driving(joint.effort, f"effort-{joint.contact_name}")
+        return result

@@ -206,13 +206,13 @@ def read_urdf(
     return RobotDescription(
         robot=robot,
         levels={
-            one.contact_name: moved[name][0].friction
-            for name, one in made.items()
+            item.contact_name: moved[name][0].friction
+            for name, item in made.items()
             if moved[name][0].friction > 0.0
         },
         limits={
-            one.coordinate: ends
-            for name, one in made.items()
+            item.coordinate: ends
+            for name, item in made.items()
             if (ends := moved[name][0].limits) is not None
         },
         locked=stand,
@@ -294,14 +294,14 @@ def _reals(
     if text is None:
         return tuple(default)
     try:
-        found = tuple(float(x) for x in text.split())
+        result = tuple(float(x) for x in text.split())
     except ValueError:
-        found = ()
-    if len(found) != count or not all(map(math.isfinite, found)):
+        result = ()
+    if len(result) != count or not all(map(math.isfinite, result)):
         raise ParameterError(
             f"{where}: {key} must be {count} finite number{'s' * (count > 1)}, got {text!r}."
         )
-    return found
+    return result
 
 
 def _origin(element: "Element", where: str) -> tuple[Vector, Matrix]:
@@ -428,17 +428,17 @@ def _ordered(
     """Yield links from the first one outwards, with the joint behind which each stands."""
     behind: dict[str, list[_Joint]] = {}
     children: dict[str, str] = {}
-    for one in given:
-        for link in (one.parent, one.child):
+    for item in given:
+        for link in (item.parent, item.child):
             if link not in links:
-                raise UnknownNameError(f"link of joint {one.name!r} in {file}:", link, links)
-        if one.child in children:
+                raise UnknownNameError(f"link of joint {item.name!r} in {file}:", link, links)
+        if item.child in children:
             raise InputError(
-                f"{file}: the link {one.child!r} hangs on the joints {children[one.child]!r} and"
-                f" {one.name!r}; a robot must be a tree, without closed loops."
+                f"{file}: the link {item.child!r} hangs on the joints {children[item.child]!r} and"
+                f" {item.name!r}; a robot must be a tree, without closed loops."
             )
-        children[one.child] = one.name
-        behind.setdefault(one.parent, []).append(one)
+        children[item.child] = item.name
+        behind.setdefault(item.parent, []).append(item)
     roots = [link for link in links if link not in children]
     if len(roots) != 1:
         raise InputError(

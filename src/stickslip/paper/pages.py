@@ -1796,15 +1796,15 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
     if not _bundled(rig, verdict):
         return Beside()
     try:
-        found = audit(verdict=verdict)
+        result = audit(verdict=verdict)
     except report.blocks.CAUGHT as error:
         return Beside(extra=(report.blocks.failed_section("paper", error),))
     return Beside(
-        remark=_remark(found),
-        lead=(partial(excitation_section, found), partial(table_section, found)),
+        remark=_remark(result),
+        lead=(partial(excitation_section, result), partial(table_section, result)),
         extra=(
-            partial(equation_section, found),
-            partial(misprint_section, found),
+            partial(equation_section, result),
+            partial(misprint_section, result),
         ),
     )
 

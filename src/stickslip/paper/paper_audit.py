@@ -103,8 +103,8 @@ class PaperAudit:
 
         That of reading A, in which the other values are nearest; that of B if A has none.
         """
-        found = (need for need in self.requirements if need.law == law and need.value is not None)
-        return next(found, None)
+        result = (need for need in self.requirements if need.law == law and need.value is not None)
+        return next(result, None)
 
     def reached(self, reading: str) -> int:
         """Return how many travels of Table II a value in a reading gives, Table I kept."""
@@ -137,7 +137,7 @@ class PaperAudit:
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the audit as plain numbers and strings, ready for JSON."""
-        found: dict[str, Any] = json_value(
+        result: dict[str, Any] = json_value(
             {
                 "measured_travel": self.measured,
                 "table_2": [
@@ -207,7 +207,7 @@ class PaperAudit:
                 "selection": self.verdict,
             }
         )
-        return found
+        return result
 
 
 def _values(law: FrictionLaw | PrintedForm, root: str = "law") -> dict[str, float]:
@@ -245,9 +245,11 @@ def audit(
     """
     rig = load_rig()
     if verdict is None and rig.measurement is not None:
-        found = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress)
-        assert isinstance(found, TravelVerdict)
-        verdict = found
+        result = select(
+            rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress
+        )
+        assert isinstance(result, TravelVerdict)
+        verdict = result
     assert verdict is not None
     values = rigs.PaperValues.of(rig)
     published = {row.law: row for row in rig.published}
@@ -296,18 +298,18 @@ def _trials(rig: Rig) -> tuple[TrialTravels, ...]:
     """Return each measured travel with what every law makes of its compression."""
     assert isinstance(rig.mechanism, SpringBlock)
     assert rig.measurement is not None
-    found = []
+    result = []
     for record in rig.measurement.records():
         block = vary(rig.mechanism, "mechanism", record.overrides)
         runs = {name: simulate(block, rig.laws[name], t_end=rig.t_end) for name in MODELS}
-        found.append(
+        result.append(
             TrialTravels(
                 compression=block.compression,
                 measured=float(record.travel or 0.0),
                 travels={name: float(run.at(rig.t_end)["x"][0]) for name, run in runs.items()},
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def _named(verdict: TravelVerdict) -> FrictionLaw | None:
@@ -324,13 +326,13 @@ def _viscous_travels(rig: Rig, values: rigs.PaperValues) -> dict[str, float]:
         for form in PRINTED_FORMS.values()
         if "viscous_coefficient" in fields_of(form)
     }
-    found = {}
+    result = {}
     for name in MODELS:
         law = rig.laws[name]
         if name in viscous and getattr(law, "viscous_coefficient", None) == 0.0:
             full = vary(law, "friction", {"friction.viscous_coefficient": values.viscous})
-            found[name] = float(simulate(spring, full, t_end=rig.t_end).at(rig.t_end)["x"][0])
-    return found
+            result[name] = float(simulate(spring, full, t_end=rig.t_end).at(rig.t_end)["x"][0])
+    return result
 
 
 def _row(rig: Rig, values: rigs.PaperValues, published: Published) -> TableRow:

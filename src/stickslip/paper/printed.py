@@ -114,8 +114,8 @@ class Consequence:
 
     def differs(self, test: str) -> bool:
         """Whether the misprint acts in a test."""
-        found = self.outcome(test)
-        return found is not None and found.differs
+        result = self.outcome(test)
+        return result is not None and result.differs
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def consequences(values: PaperValues) -> tuple[Consequence, ...]:
         "printed-10": {**level, **viscous},
     }
     twins, tests = _twins(values), _tests(values)
-    found = []
+    result = []
     for name, form in PRINTED_FORMS.items():
         printed, twin = form(**arguments[name]), twins[form.corrected.name]
         outcomes = tuple(
@@ -160,8 +160,8 @@ def consequences(values: PaperValues) -> tuple[Consequence, ...]:
             for key, test in tests.items()
             if key != "hold" or hasattr(twin, "kinetic_coefficient")
         )
-        found.append(Consequence(printed=printed, corrected=twin, outcomes=outcomes))
-    return tuple(found)
+        result.append(Consequence(printed=printed, corrected=twin, outcomes=outcomes))
+    return tuple(result)
 
 
 def _tests(values: PaperValues) -> dict[str, _Test]:
@@ -416,7 +416,7 @@ def step_travels(
         solver = FixedStep(dt=CART_STEP, break_away=None if law.states else break_away)
         return float(simulate(push, law, t_end=t_end, solver=solver)["x"][-1])
 
-    found = []
+    result = []
     for row, printed in published.items():
         scatter = None
         law: FrictionLaw | PrintedForm
@@ -429,12 +429,12 @@ def step_travels(
             scatter = min(creep.travels), max(creep.travels)
         else:
             continue
-        found.append(
+        result.append(
             StepTravel(
                 row=row, law=law, published=printed, travel=zero, static=static, scatter=scatter
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 CREEPING = (10.0e-3, 11.35e-3, 13.0e-3)
@@ -497,13 +497,13 @@ def stribeck_creeps(values: PaperValues, *, t_end: float) -> tuple[Creep, ...]:
         solver = FixedStep(dt=dt, stick_rule=stick_rule)
         return simulate(push, form(velocity), t_end=t_end, solver=solver)
 
-    found = []
+    result = []
     for velocity in CREEPING:
         runs = [
             ran(velocity * (1.0 + NUDGE * i), CART_STEP, stick_rule=False)
             for i in range(NEIGHBOURS)
         ]
-        found.append(
+        result.append(
             Creep(
                 form=form(velocity),
                 travels=tuple(float(run["x"][-1]) for run in runs),
@@ -512,7 +512,7 @@ def stribeck_creeps(values: PaperValues, *, t_end: float) -> tuple[Creep, ...]:
                 fine=float(ran(velocity, 0.1 * CART_STEP, stick_rule=False)["x"][-1]),
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
@@ -559,7 +559,7 @@ def _require(
     best = root(published, first)
     sides = (-1.0, 1.0) if best is not None else ()
     ends = [root(published + side * ROUNDING, best or first) for side in sides]
-    found = sorted(end for end in ends if end is not None)
+    result = sorted(end for end in ends if end is not None)
     solution = None if best is None else law(best)
     run = None if solution is None else simulate(block, solution, t_end=t_end)
     return Requirement(
@@ -569,8 +569,8 @@ def _require(
         symbol=case.symbol,
         unit=case.unit,
         value=best,
-        low=found[0] if best is not None and found else None,
-        high=found[-1] if best is not None and found else None,
+        low=result[0] if best is not None and result else None,
+        high=result[-1] if best is not None and result else None,
         start=travel(first if best is not None else first / REACH),
         kept=case.kept,
         text=case.text,
@@ -626,8 +626,8 @@ def positive_root(
     if value == 0.0:
         return start
     sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
-    found: list[float] = []
-    while sides and not found:
+    result: list[float] = []
+    while sides and not result:
         for step, (before, f_before) in list(sides.items()):
             point = min(max(before * step, low), high)
             if point == before:
@@ -636,9 +636,11 @@ def positive_root(
             f_point = _value(function, point)
             if f_before is not None and f_point is not None and _crosses(f_before, f_point):
                 ends = sorted((before, point))
-                found.append(float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
+                result.append(
+                    float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300))
+                )
             sides[step] = (point, f_point)
-    return min(found, key=lambda root: abs(math.log(root / start)), default=None)
+    return min(result, key=lambda root: abs(math.log(root / start)), default=None)
 
 
 def _crosses(before: float, after: float) -> bool:

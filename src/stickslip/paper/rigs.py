@@ -134,10 +134,10 @@ def excitations(
     >>> [f"{e.criteria.travel:.4f}" for e in excitations(rig, law, measured=0.2, t_end=10.0)]
     ['0.1539', '0.2039', '0.0981']
     """
-    found = []
+    result = []
     for key, (title, text, mechanism) in rigs(rig).items():
         run = simulate(mechanism, law, t_end=t_end)
-        found.append(
+        result.append(
             Excitation(
                 key=key,
                 title=title,
@@ -148,7 +148,7 @@ def excitations(
                 closed_form=_closed_form(key, rig, law),
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def _closed_form(key: str, rig: SpringBlock, law: friction.FrictionLaw) -> float | None:
@@ -578,7 +578,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
     """
     period = float(swing_of(cart).period)
     law = friction.Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
-    found = []
+    result = []
     for dt, stick_rule, band in ((None, True, 0.0), *REST_RULES):
         solver = None
         if dt is not None:
@@ -592,7 +592,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
         driven = simulate(cart, law, t_end=CYCLES * period, solver=solver)
         cycles = cycles_in(driven, cart, period)
         signs = np.sign(block["v"])[block["v"] != 0.0]
-        found.append(
+        result.append(
             RestRule(
                 dt=dt,
                 stick_rule=stick_rule,
@@ -604,4 +604,4 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
                 cart_back_slip=sum(cycle.backward for cycle in cycles) / len(cycles),
             )
         )
-    return tuple(found)
+    return tuple(result)

@@ -73,10 +73,10 @@ class Described(ABCMeta):
         if not fields or "\nParameters\n" in text:
             return text
         section = f"\n\nParameters\n----------\n{fields}"
-        found = SECTION.search(text)
-        if not found:
+        result = SECTION.search(text)
+        if not result:
             return text + section
-        return f"{text[: found.start()]}{section}\n\n{text[found.end() :]}"
+        return f"{text[: result.start()]}{section}\n\n{text[result.end() :]}"
 
     @__doc__.setter
     def __doc__(cls, text: str | None) -> None:
@@ -92,8 +92,8 @@ def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object
     quantities = {name: [*marks(hints.get(name))] for name in fields}
     symbols = {
         name: mark.symbol
-        for name, found in quantities.items()
-        for mark in found
+        for name, quantity in quantities.items()
+        for mark in quantity
         if hasattr(mark, "symbol")
     }
     for name in values:
@@ -151,11 +151,11 @@ def with_marks(hint: Any, change: Callable[[Any], Any]) -> Any:
     >>> with_marks(Annotated[float, "N"], str.lower).__metadata__
     ('n',)
     """
-    found = []
+    result = []
     for alternative in alternatives(hint):
         told = tuple(map(change, getattr(alternative, "__metadata__", ())))
-        found.append(Annotated[(alternative.__origin__, *told)] if told else alternative)
-    return functools.reduce(operator.or_, found)
+        result.append(Annotated[(alternative.__origin__, *told)] if told else alternative)
+    return functools.reduce(operator.or_, result)
 
 
 def texts_below(kind: type) -> Mapping[str, str]:
@@ -167,14 +167,14 @@ def texts_below(kind: type) -> Mapping[str, str]:
     >>> texts_below(Axis)["inertia"]
     'Mass [kg] or moment of inertia [kg m^2].'
     """
-    found: dict[str, str] = {}
+    result: dict[str, str] = {}
     for base in reversed(kind.__mro__):
-        found |= _written(base) if dataclasses.is_dataclass(base) else {}
+        result |= _written(base) if dataclasses.is_dataclass(base) else {}
     for name, hint in _hints(kind).items():
         for mark in marks(hint):
             if isinstance(mark, Doc):
-                found.setdefault(name, mark.documentation)
-    return found
+                result.setdefault(name, mark.documentation)
+    return result
 
 
 def _written(kind: type) -> Mapping[str, str]:
@@ -188,18 +188,18 @@ def _written(kind: type) -> Mapping[str, str]:
 @functools.cache
 def _texts_of(module: types.ModuleType) -> Mapping[str, Mapping[str, str]]:
     """Return the fields with a text below, by class; a module is read once for all its classes."""
-    found: dict[str, Mapping[str, str]] = {}
+    result: dict[str, Mapping[str, str]] = {}
 
     def enter(body: Sequence[ast.stmt], place: str) -> None:
         for node in body:
             if isinstance(node, ast.ClassDef):
-                found[place + node.name] = _texts_in(node)
+                result[place + node.name] = _texts_in(node)
                 enter(node.body, f"{place}{node.name}.")
             elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 enter(node.body, f"{place}{node.name}.<locals>.")
 
     enter(ast.parse(inspect.getsource(module)).body, "")
-    return found
+    return result
 
 
 def _texts_in(node: ast.ClassDef) -> Mapping[str, str]:

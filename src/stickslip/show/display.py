@@ -311,9 +311,9 @@ def dataset_of(
     dimension = over
     if numbers is None or len(np.unique(numbers[0])) < len(table):
         dimension = "row"
-    found = {name: (dimension, values, own) for name, (values, own) in columns.items()}
-    axis = found.pop(dimension, (dimension, np.arange(len(table)), {}))
-    return xr.Dataset(found, {dimension: axis})
+    result = {name: (dimension, values, own) for name, (values, own) in columns.items()}
+    axis = result.pop(dimension, (dimension, np.arange(len(table)), {}))
+    return xr.Dataset(result, {dimension: axis})
 
 
 def _saved(values: "pd.Series[Any]") -> Any:

@@ -290,8 +290,8 @@ def remove_unfinished(folder: Path, names: Collection[str]) -> None:
 
 def becomes(path: Path) -> str:
     """Return the name of the file that a temporary one becomes; empty of other files."""
-    found = UNFINISHED.fullmatch(path.name)
-    return found[1] if found else ""
+    result = UNFINISHED.fullmatch(path.name)
+    return result[1] if result else ""
 
 
 @contextlib.contextmanager
@@ -361,11 +361,11 @@ def _remove_abandoned() -> None:
     """Remove folders for temporary files that processes of the same user have left."""
     for left in Path(tempfile.gettempdir()).glob(f"{PRIVATE}*"):
         with contextlib.suppress(OSError):
-            found = left.lstat()
-            old = time.time() - found.st_mtime > YOUNG
+            result = left.lstat()
+            old = time.time() - result.st_mtime > YOUNG
             # Windows has a folder for each user.
-            user = os.getuid() if hasattr(os, "getuid") else found.st_uid
-            if old and stat.S_ISDIR(found.st_mode) and found.st_uid == user:
+            user = os.getuid() if hasattr(os, "getuid") else result.st_uid
+            if old and stat.S_ISDIR(result.st_mode) and result.st_uid == user:
                 with open_regular(left / ".lock") as lock:
                     abandoned = is_free(lock.fileno())
                 if abandoned:  # after it is closed: Windows removes no open file
@@ -382,7 +382,7 @@ def _listed(folder: Path) -> dict[str, list[str]] | None:
         content = json.loads(regular_bytes(folder / LIST))
         if content["schema"] != f"stickslip/files/{SCHEMA_VERSION}":
             return None
-        return {str(name): list(map(str, found)) for name, found in content["files"].items()}
+        return {str(name): list(map(str, match)) for name, match in content["files"].items()}
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
 

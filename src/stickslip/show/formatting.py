@@ -414,13 +414,13 @@ def scale_of(values: Iterable[float], unit: str) -> Scale:
     """
     sizes = np.abs(np.asarray(values if isinstance(values, np.ndarray) else list(values), float))
     size = float(np.max(sizes, initial=0.0, where=np.isfinite(sizes)))
-    found = Scale(1.0, unit)
+    result = Scale(1.0, unit)
     for bound, factor, name in PREFIXES.get(unit, ()):
         edge = bound * (1 - 1e-9)  # 0.1 m may be a little less
         if (factor < 1.0 and size >= edge) or (factor > 1.0 and 0.0 < size < edge):
-            found = Scale(factor, name)
+            result = Scale(factor, name)
     # A power of ten is read more easily with the unit of SI.
-    return found if size == 0.0 or found.factor * size >= _LEAST else Scale(1.0, unit)
+    return result if size == 0.0 or result.factor * size >= _LEAST else Scale(1.0, unit)
 
 
 def quantities(
@@ -552,7 +552,7 @@ def printable(text: str, *, lines: bool = False) -> str:
     one\ntwo
     """
     return _HIDDEN.sub(
-        lambda found: found[0] if lines and found[0] in "\n\t" else json.dumps(found[0])[1:-1], text
+        lambda item: item[0] if lines and item[0] in "\n\t" else json.dumps(item[0])[1:-1], text
     )
 
 

@@ -228,7 +228,7 @@ def _positive(power: Array) -> Array:
 
     Where its sign changes, the polynomial through the nodes is integrated between its roots.
     """
-    found: Array = np.maximum(power, 0.0) @ _WEIGHTS
+    result: Array = np.maximum(power, 0.0) @ _WEIGHTS
     for cell in np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0)):
         series = np.polynomial.Legendre.fit(
             _NODES, power[cell], len(_NODES) - 1, domain=[-1.0, 1.0]
@@ -236,8 +236,8 @@ def _positive(power: Array) -> Array:
         roots = series.roots()
         real = roots.real[(np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) < 1.0)]
         ends = np.concatenate([[-1.0], np.sort(real), [1.0]])
-        found[cell] = np.maximum(np.diff(series.integ()(ends)), 0.0).sum()
-    return found
+        result[cell] = np.maximum(np.diff(series.integ()(ends)), 0.0).sum()
+    return result
 
 
 def columns_of(mechanism: Mechanism) -> tuple[str, ...]:
@@ -368,14 +368,14 @@ def efforts_of(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     [3.0]
     """
     guided = mechanism.guided()
-    found = {name: seen[guide.effort] for name, guide in guided.items() if guide.effort}
+    result = {name: seen[guide.effort] for name, guide in guided.items() if guide.effort}
     drives = {
         name: values_of(drive, seen.t, seen)
         for name, drive in mechanism.drives().items()
         if name not in {guide.drive for guide in guided.values()}
     }
     if not drives or has_electric_motor(mechanism):
-        return found
+        return result
     q, q_dot = _motion(mechanism, seen)
     idle = {name: 0.0 * x if name != GROUND else x for name, x in drives.items()}
     driven, still = (mechanism.forces(seen.t, q, q_dot, given) for given in (drives, idle))
@@ -384,8 +384,8 @@ def efforts_of(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
             continue
         effort = np.broadcast_to(force - still.get(name, 0.0), seen.t.shape)
         if name not in guided and np.any(effort != 0.0):
-            found[name] = effort
-    return found
+            result[name] = effort
+    return result
 
 
 def has_electric_motor(part: object) -> bool:

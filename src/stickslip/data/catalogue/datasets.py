@@ -127,11 +127,11 @@ def download(url: str, target: Path, sha256: str, *, page: str) -> None:
                 f" by hand from {page} and put it into {target.parent}, or set STICKSLIP_DATA to a"
                 " folder that contains its table."
             ) from None
-        found = sha256_of(temporary)
-        if found != sha256:
+        result = sha256_of(temporary)
+        if result != sha256:
             raise InputError(
                 f"{target.name} from {url} differs from the file in the catalogue: its sha256 is"
-                f" {found}, expected {sha256}. The download was discarded. Try again, or download"
+                f" {result}, expected {sha256}. The download was discarded. Try again, or download"
                 f" it by hand from {page} and put it into {target.parent}."
             )
 
@@ -250,10 +250,10 @@ def _matlab(path: Path) -> dict[str, Any]:
     from scipy.io import loadmat
 
     try:
-        found = loadmat(path)
+        result = loadmat(path)
     except Exception as error:  # of any kind: the reader trusts the file
         raise ValueError(f"{type(error).__name__}: {error}") from None
-    return {name: found[name].ravel() for name in found if not name.startswith("__")}
+    return {name: result[name].ravel() for name in result if not name.startswith("__")}
 
 
 def _text(path: Path) -> dict[str, Any]:
@@ -497,10 +497,10 @@ class Dataset(metaclass=Described):
 
 def _compare(path: Path, file: DataFile) -> None:
     """Warn of a file that is not the one whose results are known."""
-    found = sha256_of(path) if file.sha256 else ""
-    if found != file.sha256:
+    result = sha256_of(path) if file.sha256 else ""
+    if result != file.sha256:
         warnings.warn(
-            f"{path} differs from the file in the catalogue: its sha256 is {found}, expected"
+            f"{path} differs from the file in the catalogue: its sha256 is {result}, expected"
             f" {file.sha256}. It is used as it is; published results may not be reproduced.",
             stacklevel=3,
         )
@@ -542,12 +542,12 @@ def dataset(name: str) -> Dataset:
 def _texts() -> Mapping[str, str]:
     """Return the text of each entry by its name."""
     folder = files("stickslip.data.catalogue").joinpath("records")
-    found = {
+    result = {
         entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
         for entry in folder.iterdir()
         if entry.name.endswith(".toml")
     }
-    return MappingProxyType(dict(sorted(found.items())))
+    return MappingProxyType(dict(sorted(result.items())))
 
 
 @functools.cache

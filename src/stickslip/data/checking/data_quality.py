@@ -169,20 +169,20 @@ def resting_readings(velocity: measurement.Array, friction: measurement.Array) -
     """
     speed = np.abs(velocity)
     ordered = np.sort(speed)
-    found: NDArray[np.bool_] = velocity == 0.0
+    result: NDArray[np.bool_] = velocity == 0.0
     # Few readings below a gap of a decade are at rest; more of them are a range of speeds.
     gaps = np.flatnonzero(ordered[1:] > DECADE * ordered[:-1])
     few = gaps[gaps < max(SMALL * speed.size, 1.0)]
     if not few.size:
-        return found
+        return result
     slow = speed <= ordered[few[-1]]
     levels = [_level(side * velocity[~slow], side * friction[~slow]) for side in (-1.0, 1.0)]
     # Without a level in a direction nothing tells rest from a law that fades.
     if any(level == 0.0 for level in levels):
-        return found
+        return result
     below, above = levels
     inside = (friction > -MOSTLY * below) & (friction < MOSTLY * above)
-    return np.asarray(found | (slow & inside))
+    return np.asarray(result | (slow & inside))
 
 
 def _level(velocity: measurement.Array, friction: measurement.Array) -> float:
@@ -521,15 +521,15 @@ def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, s
     paths = dict.fromkeys(
         path for record in records for path in (*record.overrides, *record.initial)
     )
-    found = {}
+    result = {}
     for path in paths:
         values = [{**record.overrides, **record.initial}.get(path) for record in records]
         if any(not isinstance(value, (int, float)) for value in values):
             return {}
         numbers = np.array(values, dtype=float)
         if np.ptp(numbers) > 0.0:
-            found[path] = monotone(numbers)
-    return found if all(found.values()) else {}
+            result[path] = monotone(numbers)
+    return result if all(result.values()) else {}
 
 
 def order_of_settings(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
@@ -554,12 +554,12 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
     >>> with_order(["Measure at 1 m/s.", "Warm it up."], [order], 2)
     ('Measure at 1 m/s.', 'Measure in random order: it rises.')
     """
-    found = [
+    result = [
         f"{finding.measure}: {lower_first(finding.sentence)}"
         for finding in findings
         if finding.kind == "order"
     ][:1]
-    return (*lines[: most - len(found)], *found)
+    return (*lines[: most - len(result)], *result)
 
 
 # Levels of forces: whether they stay, and how many independent values there are.
@@ -602,9 +602,9 @@ def levels(record: measurement.Measurement, motion: Motion | None) -> Iterator[L
         matrix = np.stack([*columns, np.ones(values.size)], axis=1)
         scale = np.sqrt(np.mean(matrix**2, axis=0))
         matrix = matrix / np.where(scale > 0, scale, 1.0)
-        found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+        result = np.linalg.lstsq(matrix, values, rcond=None)[0]
         # The constant stays in: it is the level that is looked at.
-        left = values - matrix[:, :3] @ found[:3]
+        left = values - matrix[:, :3] @ result[:3]
         what = (
             f"{words} after subtraction of its dependence on acceleration, velocity and direction"
         )
@@ -751,7 +751,7 @@ def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
     variance = float(np.var(values))
     if not variance > 0.0 or not np.isfinite(variance):
         return ()
-    found = []
+    result = []
     for mains in MAINS:
         lines: list[MainsLine] = []
         for order in ORDERS:
@@ -776,8 +776,8 @@ def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
             )
         # A rectifier may leave the second harmonic alone; higher ones alone are of other motions.
         if any(line.order <= 2 for line in lines):
-            found.append(tuple(lines))
-    return max(found, key=lambda lines: sum(line.share for line in lines), default=())
+            result.append(tuple(lines))
+    return max(result, key=lambda lines: sum(line.share for line in lines), default=())
 
 
 def is_narrow(values: Array, step: float, frequency: float) -> bool:
@@ -1217,17 +1217,17 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
     ends = np.cumsum(lengths)
     for way, end, extreme in _ends(values):
         short = np.abs(values - extreme)
-        found = [
+        result = [
             int(lengths[k])
             for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * FEWEST_SAMPLES))
             if _straight(short[ends[k] - 1 :], clear, int(lengths[k]))
             and _straight(short[: ends[k] - lengths[k] + 1][::-1], clear, int(lengths[k]))
         ]
-        if found:
+        if result:
             text = (
                 f"Position stays at its {way} value,"
                 f" {quantity(extreme, record.unit('position'))}, for up to"
-                f" {number(max(found), 7)} consecutive samples, and reaches and leaves it"
+                f" {number(max(result), 7)} consecutive samples, and reaches and leaves it"
                 " without slowing down: the sensor is at the end of its range, unless the"
                 " motion was driven in this way."
             )
@@ -1238,8 +1238,8 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
                 "Record within the range of the sensor",
                 level=extreme,
                 end=end,
-                longest=max(found),
-                times=len(found),
+                longest=max(result),
+                times=len(result),
             )
 
 
@@ -1353,8 +1353,8 @@ def too_fast(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         )
     elif float(np.ptp(record.values("position"))) > LARGEST_VALUES["m"]:
         return  # which was said
-    found = _doubted("position", text, motion.fastest)
-    yield replace(found, severity="error") if certain else found
+    result = _doubted("position", text, motion.fastest)
+    yield replace(result, severity="error") if certain else result
 
 
 def lifted(record: Measurement) -> Iterator[Finding]:
@@ -1523,8 +1523,8 @@ def check(
     if mechanism is not None:
         measurement = as_turning(measurement, mechanism.units)
     # Findings of a joint that turns have units of turning.
-    found = _findings(measurement, mechanism, conditions)
-    return Checks(findings=tuple(_beside_mass(found, vary)), name=measurement.name)
+    result = _findings(measurement, mechanism, conditions)
+    return Checks(findings=tuple(_beside_mass(result, vary)), name=measurement.name)
 
 
 def faults(
@@ -1541,8 +1541,8 @@ def faults(
     >>> [str(one) for one in faults(still)]
     ['Position is constant: no motion was recorded.']
     """
-    found = _beside_mass(_findings(measurement, mechanism, grave=True), vary)
-    return tuple(finding for finding in found if finding.severity == "error")
+    result = _beside_mass(_findings(measurement, mechanism, grave=True), vary)
+    return tuple(finding for finding in result if finding.severity == "error")
 
 
 def _beside_mass(findings: Iterable[Finding], vary: str | Collection[str]) -> Iterator[Finding]:
@@ -1628,20 +1628,20 @@ def _joints(
         name: replace(trial, turning=True) if units.get(name) == "rad" else trial
         for name, trial in record.joints.items()
     }
-    found = {name: [*_record(trial, None, grave, coupled=True)] for name, trial in joints.items()}
-    moving = [name for name, own in found.items() if not any(map(_still, own))]
+    result = {name: [*_record(trial, None, grave, coupled=True)] for name, trial in joints.items()}
+    moving = [name for name, own in result.items() if not any(map(_still, own))]
     if moving:  # what jitter looks like in a joint that rests says nothing
-        found = {
+        result = {
             name: own
             if name in moving
             else [_resting(finding, RESTING_JOINT) for finding in own if _still(finding)]
-            for name, own in found.items()
+            for name, own in result.items()
         }
-    said = [{finding.sentence for finding in found[name]} for name in moving or found]
+    said = [{finding.sentence for finding in result[name]} for name in moving or result]
     shared = set.intersection(*said)
     # What all moving joints share is said once, in the place of the first.
-    first = (moving or [*found])[0]
-    for name, own in found.items():
+    first = (moving or [*result])[0]
+    for name, own in result.items():
         for finding in own:
             if finding.sentence not in shared:
                 yield replace(finding, record=f"{label}, {name}" if label else name)
@@ -1956,8 +1956,8 @@ def with_doubts(
     except (ParameterError, UnknownNameError):  # of what was asked, not of the record
         raise
     except of as error:
-        found = check(measurement, mechanism=mechanism).findings
-        doubts = [finding for finding in found if finding.severity == "warning"]
+        result = check(measurement, mechanism=mechanism).findings
+        doubts = [finding for finding in result if finding.severity == "warning"]
         if not doubts:
             raise
         text = str(error).rstrip()

@@ -93,15 +93,17 @@ class Motion:
     @cached_property
     def directions(self) -> NDArray[np.int64]:
         """1, -1, or 0 where the speed is too low or the way too short to tell."""
-        found = np.sign(np.where(np.abs(self.velocity) > self.sure, self.velocity, 0.0)).astype(int)
-        first = np.flatnonzero(np.diff(found, prepend=2))
+        result = np.sign(np.where(np.abs(self.velocity) > self.sure, self.velocity, 0.0)).astype(
+            int
+        )
+        first = np.flatnonzero(np.diff(result, prepend=2))
         # The way in each direction: integrals of the velocity between its changes of sign.
         steps = np.diff(self.time, append=self.time[-1]) * self.velocity
         ways = np.add.reduceat(steps, first)
         path = np.cumsum(steps)
         # A filter swings about a velocity that jumps, by a little way.
         short = np.abs(ways) < SWING * float(np.ptp(path))
-        return np.where(np.repeat(short, np.diff(first, append=found.size)), 0, found)
+        return np.where(np.repeat(short, np.diff(first, append=result.size)), 0, result)
 
     @cached_property
     def rests(self) -> Array:
@@ -150,11 +152,11 @@ def motion_of(record: Measurement) -> Motion | None:
         )
     position = np.asarray(record.values("position"))
     blur, corner, cutoff = noise_of(position, step_of(position)), CUTOFF, None
-    found = velocity_of(record)
+    result = velocity_of(record)
     while True:
         # The same for the derivative, whose spectrum grows with the frequency squared.
         noise = blur * 2 * np.pi * np.sqrt(2 * corner**3 / 3) / dt
-        moving = Motion(time=time, velocity=found, noise=float(noise), unit=unit, cutoff=cutoff)
+        moving = Motion(time=time, velocity=result, noise=float(noise), unit=unit, cutoff=cutoff)
         corner, enough = corner / 2, SURE * noise <= SLIGHT * moving.fastest
         if enough or corner * time.size < PADDED:
             return moving
@@ -163,7 +165,7 @@ def motion_of(record: Measurement) -> Motion | None:
         smoothed = smooth(time, position, cutoff)
         if float(np.mean((position - smoothed) ** 2)) > blur**2:
             return moving
-        found = np.gradient(smoothed, time)
+        result = np.gradient(smoothed, time)
 
 
 def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
@@ -673,9 +675,9 @@ def swing_of(record: Measurement) -> Swing | None:
     if not free:
         beside += [np.asarray(record.values("force")), np.ones_like(x)]
     table = np.stack([low(pull)[inner] for pull in (*pulls, *beside)], axis=1)
-    found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
-    first, second, *others = found
-    left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
+    result, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
+    first, second, *others = result
+    left, without = a - table @ result, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
     if float(left @ left) > (1.0 - HALF) * float(without @ without):
         return None
     if not record.turning:

@@ -224,11 +224,11 @@ CHANNELS: Final = (
 
 def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
-    found = dict(_apart(_variables(path)))
-    vectors = {name: value for name, value in found.items() if _is_vector(value)}
-    vectors = vectors or dict(_split(found)) or dict(_cells(found))
+    result = dict(_apart(_variables(path)))
+    vectors = {name: value for name, value in result.items() if _is_vector(value)}
+    vectors = vectors or dict(_split(result)) or dict(_cells(result))
     if not vectors:
-        listed = [f"{name} {_shape(value)}" for name, value in found.items()]
+        listed = [f"{name} {_shape(value)}" for name, value in result.items()]
         raise InputError(
             f"{path}: contains no numeric vector; contents:"
             f" {joined(listed, MOST_LISTED) or 'nothing'}. Save time and signals as vectors of"
@@ -416,8 +416,8 @@ def _newer(path: Path) -> Iterator[tuple[str, Any]]:
     with h5py.File(path, "r") as file:
         file.visititems(add)
         _check(path, sum(sizes))  # before any is read
-        found = dict(_Hdf5(path).members(file, "", DEEPEST))
-    for name, value in found.items():
+        result = dict(_Hdf5(path).members(file, "", DEEPEST))
+    for name, value in result.items():
         yield from _unfolded(name, value, DEEPEST)
 
 
@@ -499,8 +499,8 @@ class _Hdf5:
             raise InputError(
                 f"{self.path}: the values of {name} are in another file: copy them here."
             )
-        found: NDArray[Any] = item[()].T
-        return found
+        result: NDArray[Any] = item[()].T
+        return result
 
 
 class _Elements:
@@ -555,8 +555,8 @@ def _check_blocks(path: Path) -> None:
     See ASAM MDF 4.1, block ``##DZ``: its length, kind of compression and both sizes of its data.
     """
     data, expanded = path.read_bytes(), 0
-    for found in _COMPRESSED.finditer(data):
-        length, kind, original, size = struct.unpack_from("<Q8xxxBx4xQQ", data, found.start() + 8)
+    for match in _COMPRESSED.finditer(data):
+        length, kind, original, size = struct.unpack_from("<Q8xxxBx4xQQ", data, match.start() + 8)
         if length != _HEAD + size:  # bytes that only look like such a block
             continue
         expanded += original
@@ -565,7 +565,7 @@ def _check_blocks(path: Path) -> None:
         )
         if kind in _DEFLATED:
             stream = zlib.decompressobj()
-            begin = found.start() + _HEAD
+            begin = match.start() + _HEAD
             if len(stream.decompress(data[begin : begin + size], original + 1)) > original:
                 raise ValueError("a compressed block is larger than it says")
 

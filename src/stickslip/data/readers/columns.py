@@ -326,9 +326,9 @@ def stated_unit(header: str, quantity: str) -> str | None:
     >>> stated_unit("Velocity (mm/s)", "velocity"), stated_unit("Velocity (raw)", "velocity")
     ('mm/s', None)
     """
-    found = _surely(header)
+    result = _surely(header)
     return next(
-        (hit["unit"].strip() for hit in found if is_unit_of(hit["unit"].strip(), quantity)), None
+        (hit["unit"].strip() for hit in result if is_unit_of(hit["unit"].strip(), quantity)), None
     )
 
 
@@ -420,7 +420,7 @@ def motor_constants(given: Any) -> dict[str, float | str]:
     ({'current': '12 Ncm/A'}, {'current.elbow': 0.12}, {'current': 0.12})
     """
     constants = given if isinstance(given, Mapping) else {"current": given}
-    found: dict[str, float | str] = {}
+    result: dict[str, float | str] = {}
     for name, value in constants.items():
         key = name if name.partition(".")[0] == "current" else f"current.{name}"
         quantity = Quantity("K_m", "N/A", or_unit="N m/A")
@@ -428,7 +428,7 @@ def motor_constants(given: Any) -> dict[str, float | str]:
         try:
             constant = read_gain(value) if isinstance(value, str) else value
             number = quantity.check("", "", constant)
-            found[key] = constant if isinstance(constant, str) else number
+            result[key] = constant if isinstance(constant, str) else number
         except ParameterError:
             number = 0.0
         if number == 0.0:
@@ -436,7 +436,7 @@ def motor_constants(given: Any) -> dict[str, float | str]:
                 f"{label} must be a number other than 0 in N/A or N m/A, or text with a unit such"
                 f' as "0.12 N m/A", got {shown(value)}.'
             )
-    return found
+    return result
 
 
 def column_of(quantity: str, given: Any) -> Column:

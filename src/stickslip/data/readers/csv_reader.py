@@ -217,12 +217,12 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> tuple[pd.DataF
     columns = [place for place, name in enumerate(names) if name == TIMES]
     columns = [place for place in columns if rows[place].notna().any()]
     if len(columns) < 2:
-        found = rows[own].set_axis(headers, axis=1)
+        result = rows[own].set_axis(headers, axis=1)
         if columns:
-            found.insert(0, times, times_in(rows[columns[0]].dropna(), TIMES))
+            result.insert(0, times, times_in(rows[columns[0]].dropna(), TIMES))
         else:
-            found.insert(0, times, _counted(segment, len(rows), decimal))
-        return found, True
+            result.insert(0, times, _counted(segment, len(rows), decimal))
+        return result, True
     tables = []
     for place, header in zip(own, headers, strict=True):
         before = max(column for column in columns if column < place)
@@ -234,7 +234,7 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> tuple[pd.DataF
 
 def _counted(segment: _Segment, rows: int, decimal: str) -> Array:
     """Return the times of rows that have none, from those that the header states."""
-    found = []
+    result = []
     for tag in ("X0", "Delta_X"):
         cells = [cell.replace(decimal, ".") for cell in _told(segment.head, tag)]
         if len(set(cells)) != 1:
@@ -243,10 +243,10 @@ def _counted(segment: _Segment, rows: int, decimal: str) -> Array:
                 " the channels with their times (X_Columns One or Multi)."
             )
         try:
-            found.append(float(cells[0]))
+            result.append(float(cells[0]))
         except ValueError:
             raise InputError(f"has {tag} {shown(cells[0])} in its header, no number.") from None
-    return found[0] + found[1] * np.arange(rows, dtype=float)
+    return result[0] + result[1] * np.arange(rows, dtype=float)
 
 
 def _trials(tables: Sequence[pd.DataFrame]) -> Iterator[int]:
@@ -311,7 +311,7 @@ def read_scope(text: str) -> FileTable:
     ({'time [ms]': [0.0, 2.0], 'Pos [mm]': [0.5, 0.75], 'Torque [N]': [1.0, 1.5]}, 8)
     """
     lines = text.lstrip("\ufeff").splitlines()
-    marks = ((index, found) for index, line in enumerate(lines) if (found := _MARK.match(line)))
+    marks = ((index, result) for index, line in enumerate(lines) if (result := _MARK.match(line)))
     begins, mark = next(marks)
     separator = mark["separator"]
     while lines[-1].strip(f'{separator}" ').casefold() in _END_OF_ROWS:
@@ -457,8 +457,8 @@ def read_serial(text: str) -> FileTable:
     >>> table.data.to_dict("list")
     {'time [s]': [0.0, 0.5], 'x': [1, 3], 'F': [2, 4]}
     """
-    found = [match for line in text.lstrip("\ufeff").splitlines() if (match := _LINE.match(line))]
-    texts = [match["text"].strip() for match in found]
+    result = [match for line in text.lstrip("\ufeff").splitlines() if (match := _LINE.match(line))]
+    texts = [match["text"].strip() for match in result]
     separator = next(
         (mark for mark in MONITOR_SEPARATORS if sum(mark in text for text in texts) > 1), ";"
     )
@@ -480,11 +480,11 @@ def read_serial(text: str) -> FileTable:
         names = heads[-1] if heads else [f"column {place}" for place in range(1, width + 1)]
     decimal = "," if separator != "," and any("," in texts[i] for i in rows) else "."
     data = rows_of([";".join(values[i]) for i in rows], ";", decimal, width).set_axis(names, axis=1)
-    times = seconds_of(pd.Series([found[i]["stamp"] for i in rows]))
+    times = seconds_of(pd.Series([result[i]["stamp"] for i in rows]))
     if times is None:
         raise InputError("has time stamps before its lines that are no times of day.")
     data.insert(0, TIME, times - times[0])
-    lost = len(found) - len(rows) - bool(heads)
+    lost = len(result) - len(rows) - bool(heads)
     are = "is" if lost == 1 else "are"
     said = [f"{count(lost, 'line')} without {width} numbers {are} not read."] if lost else []
     return FileTable(data=data, lost=(*said,))
@@ -559,8 +559,8 @@ def read_tribometer(text: str) -> FileTable:
     """
     lines = text.lstrip("\ufeff").splitlines()
     separator = max(STEP_SEPARATORS, key=lambda mark: sum(line.count(mark) for line in lines[:500]))
-    found = [*_sections(lines, separator)]
-    sections = [section for section in found if section.names]
+    result = [*_sections(lines, separator)]
+    sections = [section for section in result if section.names]
     if not sections:
         raise InputError(
             f"has no rows of {TRIBOMETER}: names of columns, perhaps a row of units, then numbers."
@@ -599,7 +599,7 @@ def read_tribometer(text: str) -> FileTable:
         )
     data, told = _with_sliding_speed(data, lines, separator)
     data, said = _from_slip(data)
-    if nameless := sum(len(section.rows) for section in found if not section.names):
+    if nameless := sum(len(section.rows) for section in result if not section.names):
         lost.append(f"{count(nameless, 'row')} below no names of columns: not read.")
     return FileTable(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
 
@@ -635,9 +635,9 @@ def _section(above: Sequence[str], rows: Sequence[str], separator: str) -> _Sect
     width = max(place for place, cell in enumerate(cells_of(rows[0], separator), 1) if cell)
     if len(names) < width or sum(map(bool, names)) < FEWEST_IN_STEP:
         names = []
-    found = [match[match.lastgroup or 0] for line in above if (match := _STEP.match(line))]
+    result = [match[match.lastgroup or 0] for line in above if (match := _STEP.match(line))]
     return _Section(
-        label=found[-1] if found else "",
+        label=result[-1] if result else "",
         names=tuple(name.removesuffix("()").strip() for name in names),
         units=tuple(units),
         rows=rows,
@@ -646,11 +646,11 @@ def _section(above: Sequence[str], rows: Sequence[str], separator: str) -> _Sect
 
 def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[str]:
     """Return what is said of steps below whose number there are no two rows."""
-    found = [match for line in lines if (match := _STEP.match(line))]
+    result = [match for line in lines if (match := _STEP.match(line))]
     kinds = {
-        hit.lastgroup for hit in found if hit[hit.lastgroup or 0] in {s.label for s in sections}
+        hit.lastgroup for hit in result if hit[hit.lastgroup or 0] in {s.label for s in sections}
     }
-    missed = Counter(hit[hit.lastgroup or 0] for hit in found if hit.lastgroup in kinds)
+    missed = Counter(hit[hit.lastgroup or 0] for hit in result if hit.lastgroup in kinds)
     missed -= Counter(section.label for section in sections)
     if not missed:
         return []
@@ -665,11 +665,11 @@ def _step_units(section: _Section) -> list[str]:
     """Return the unit of each name; empty where there is none."""
     units = [unit_in(cell) for cell in section.units]
     units += [""] * (len(section.names) - len(units))
-    found = [
+    result = [
         FORCES.get(unit, unit) if _FORCE.fullmatch(name) else unit
         for name, unit in zip(section.names, units, strict=False)
     ]
-    return [unit if unit and is_unit(unit) else "" for unit in found]
+    return [unit if unit and is_unit(unit) else "" for unit in result]
 
 
 def _are_alike(units: Sequence[str], first: Sequence[str]) -> bool:
@@ -901,8 +901,8 @@ def _layout(path: Path, text: str, encoding: str) -> Layout:
     named = separator in lines[start] and is_head(cells_of(lines[start], separator))
     # Names in the first line above a row of numbers, or names wherever rows of numbers begin.
     plain = named and (not below or is_row(below[0], separator))
-    if not plain and (found := layout_of(text, encoding)):
-        return replace(found.layout, thousands="") if found.assumed else found.layout
+    if not plain and (result := layout_of(text, encoding)):
+        return replace(result.layout, thousands="") if result.assumed else result.layout
     if not plain:
         refuse_numbers(path, text)
     rows = [cells_of(line, separator) for line in below]
@@ -1113,10 +1113,10 @@ def grouped(cell: object) -> str:
     >>> grouped("1.592,0"), grouped("12 000"), grouped("broken")
     (" Write numbers ... separator, here '1592,0'.", " Write ...12000'.", '')
     """
-    found = _GROUPED.fullmatch(cell) if isinstance(cell, str) else None
-    if found is None:
+    result = _GROUPED.fullmatch(cell) if isinstance(cell, str) else None
+    if result is None:
         return ""
-    plain = found[0].strip().replace(found["mark"] or found["comma"], "")
+    plain = result[0].strip().replace(result["mark"] or result["comma"], "")
     return f" Write numbers without a thousands separator, here {plain!r}."
 
 
@@ -1144,15 +1144,15 @@ def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.FileTab
 def _first(path: Path, sheets: dict[str, str]) -> tables.FileTable:
     """Return the table of the first of the sheets, given as texts, that has one."""
     for title, text in sheets.items():
-        dialect, found = dialect_of(text), layout_of(text, "utf-8")
-        if dialect is None and found is None:
+        dialect, result = dialect_of(text), layout_of(text, "utf-8")
+        if dialect is None and result is None:
             continue
         others = [name for name, rest in sheets.items() if name != title and rest.strip()]
         remarks = [*tables.read_of("sheet", title, others)]
         if dialect is not None:
             table = dialect.read(text)
-        elif found is not None:
-            table = read_as(path, text, text.encode(), found.layout)
+        elif result is not None:
+            table = read_as(path, text, text.encode(), result.layout)
         return replace(table, remarks=(*remarks, *table.remarks))
     listed = joined([*map(shown, sheets)])
     raise InputError(

@@ -253,25 +253,25 @@ def guess_data(
     frame = read_frame(path, columns=stated, units={}, layout=layout, also=named)
     frame = _timed(frame, columns or {})
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
-    found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
-    doubt = found.pop(measurement.STATED, None)
-    frame = _without_rate(frame, found)
-    _check_enough(frame, found)
-    servo, found = _of_servo(frame, found, units or {})
-    found = found if servo is not None else _by_derivative(frame, found)
-    if motor_constant is not None and "current" not in found:
+    result = assigned(frame, given, units or {}, by_current=motor_constant is not None)
+    doubt = result.pop(measurement.STATED, None)
+    frame = _without_rate(frame, result)
+    _check_enough(frame, result)
+    servo, result = _of_servo(frame, result, units or {})
+    result = result if servo is not None else _by_derivative(frame, result)
+    if motor_constant is not None and "current" not in result:
         raise InputError(
             f"{path}: the motor constant belongs to a current, and no column seems to hold one."
             ' Name it, as columns={"current": "..."}.'
         )
-    times = times_of(frame, found["time"]) if "time" in found else None
-    trial, why = trial_column(frame, given, found, times)
+    times = times_of(frame, result["time"]) if "time" in result else None
+    trial, why = trial_column(frame, given, result, times)
     steady, by_current = "", False
-    if times is not None and "time" not in given and _is_steady(frame, found, times):
-        clock, times = found.pop("time"), None
+    if times is not None and "time" not in given and _is_steady(frame, result, times):
+        clock, times = result.pop("time"), None
         steady = clock.name
-        by_current = "current" in found
-        found = _as_friction(found)
+        by_current = "current" in result
+        result = _as_friction(result)
         units, gain = (_as_friction(x or {}) for x in (units, gain))
         reasons["rows"] = (
             f"steady readings; their times, column {steady!r}, are read as their order"
@@ -281,15 +281,15 @@ def guess_data(
         reasons["trial"] = f"column {trial!r}, {why}"
     assumed = reasons.pop("thousands", "")
     turning = servo is not None or _turns(
-        _geared(found, gain or {}), motor_constant, [*frame.names]
+        _geared(result, gain or {}), motor_constant, [*frame.names]
     )
     parts = _of_trials(frame, trial)
-    conditions = _conditions(frame, found, trial)
-    if "temperature" not in found:
-        found |= changing_temperature(parts, conditions)
-    found |= contact_inputs(frame, found)
-    found = _with_doubt(frame, found, doubt, table=times is None)
-    alone = [column.name for column in found.values()] if len(parts) == 1 else []
+    conditions = _conditions(frame, result, trial)
+    if "temperature" not in result:
+        result |= changing_temperature(parts, conditions)
+    result |= contact_inputs(frame, result)
+    result = _with_doubt(frame, result, doubt, table=times is None)
+    alone = [column.name for column in result.values()] if len(parts) == 1 else []
     conditions = tuple(
         name
         for name in conditions
@@ -297,34 +297,36 @@ def guess_data(
     )
     known = {
         q: column.unit
-        for q, column in found.items()
+        for q, column in result.items()
         if column.unit and (not column.stated or is_of(column.unit, "count"))
     }
     gains: dict[str, float | str] = {
-        q: _gain(q, turning, column.unit) for q, column in found.items() if _is_raw(column.unit)
+        q: _gain(q, turning, column.unit) for q, column in result.items() if _is_raw(column.unit)
     }
     assumed_gains = {*gains}
     scale = _with_unit(motor_constant or 1, "N m/A" if turning else "N/A")
     if by_current:
-        known["friction"] = found["friction"].unit or "A"
-        found["friction"] = replace(found["friction"], unit=known["friction"])
+        known["friction"] = result["friction"].unit or "A"
+        result["friction"] = replace(result["friction"], unit=known["friction"])
         gains["friction"] = scale
-    registers = [q for q, column in found.items() if servo is not None and column.why == servo.why]
+    registers = [q for q, column in result.items() if servo is not None and column.why == servo.why]
     if servo is not None:
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
     sure = {*(units or {}), *(gain or {}), *registers, measurement.STATED}
-    pressed = "load" in found and "load" not in (gain or {})
-    rubs = next((x for q, x in found.items() if q == "friction" and is_of(x.unit or "", "1")), None)
-    pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
+    pressed = "load" in result and "load" not in (gain or {})
+    rubs = next(
+        (x for q, x in result.items() if q == "friction" and is_of(x.unit or "", "1")), None
+    )
+    pressed = pressed and bool(np.all(_numbers(frame, result["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
-    reasons |= {q: column_text(column, given.get(q, column.name)) for q, column in found.items()}
+    reasons |= {q: column_text(column, given.get(q, column.name)) for q, column in result.items()}
     if times is not None:
         reasons["time"] += rate_text(times)
-    if by_current or "current" in found:
+    if by_current or "current" in result:
         reasons["motor constant"] = f"{scale}, as given" if motor_constant else "not in the file"
     reasons["motion"] = "about an axis" if turning else "along a line"
-    repair = repairs_of(frame, found, times, trial)
+    repair = repairs_of(frame, result, times, trial)
     if repair:
         reasons["repair"] = repair_text(repair)
     if times is not None and not trial:
@@ -334,31 +336,35 @@ def guess_data(
         file=str(given_path),
         layout=layout,
         columns={
-            **{q: given.get(q, column.name) for q, column in found.items()},
-            **({"time": ""} if _has_other_times(frame, found, given) else {}),
+            **{q: given.get(q, column.name) for q, column in result.items()},
+            **({"time": ""} if _has_other_times(frame, result, given) else {}),
             **({"trial": trial} if trial and trial != "trial" else {}),
         },
         units={**known, **(units or {})},
         gain=gains | dict(gain or {}),
         assumed=tuple(q for q in gains if q in assumed_gains - {*registers, *(gain or {})}),
         conditions=conditions,
-        motor_constant=scale if "current" in found else "",
+        motor_constant=scale if "current" in result else "",
         repair=repair,
         turning=turning,
         reasons=reasons,
         doubts=(
             *frame.lost,
             *frame.remarks,
-            *rates_doubt(frame, found),
+            *rates_doubt(frame, result),
             *([assumed] if assumed else []),
             *([READINGS.format(steady)] if steady else []),
             *([_scale_doubt(turning)] if by_current and motor_constant is None else []),
             *([UPSIDE_DOWN] if backwards else []),
-            *(servo.doubts(found, gain or {}) if servo is not None else ()),
-            *([PRESSED.format(found["load"].name)] if pressed else []),
-            *([PER_LOAD.format(rubs.name)] if rubs and "load" not in found and not turning else []),
-            *_doubts(frame, found, turning, sure, motor_constant),
-            *_offered(conditions, found),
+            *(servo.doubts(result, gain or {}) if servo is not None else ()),
+            *([PRESSED.format(result["load"].name)] if pressed else []),
+            *(
+                [PER_LOAD.format(rubs.name)]
+                if rubs and "load" not in result and not turning
+                else []
+            ),
+            *_doubts(frame, result, turning, sure, motor_constant),
+            *_offered(conditions, result),
         ),
     )
 
@@ -419,29 +425,29 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
     dialect = dialect_of(text)
     if dialect is not None:
         return None, {"cells": dialect.title}
-    found = text_layout.layout_of(text, encoding)
-    if found is None:
+    result = text_layout.layout_of(text, encoding)
+    if result is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
         read_frame(path, columns={}, units={})
         refuse_numbers(path, text)
         return None, {}
-    layout = found.layout
+    layout = result.layout
     mark = text_layout.MARKS[layout.separator]
     decimal = "comma" if layout.decimal == "," else "point"
     thousands = f", thousands separated by {layout.thousands!r}" if layout.thousands else ""
-    header = ", ".join(map(repr, (name for name in found.names if name)))
+    header = ", ".join(map(repr, (name for name in result.names if name)))
     reasons = {
         "code page": layout.encoding.removesuffix("-sig"),
         "cells": f"separated by {mark}, decimal {decimal}{thousands}",
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
-    if found.units:
-        reasons["units"] = f"row below the header: {', '.join(found.units)}"
-    if found.assumed:
-        plain = found.assumed.replace(layout.thousands, "")
+    if result.units:
+        reasons["units"] = f"row below the header: {', '.join(result.units)}"
+    if result.assumed:
+        plain = result.assumed.replace(layout.thousands, "")
         reasons["thousands"] = (
-            f"{found.assumed} is read as {plain}: the other numbers have a decimal {decimal}. If"
-            f" it stands for {found.assumed.replace(layout.thousands, layout.decimal)}, write all"
+            f"{result.assumed} is read as {plain}: the other numbers have a decimal {decimal}. If"
+            f" it stands for {result.assumed.replace(layout.thousands, layout.decimal)}, write all"
             " numbers with one decimal mark."
         )
     return layout, reasons
@@ -474,7 +480,7 @@ def assigned(
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
     quantities = [q for q in GUESSED if not (by_current and q == "force")]
     kinds = [_by_kind(frame, left, taken, quantities, turning, units) for turning in (False, True)]
-    taken = max(kinds, key=lambda found: sum(item.score for item in found.values()))
+    taken = max(kinds, key=lambda kind: sum(item.score for item in kind.values()))
     if "current" in taken and "force" in taken:
         del taken["current" if taken["force"].score >= taken["current"].score else "force"]
     if "time" not in taken and "force" in taken and "velocity" in taken and "friction" not in taken:
@@ -659,25 +665,25 @@ def _by_kind(
     """
     taken = dict(given)
     offers = [
-        (found.score, -place, quantity, found)
+        (match.score, -place, quantity, match)
         for place, name in enumerate(left)
         for quantity in quantities
         for offer in _offers(frame, name, quantity)
-        for found in [
+        for match in [
             replace(offer, unit=units[quantity], stated=False) if units.get(quantity) else offer
         ]
-        if _is_of_kind(found, quantity, turning)
+        if _is_of_kind(match, quantity, turning)
     ]
-    for _, _, quantity, found in sorted(offers, key=lambda offer: offer[:2], reverse=True):
-        alike = quantity in taken and found.name != taken[quantity].name
-        alike = alike and not _stays(frame, found)
-        if alike and found.score == taken[quantity].score and quantity not in given:
-            taken[quantity] = replace(taken[quantity], others=(*taken[quantity].others, found.name))
-        if quantity in taken or found.name in {column.name for column in taken.values()}:
+    for _, _, quantity, match in sorted(offers, key=lambda offer: offer[:2], reverse=True):
+        alike = quantity in taken and match.name != taken[quantity].name
+        alike = alike and not _stays(frame, match)
+        if alike and match.score == taken[quantity].score and quantity not in given:
+            taken[quantity] = replace(taken[quantity], others=(*taken[quantity].others, match.name))
+        if quantity in taken or match.name in {column.name for column in taken.values()}:
             continue
         if "force" in taken and quantity == "current" and taken["force"].score >= PART:
             continue  # measured as well, but the force is what is wanted
-        taken[quantity] = found
+        taken[quantity] = match
     return taken
 
 
@@ -849,9 +855,9 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     """Return a name without the unit that it carries, one of the quantity if there is one."""
     if len(name) > LONGEST_NAME:
         return name, None
-    found = [style.fullmatch(name) for style in STYLES]
-    words = {hit["unit"].strip() for hit in found[len(SURE_STYLES) :] if hit}
-    parts = [(hit["name"], hit["unit"].strip()) for hit in found if hit and is_unit(hit["unit"])]
+    result = [style.fullmatch(name) for style in STYLES]
+    words = {hit["unit"].strip() for hit in result[len(SURE_STYLES) :] if hit}
+    parts = [(hit["name"], hit["unit"].strip()) for hit in result if hit and is_unit(hit["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in WORDS["calendar"])]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
     if not own and (rate := RATE.fullmatch(name)):  # speed_mm_s
@@ -1210,13 +1216,13 @@ def restarts(times: measurement.Array) -> list[int]:
     back = np.flatnonzero(np.diff(known) < 0.0)
     # the first rows span nothing, and many steps back are no records
     least = HALF * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
-    found, first = [], 0
+    result, first = [], 0
     for last in back.tolist() if back.size < SLIGHT * known.size else ():
         span = float(np.ptp(known[first : last + 1]))
         if span > least and known[last] - known[last + 1] > HALF * span:
-            found.append(int(rows[last + 1]))
+            result.append(int(rows[last + 1]))
             first = last + 1
-    return found
+    return result
 
 
 def repair_text(repair: Sequence[text_layout.Repair]) -> str:
@@ -1279,10 +1285,10 @@ def numbered(name: str) -> tuple[str, str]:
     if joint:
         return f"{first}.#", joint
     bare = _unit_in_name(name, "position")[0] or name
-    found = re.search(r"(?<!\d)(\d{1,2})(?!\d)(?=[^\d]*$)", bare)
-    if found is None:
+    result = re.search(r"(?<!\d)(\d{1,2})(?!\d)(?=[^\d]*$)", bare)
+    if result is None:
         return bare.casefold(), ""
-    return (bare[: found.start()] + "#" + bare[found.end() :]).casefold(), found[1]
+    return (bare[: result.start()] + "#" + bare[result.end() :]).casefold(), result[1]
 
 
 def inputs_in(names: Sequence[str]) -> dict[str, tuple[str, str]]:
@@ -1315,15 +1321,15 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
         stem, number_ = numbered(name)
         if number_ and not _is_other(stem, "position"):
             stems.setdefault(stem, {})[number_] = None
-    several = [(stem, found) for stem, found in stems.items() if len(found) > 1]
-    for stem, found in several:
+    several = [(stem, results) for stem, results in stems.items() if len(results) > 1]
+    for stem, match in several:
         moves = any(_named_score(stem, q)[0] > 0.0 for q in ("position", "velocity"))
         driven = any(
-            other == found and any(_named_score(name, q)[0] > 0.0 for q in ("force", "current"))
+            other == match and any(_named_score(name, q)[0] > 0.0 for q in ("force", "current"))
             for name, other in several
         )
         if moves and driven:  # positions alone may be those of several sensors of one axis
-            return found
+            return match
     return {}
 
 
@@ -1435,7 +1441,7 @@ def changing_temperature(
     parts: Sequence[QuantityTable], names: Iterable[str]
 ) -> Iterator[tuple[str, Found]]:
     """Yield the temperature that laws may contain: known at all times, and one that changes."""
-    found = [
+    result = [
         Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
         for name in names
         if _is_named(name, VOCABULARY["temperature"].names)
@@ -1446,8 +1452,8 @@ def changing_temperature(
         for unit in [_temperature_unit(name, stated)]
         if unit is None or unit in KELVINS
     ]
-    if found:
-        yield "temperature", replace(found[0], others=tuple(column.name for column in found[1:]))
+    if result:
+        yield "temperature", replace(result[0], others=tuple(column.name for column in result[1:]))
 
 
 def contact_inputs(frame: QuantityTable, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
@@ -1548,26 +1554,26 @@ def _doubts(
             " another, name its position as --columns position=...; all of them together need the"
             " URDF of the robot, as --urdf robot.urdf."
         )
-    for quantity, one in found.items():
-        if quantity != "time" and one.why == "by its unit":
-            yield f"Nothing but its unit says that {one.name!r} is the {quantity}: check it."
-    for quantity, one in found.items():
-        stamps = quantity == "time" and one.unit is None and "stamp" in one.why
-        if one.unit is None and quantity not in units and not stamps:
+    for quantity, item in found.items():
+        if quantity != "time" and item.why == "by its unit":
+            yield f"Nothing but its unit says that {item.name!r} is the {quantity}: check it."
+    for quantity, item in found.items():
+        stamps = quantity == "time" and item.unit is None and "stamp" in item.why
+        if item.unit is None and quantity not in units and not stamps:
             kinds = meaning_of(quantity).units or ("SI",)
             yield (
-                f"The column {one.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed for"
-                f" the {quantity}{_implausible(frame, quantity, one, turning)}."
+                f"The column {item.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed"
+                f" for the {quantity}{_implausible(frame, quantity, item, turning)}."
             )
-        elif one.unit is not None and is_of(one.unit, "V") and quantity not in units:
+        elif item.unit is not None and is_of(item.unit, "V") and quantity not in units:
             yield (
-                f"The column {one.name!r} is in {one.unit}, and"
-                f" {_gain(quantity, turning, one.unit)} is assumed: give the sensitivity of the"
+                f"The column {item.name!r} is in {item.unit}, and"
+                f" {_gain(quantity, turning, item.unit)} is assumed: give the sensitivity of the"
                 f" sensor as its gain, as --gain {quantity}='...'."
             )
-        elif one.unit is not None and is_of(one.unit, "count") and quantity not in units:
+        elif item.unit is not None and is_of(item.unit, "count") and quantity not in units:
             yield (
-                f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
+                f"The column {item.name!r} is in {item.unit}: give the counts per unit of length or"
                 " angle as its gain."
             )
     if "velocity" in found and set(parts_of(found["velocity"].name)) & {*WORDS["rolling"]}:
@@ -1577,10 +1583,10 @@ def _doubts(
         )
     positions = _second_positions(frame, found)
     yield from positions.values()
-    for quantity, one in found.items():
-        for other in (name for name in one.others if name not in positions):
+    for quantity, item in found.items():
+        for other in (name for name in item.others if name not in positions):
             yield (
-                f"The column {other!r} may be the {quantity} as well as {one.name!r}, which comes"
+                f"The column {other!r} may be the {quantity} as well as {item.name!r}, which comes"
                 " first."
             )
     yield from _left_out(frame, found)

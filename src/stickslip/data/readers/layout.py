@@ -75,16 +75,16 @@ def seconds_of(column: "pd.Series[Any]") -> NDArray[np.float64] | None:
     except UnicodeEncodeError:  # halves of characters
         return None
     there = texts.dropna()
-    found = _STAMP.fullmatch(there.iloc[0]) if len(there) else None
-    if found is None:
+    result = _STAMP.fullmatch(there.iloc[0]) if len(there) else None
+    if result is None:
         return None
-    if not found["date"]:
+    if not result["date"]:
         return _of_day(texts.str.replace(",", ".", regex=False))
     # One pattern for all is parsed a hundred times faster than each by its own, and that of the
     # first as it stands spares the time of making all alike, which is longer.
     for alike in (False, True):
         try:
-            pattern = _pattern(there, found, alike=alike)
+            pattern = _pattern(there, result, alike=alike)
             stamps = pd.to_datetime(_alike(texts) if alike else texts, format=pattern, utc=True)
         except (ValueError, OverflowError):
             continue
@@ -174,8 +174,8 @@ def regular_times(rate: object, rows: int) -> Array | None:
     >>> regular_times("t", 3), regular_times("50", 3), regular_times("50 mm", 3)
     (None, None, None)
     """
-    found = split_number(rate)
-    unit = found["unit"] if found else None
+    result = split_number(rate)
+    unit = result["unit"] if result else None
     with concerning("columns.time"):
         if unit and is_of(unit, "Hz"):
             return np.arange(rows, dtype=float) / read_number(rate, Quantity("f", "Hz", above=0.0))
@@ -196,7 +196,7 @@ def stated_rates(lines: Sequence[str], layout: "Layout") -> dict[str, str]:
     >>> stated_rates(["dt [ms],2,gain,5", "baud rate: 115200", "frequency: 5 Hz"], Layout())
     {'2 ms': "as line 1 states: 'dt [ms] 2'"}
     """
-    found: dict[float, tuple[str, str]] = {}
+    result: dict[float, tuple[str, str]] = {}
     for place, line in enumerate(lines, 1):
         cells = cells_of(line, ",") if layout.separator == "," else []
         text = "\t".join(cells) if cells and not re.search(r"\d", cells[0]) else line
@@ -206,8 +206,8 @@ def stated_rates(lines: Sequence[str], layout: "Layout") -> dict[str, str]:
             if step is not None:
                 said = " ".join(text[hit.start() : end].strip(' \t,;|"#%').split())
                 why = f"as line {place} states: {said!r}"
-                found.setdefault(float(f"{step[1]:.6g}"), (rate, why))
-    return dict(found.values())
+                result.setdefault(float(f"{step[1]:.6g}"), (rate, why))
+    return dict(result.values())
 
 
 def _stated_rate(hit: re.Match[str], decimal: str) -> tuple[str, int]:
@@ -234,8 +234,8 @@ def _unit_of_rate(unit: str, base: str) -> str:
     """Return a unit as the package spells it; empty if it is not of the kind of the base."""
     if base == "s":
         return unit if unit and is_of(unit, "s") else ""
-    found = _HERTZ.fullmatch(unit)
-    return f"{found[1].replace('K', 'k')}Hz" if found and unit[:1] != "m" else ""
+    result = _HERTZ.fullmatch(unit)
+    return f"{result[1].replace('K', 'k')}Hz" if result and unit[:1] != "m" else ""
 
 
 Repair: TypeAlias = Literal["sort", "gaps"]
@@ -269,11 +269,11 @@ def repaired(
     >>> found["time"].tolist(), done
     ([0.0, 1.0, 2.0], ('sorted by time (2 samples out of order)', 'dropped 1 exact duplicate'))
     """
-    found, done = dict(columns), []
+    result, done = dict(columns), []
     for step in steps:
-        found, remarks = (_without_gaps if step == "gaps" else _sorted)(found)
+        result, remarks = (_without_gaps if step == "gaps" else _sorted)(result)
         done += remarks
-    return found, tuple(done)
+    return result, tuple(done)
 
 
 def _without_gaps(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
@@ -494,8 +494,8 @@ def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> 
     if separator == " ":
         return line.lstrip("#% \t").split()  # a header may be marked as a comment
     try:
-        found = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
-        return next(found, [])
+        result = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
+        return next(result, [])
     except csv.Error:
         return [cell[:LONGEST_LINE] for cell in line.split(separator)]
 
@@ -519,9 +519,9 @@ def doubted_parts(cell: str) -> list[str]:
     >>> [doubted_parts(cell) for cell in ("3,51 ± 0,1", "3.51+/-0.1", "3.51(10)", "3.51")]
     [['3,51', '0,1'], ['3.51', '0.1'], ['3.51', '10'], []]
     """
-    found = DOUBTED.fullmatch(cell)
-    doubt = found and (found["doubt"] or found["digits"])
-    return [found["value"], doubt] if found and doubt else []
+    result = DOUBTED.fullmatch(cell)
+    doubt = result and (result["doubt"] or result["digits"])
+    return [result["value"], doubt] if result and doubt else []
 
 
 def layout_of(text: str, encoding: str) -> Text | None:
@@ -546,7 +546,7 @@ def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, Separator]]:
 
     The mark that leaves fewest words beside numbers, and then makes most cells, parts them.
     """
-    found = sorted(
+    result = sorted(
         (
             (*rows, -place, mark)
             for place, mark in enumerate(SEPARATORS)
@@ -555,7 +555,7 @@ def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, Separator]]:
         ),
         reverse=True,
     )
-    yield from ((width, first, mark) for _, width, first, _, mark in found)
+    yield from ((width, first, mark) for _, width, first, _, mark in result)
 
 
 def without_names(text: str) -> str:
@@ -628,16 +628,16 @@ def upper_lines(text: str, first: int = 0) -> list[str]:
     >>> upper_lines("# rig 3\nt,x\n0,1\n", 1)
     ['t,x', '0,1']
     """
-    found: list[str] = []
+    result: list[str] = []
     position = line = 0
-    while position < len(text) and len(found) < LOOKED_AT:
+    while position < len(text) and len(result) < LOOKED_AT:
         end = text.find("\n", position)
         end = len(text) if end < 0 else end
         if line >= first:
             cut = text[position : min(end, position + LONGEST_LINE)]
-            found.append(cut.rstrip("\r").lstrip("\ufeff"))
+            result.append(cut.rstrip("\r").lstrip("\ufeff"))
         position, line = end + 1, line + 1
-    return found
+    return result
 
 
 def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]]:
@@ -784,9 +784,9 @@ def _marks(
     other = "," if decimal == "." else "."
     several = separator != "," or '"' in text
     possible = [mark for mark in (other, *_BLANKS) if mark != separator and mark in text]
-    found = _THOUSANDS[decimal].search(text) if several and possible else None
-    if found and found[1] != separator:
-        return decimal, found[1]
+    result = _THOUSANDS[decimal].search(text) if several and possible else None
+    if result and result[1] != separator:
+        return decimal, result[1]
     blanks = [cell for cell in numbers if any(mark in cell for mark in _BLANKS)]
     if blanks:
         return decimal, next(mark for mark in _BLANKS if mark in blanks[0])
@@ -806,6 +806,6 @@ def _other_mark(numbers: Sequence[str], decimal: str) -> str:
     Where it stands elsewhere too, as in 0.15, a file has both decimal marks, and none is dropped.
     """
     other = "," if decimal == "." else "."
-    found = [cell for cell in numbers if other in cell]
+    result = [cell for cell in numbers if other in cell]
     whole = _GROUPS.format(other)
-    return other if found and all(re.fullmatch(whole, cell) for cell in found) else ""
+    return other if result and all(re.fullmatch(whole, cell) for cell in result) else ""

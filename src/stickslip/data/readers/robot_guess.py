@@ -103,8 +103,8 @@ def guess_robot(
     times = next((offer for q, offer in guess.assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")
-    found, doubts = _matched(frame, times.name, kinds, units or {}, Path(urdf).name)
-    joints = [replace(joint, numbers=dict(_numbers(frame, joint, units or {}))) for joint in found]
+    result, doubts = _matched(frame, times.name, kinds, units or {}, Path(urdf).name)
+    joints = [replace(joint, numbers=dict(_numbers(frame, joint, units or {}))) for joint in result]
     driven = any(joint.driven for joint in joints)
     moving = [joint for joint in joints if joint.moves and (joint.driven or not driven)]
     if not moving:
@@ -220,9 +220,9 @@ def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
     """
     own = {guess.numbered(name)[1]: name for name in names if guess.numbered(name)[1]}
     for first in (0, 1):  # counted alike, or from 0 and from 1
-        found = {key: own.get(str(int(key) + first), "") for key in keys}
-        if all(found.values()) and len(own) == len(keys):
-            return found
+        result = {key: own.get(str(int(key) + first), "") for key in keys}
+        if all(result.values()) and len(own) == len(keys):
+            return result
     return dict(zip(keys, names, strict=True)) if len(keys) == len(names) else {}
 
 
@@ -245,7 +245,9 @@ def _logged(
                 why="by its name",
             )
     if named:
-        yield from ((key, one) for key, one in named.items() if {"position", "velocity"} & {*one})
+        yield from (
+            (key, item) for key, item in named.items() if {"position", "velocity"} & {*item}
+        )
         return
     for key in guess.joints_in(names):
         part = {
@@ -253,16 +255,19 @@ def _logged(
             for name, at in frame.names.items()
             if name == clock or guess.numbered(name)[1] == key
         }
-        found = guess.assigned(replace(frame, names=part), {"time": clock}, {})
-        own = {what: read for what, read in found.items() if what in (*_WITH_CURRENT, "reference")}
-        taken = {column.name for column in found.values()}
+        result = guess.assigned(replace(frame, names=part), {"time": clock}, {})
+        own = {what: read for what, read in result.items() if what in (*_WITH_CURRENT, "reference")}
+        taken = {column.name for column in result.values()}
         own |= guess.changing_temperature(
             [replace(frame, names=part)], [name for name in part if name not in taken]
         )
         if {"position", "velocity"} & {*own}:
             yield (
                 key,
-                {what: replace(one, unit=units.get(what, one.unit)) for what, one in own.items()},
+                {
+                    what: replace(item, unit=units.get(what, item.unit))
+                    for what, item in own.items()
+                },
             )
 
 
@@ -271,25 +276,25 @@ def _numbers(
 ) -> Iterator[tuple[str, Array]]:
     """Yield positions, measured and commanded, in SI."""
     for what in ("position", "reference"):
-        found = joint.columns.get(what)
-        if found is not None:
-            cells = pd.to_numeric(frame.data[frame.names[found.name]], errors="coerce")
+        result = joint.columns.get(what)
+        if result is not None:
+            cells = pd.to_numeric(frame.data[frame.names[result.name]], errors="coerce")
             unit = units.get("position") if what == "reference" else None
             target = "rad" if joint.turns else "m"
-            unit = found.unit or unit
+            unit = result.unit or unit
             try:
                 scale = factor(unit, target) if unit else 1.0
             except ParameterError as error:
-                raise ParameterError(f"{frame.file}: column {found.name!r} {error}.") from None
+                raise ParameterError(f"{frame.file}: column {result.name!r} {error}.") from None
             yield what, cells.to_numpy(dtype=float) * scale
 
 
 def _columns(joints: Sequence[_Joint]) -> dict[str, guess.Found]:
     """Return the columns that are read, by quantity and joint."""
     return {
-        f"{what}.{joint.coordinate}": found
+        f"{what}.{joint.coordinate}": column
         for joint in joints
-        for what, found in joint.columns.items()
+        for what, column in joint.columns.items()
         if what in (*_WITH_CURRENT, *BESIDE)
         and not (what == "current" and "force" in joint.columns)
     }
@@ -299,10 +304,10 @@ def _units(
     columns: Mapping[str, guess.Found], given: Mapping[str, str]
 ) -> Iterator[tuple[str, str]]:
     """Yield units that the reader would not find by itself."""
-    for name, found in columns.items():
+    for name, column in columns.items():
         said = name.partition(".")[0] in given
-        if found.unit and (said or not found.stated):
-            yield name, found.unit
+        if column.unit and (said or not column.stated):
+            yield name, column.unit
 
 
 def _mean(joint: _Joint) -> float:
@@ -368,15 +373,15 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
     late, early = np.maximum(lags[near], 0), np.maximum(-lags[near], 0)
     of_u = energy[0][u.size - late] - energy[0][early]
     of_x = energy[1][x.size - early] - energy[1][late]
-    found = correlate(x, u)[near] / np.sqrt(np.maximum(of_u * of_x, np.finfo(float).tiny))
+    result = correlate(x, u)[near] / np.sqrt(np.maximum(of_u * of_x, np.finfo(float).tiny))
     # Periodic motions are alike after each period: of equal peaks, that of the smallest lag.
-    high = np.flatnonzero(found >= found.max() - EQUAL)
+    high = np.flatnonzero(result >= result.max() - EQUAL)
     peaks = np.split(high, np.flatnonzero(np.diff(high) > 1) + 1)
-    tops = [int(peak[np.argmax(found[peak])]) for peak in peaks]
+    tops = [int(peak[np.argmax(result[peak])]) for peak in peaks]
     best = min(tops, key=lambda place: abs(lags[near][place]))
-    if found[best] < NEARLY_ALL or best in (0, found.size - 1):
+    if result[best] < NEARLY_ALL or best in (0, result.size - 1):
         return None
-    left, top, right = found[best - 1 : best + 2]
+    left, top, right = result[best - 1 : best + 2]
     bend = left - 2.0 * top + right
     between = 0.5 * (left - right) / bend if bend else 0.0  # vertex of a parabola
     return float((lags[near][best] + between) * step)
@@ -397,7 +402,7 @@ def _between_commands(times: Array, wanted: Array) -> tuple[Array, Array]:
 
 def _joint_text(joint: _Joint, delays: Mapping[str, float]) -> str:
     """Return what was found of a joint, in words."""
-    parts = [f"{what} {found.name!r}" for what, found in joint.columns.items()]
+    parts = [f"{what} {column.name!r}" for what, column in joint.columns.items()]
     place = joint.numbers.get("position")
     if place is not None and np.isfinite(place).any():
         unit = "rad" if joint.turns else "m"

@@ -226,8 +226,8 @@ SETTINGS: Final = {
 
 def read_servo(path: Path, _names: Collection[str] = ()) -> FileTable:
     """Return the entries of a log as rows, what is no number left out."""
-    found = read_json(path)
-    entries = found.get("entries") if isinstance(found, dict) else None
+    result = read_json(path)
+    entries = result.get("entries") if isinstance(result, dict) else None
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise InputError(
             f"{path}: has no list of entries, as logs of servos by Rhoban/bam and K-Scale have:"
@@ -246,7 +246,7 @@ def read_servo(path: Path, _names: Collection[str] = ()) -> FileTable:
         if name.split(" ")[0] in ("timestamp", "position") and not np.isfinite(values).any():
             raise InputError(f"{path}: no {name.split(' ')[0]!r} of its entries is a number.")
     kept = {name: values for name, values in columns.items() if np.isfinite(values).any()}
-    return FileTable(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(found, names))
+    return FileTable(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(result, names))
 
 
 def _number(value: Any) -> float:
@@ -346,15 +346,15 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> FileTable:
 
 def _info(path: Path) -> Mapping[str, Any]:
     """Return the description of a data set, what is used of it checked."""
-    found = read_json(path)
-    if not isinstance(found, dict) or not isinstance(found.get("features"), dict):
+    result = read_json(path)
+    if not isinstance(result, dict) or not isinstance(result.get("features"), dict):
         raise InputError(f"{path}: has no features: is it the info.json of a LeRobot data set?")
-    fps = found.get("fps")
+    fps = result.get("fps")
     if isinstance(fps, bool) or not isinstance(fps, int | float) or not 0.0 < fps < 1e6:
         raise InputError(f"{path}: fps must be a number of frames per second, got {fps!r}.")
-    if not all(isinstance(feature, dict) for feature in found["features"].values()):
+    if not all(isinstance(feature, dict) for feature in result["features"].values()):
         raise InputError(f"{path}: each of the features must be a table with its names and shape.")
-    return found
+    return result
 
 
 def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
@@ -369,7 +369,7 @@ def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
                 listed = ", ".join(file.schema_arrow.names)
                 raise InputError(f"{path}: has no column {missing[0]!r}; there are {listed}.")
             table = file.read(columns=[*names])
-        found = {}
+        result = {}
         for name in names:
             column = table.column(name).combine_chunks()
             rows = len(column)
@@ -378,11 +378,11 @@ def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
                 sizes = {*pc.list_value_length(column).to_pylist()}
                 if len(sizes) != 1 or sizes & {None, 0}:
                     raise InputError(f"{path}: the lists of {name!r} have different lengths.")
-                found[name] = flat.reshape(rows, -1).astype(float)
+                result[name] = flat.reshape(rows, -1).astype(float)
             else:
                 values = column.to_numpy(zero_copy_only=False).astype(float)
-                found[name] = values[:, None] if name in FEATURES else values
-        return found, size
+                result[name] = values[:, None] if name in FEATURES else values
+        return result, size
 
 
 def _joined(path: Path, name: str, tables: Collection[Mapping[str, Array]]) -> Array:
@@ -412,7 +412,7 @@ def _columns(
 ) -> Iterator[tuple[str, Array]]:
     """Yield the numbers of a feature by quantity and joint."""
     names = _names(feature.get("names"), values.shape[1])
-    found: dict[str, Array] = {}
+    result: dict[str, Array] = {}
     for place, heading in enumerate(names):
         stem, _, end = heading.rpartition(".")
         known = ENDS.get(end, "") if stem else ""
@@ -421,10 +421,10 @@ def _columns(
             what = "reference" if known in ("", "position") else f"command.{known}"
         joint = coordinate_of(stem if known else heading)
         column = f"{what}.{joint}"
-        if not joint or column in found:
+        if not joint or column in result:
             raise InputError(f"{path}: the names of {name} have {heading!r} twice, or empty.")
-        found[column] = values[:, place]
-    yield from found.items()
+        result[column] = values[:, place]
+    yield from result.items()
 
 
 def _names(given: Any, size: int) -> list[str]:

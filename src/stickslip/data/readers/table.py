@@ -54,11 +54,11 @@ def numbered_twice(names: Sequence[str]) -> list[str]:
     ['x', 'F', 'x (2)']
     """
     seen: Counter[str] = Counter()
-    found = []
+    result = []
     for name in names:
         seen[name] += 1
-        found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return found
+        result.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return result
 
 
 def left_out(names: Sequence[str], what: str = "another number of values") -> list[str]:
@@ -191,10 +191,10 @@ def json_of(data: bytes) -> Any:
     >>> json_of(b'{"x": 1}')
     {'x': 1}
     """
-    found = json.loads(data)
+    result = json.loads(data)
     if _SURROGATE.search(data):
-        json.dumps(found, ensure_ascii=False).encode("utf-8")
-    return found
+        json.dumps(result, ensure_ascii=False).encode("utf-8")
+    return result
 
 
 def one_line(error: Exception) -> str:

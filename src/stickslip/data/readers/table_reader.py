@@ -94,11 +94,11 @@ def topics_of(channels: Iterable[tuple[str, str, int]]) -> tuple[Topic, ...]:
     >>> topics_of([("/arm", "JointState", 2), ("/arm", "JointState", 3)])[0].messages
     5
     """
-    found: dict[str, Topic] = {}
+    result: dict[str, Topic] = {}
     for name, kind, messages in channels:
-        before = found[name].messages if name in found else 0
-        found[name] = Topic(name=name, kind=kind, messages=before + messages)
-    return (*found.values(),)
+        before = result[name].messages if name in result else 0
+        result[name] = Topic(name=name, kind=kind, messages=before + messages)
+    return (*result.values(),)
 
 
 class Log(Protocol):
@@ -265,23 +265,23 @@ class _Joined:
         apart: dict[tuple[str, str], list[str]] = {}
         rates: dict[str, str] = {}
         said = []
-        for name, one in wanted.items():
-            if not np.isfinite(one.values).any():
+        for name, item in wanted.items():
+            if not np.isfinite(item.values).any():
                 continue  # a field that the driver does not fill
-            values, how = _at(clock, one)
+            values, how = _at(clock, item)
             if not np.isfinite(values).any():
                 said.append(
-                    f"{name!r} of {one.topic} has no sample near those of {clock.topic}: it is left"
-                    " out."
+                    f"{name!r} of {item.topic} has no sample near those of {clock.topic}: it is"
+                    " left out."
                 )
                 continue
             data[name] = values
             if how:
-                apart.setdefault((one.topic, how), []).append(name)
-                rates.setdefault(one.topic, _rate(one))
+                apart.setdefault((item.topic, how), []).append(name)
+                rates.setdefault(item.topic, _rate(item))
         said += [
-            _apart(f"{topic}{rates[topic]}", how, found, clock)
-            for (topic, how), found in apart.items()
+            _apart(f"{topic}{rates[topic]}", how, match, clock)
+            for (topic, how), match in apart.items()
         ]
         return FileTable(
             data=pd.DataFrame(data),
@@ -291,7 +291,7 @@ class _Joined:
 
     def _measured(self) -> list[_Signal]:
         """Return what was measured of joints; of one in two topics, that with efforts or more."""
-        found: dict[str, _Signal] = {}
+        result: dict[str, _Signal] = {}
         states = [signal for signal in self.signals if _of_joint(signal)]
         efforts = {
             (state.topic, state.column.removeprefix("force."))
@@ -304,18 +304,18 @@ class _Joined:
 
         for channel in sorted(states, key=order):  # stable
             joint = channel.column.partition(".")[2]
-            found.setdefault(joint, channel)
-        topics = {joint: signal.topic for joint, signal in found.items()}
+            result.setdefault(joint, channel)
+        topics = {joint: signal.topic for joint, signal in result.items()}
         return [state for state in states if topics[state.column.partition(".")[2]] == state.topic]
 
     def _commands(self, measured: Mapping[str, _Signal]) -> dict[str, _Signal]:
         """Return the commanded positions of joints that were measured."""
-        found: dict[str, _Signal] = {}
+        result: dict[str, _Signal] = {}
         for entry in sorted(self.signals, key=lambda signal: -signal.rows.size):
             first, _, joint = entry.column.partition(".")
             if first == "reference" and f"position.{joint}" in measured:
-                found.setdefault(entry.column, entry)
-        return found
+                result.setdefault(entry.column, entry)
+        return result
 
     def _clock(self, signals: Sequence[_Signal]) -> _Signal:
         """Return a signal with the times that most samples have."""
@@ -382,12 +382,12 @@ def _at(clock: _Signal, signal: _Signal) -> tuple[Array, str]:
         known = (after > 0) | exact  # the last command holds
         return np.where(known, values[before], np.nan), "held"
     begin = int(times[0])
-    found = np.interp(clock.times - begin, times - begin, values)
+    result = np.interp(clock.times - begin, times - begin, values)
     steps = np.diff(times)
     if steps.size:
         wide = np.append(steps, 0) > GAP * np.median(steps)
         inside &= ~wide[before] | exact
-    return np.where(inside, found, np.nan), "" if exact.all() else "interpolated"
+    return np.where(inside, result, np.nan), "" if exact.all() else "interpolated"
 
 
 def _apart(topic: str, how: str, names: Sequence[str], clock: _Signal) -> str:
@@ -453,10 +453,10 @@ def _get(message: Any, *names: str) -> Any:
 @cache
 def joint_name(name: object) -> str:
     """Return the name of a joint as robots made from URDF have it."""
-    found = coordinate_of(name) if isinstance(name, str) else ""
-    if not found:
+    result = coordinate_of(name) if isinstance(name, str) else ""
+    if not result:
         raise ValueError(f"{name!r} is no name of a joint")
-    return found
+    return result
 
 
 def _by_joint(names: Any, **fields: Any) -> Iterator[tuple[str, Any]]:
@@ -660,7 +660,7 @@ class Expansion:
 
 def check_mcap(path: Path) -> None:
     """Refuse an MCAP file whose chunks become too large, or whose index names other ones."""
-    found, chunks, indexed = Expansion(path), {}, []
+    result, chunks, indexed = Expansion(path), {}, []
     with open_regular(path) as file:
         end = file.seek(0, io.SEEK_END) - len(MCAP_MAGIC)
         file.seek(max(0, end + len(MCAP_MAGIC) - FOOTER))
@@ -676,7 +676,7 @@ def check_mcap(path: Path) -> None:
                 chunks[place] = piece = _sizes(file.read(min(size, 100)), "<16xQ4x", "<Q")
                 check_size(str(path), piece[0], CURE, unit=IN_A_PIECE, most=LARGEST)
                 file.seek(place + 9 + 40 + len(piece[1].encode()))
-                found.check_piece(file.read(piece[2]), piece[1], piece[0])
+                result.check_piece(file.read(piece[2]), piece[1], piece[0])
             elif kind == 8:  # index of a chunk
                 data = file.read(size)
                 offsets = struct.unpack_from("<16xQ8xI", data)
@@ -714,7 +714,7 @@ def _text(data: bytes) -> tuple[str, bytes]:
 
 def check_ros1(path: Path) -> None:
     """Refuse a bag of ROS 1 whose chunks become too large, or whose index names other ones."""
-    found, chunks, indexed, begins, index = Expansion(path), set(), set(), set(), 0
+    result, chunks, indexed, begins, index = Expansion(path), set(), set(), set(), 0
     with open_regular(path) as file:
         end = file.seek(0, io.SEEK_END)
         file.seek(0)
@@ -727,7 +727,7 @@ def check_ros1(path: Path) -> None:
                 chunks.add(place)
                 method = fields[b"compression"].decode()
                 said = struct.unpack("<I", fields[b"size"])[0]
-                found.check_piece(_ros1_block(file, end, end), method, said)
+                result.check_piece(_ros1_block(file, end, end), method, said)
                 continue
             if kind == 3:
                 index = struct.unpack("<Q", fields[b"index_pos"])[0]
@@ -750,13 +750,13 @@ def _ros1_block(file: BinaryIO, end: int, most: int) -> bytes:
 
 
 def _ros1_fields(header: bytes) -> dict[bytes, bytes]:
-    found, place = {}, 0
+    result, place = {}, 0
     while place < len(header):
         (size,) = struct.unpack_from("<I", header, place)
         name, _, value = header[place + 4 : place + 4 + size].partition(b"=")
-        found[name] = value
+        result[name] = value
         place += 4 + size
-    return found
+    return result
 
 
 # Logs in MCAP: messages of ROS 2, or in JSON.
@@ -921,9 +921,9 @@ def _described(path: Path) -> _Described:
 
 def _expanded(path: Path, place: Path) -> Path:
     """Write what a compressed file becomes into a folder, and return where."""
-    found, target = Expansion(path), place / path.stem
+    result, target = Expansion(path), place / path.stem
     with open_regular(path) as file, target.open("xb") as expanded:
-        for block in found.blocks(file, "zstd", largest=found.most):
+        for block in result.blocks(file, "zstd", largest=result.most):
             expanded.write(block)
     return target
 
@@ -945,7 +945,10 @@ class _Bag:
 
     def __init__(self, reader: Any, said: _Described) -> None:
         self.reader, self.said = reader, said
-        topics = topics_of((one.topic, one.msgtype, one.msgcount) for one in reader.connections)
+        topics = topics_of(
+            (connection.topic, connection.msgtype, connection.msgcount)
+            for connection in reader.connections
+        )
         self.topics: Sequence[Topic] = [
             replace(topic, messages=said.counts.get(topic.name, topic.messages)) for topic in topics
         ]
@@ -1307,8 +1310,8 @@ def frame_of(
     if constant is not None and not is_half_width(stated) and stated not in data.columns:
         header = f"{stated} [{constant['unit'] or ''}]"
         data = data.assign(**{header: float(constant["number"])})
-    found = _named(file, data, first_row, single, units)
-    return replace(found, remarks=tuple(remarks), lost=tuple(lost), rates=rates or {})
+    result = _named(file, data, first_row, single, units)
+    return replace(result, remarks=tuple(remarks), lost=tuple(lost), rates=rates or {})
 
 
 def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
@@ -1416,7 +1419,7 @@ def _joined_stamps(
 
     Times count from the first whole second, so that no digit is lost.
     """
-    found: dict[str, tuple[Sequence[str], NDArray[np.float64]]] = {}
+    result: dict[str, tuple[Sequence[str], NDArray[np.float64]]] = {}
     parts = {name: match for name in names if (match := _PART_OF_STAMP.fullmatch(name))}
     for fine, match in parts.items():
         both = [name for name, other in parts.items() if other["stamp"] == match["stamp"]]
@@ -1428,8 +1431,8 @@ def _joined_stamps(
         if all(pd.api.types.is_numeric_dtype(column.dtype) for column in (whole, rest)):
             whole = whole.astype(float)  # differences of unsigned numbers would be none
             begin = next(iter(whole.dropna()), 0.0)
-            found[stamp] = both, (whole - begin + 1e-9 * rest).to_numpy(dtype=float)
-    return found
+            result[stamp] = both, (whole - begin + 1e-9 * rest).to_numpy(dtype=float)
+    return result
 
 
 def _check_plane(
@@ -1499,7 +1502,7 @@ def by_trial(frame: QuantityTable) -> Iterator[tuple[str, QuantityTable]]:
 
 def condition_keys(frame: QuantityTable, columns: Sequence[str]) -> dict[str, str]:
     """Return the column of each condition, by name, with its unit if the column has one."""
-    found = {}
+    result = {}
     for name in columns:
         own = next(
             (
@@ -1514,8 +1517,8 @@ def condition_keys(frame: QuantityTable, columns: Sequence[str]) -> dict[str, st
                 f"column in conditions of {frame.file}:", name, frame.names
             )
         unit = frame.units.get(own)
-        found[f"{own} [{unit}]" if unit not in (None, "1") else own] = own
-    return found
+        result[f"{own} [{unit}]" if unit not in (None, "1") else own] = own
+    return result
 
 
 def condition_cells(frame: QuantityTable, name: str) -> list[float | str | None]:
@@ -1532,7 +1535,7 @@ def conditions_in(frame: QuantityTable, columns: Sequence[str]) -> dict[str, flo
 
     A condition without any value is left out.
     """
-    found: dict[str, float | str] = {}
+    result: dict[str, float | str] = {}
     for key, name in condition_keys(frame, columns).items():
         cells = [cell for cell in condition_cells(frame, name) if cell is not None]
         values = set(cells)
@@ -1540,12 +1543,12 @@ def conditions_in(frame: QuantityTable, columns: Sequence[str]) -> dict[str, flo
             continue
         known = [cell for cell in cells if isinstance(cell, float)]
         if len(values) == 1:
-            found[key] = cells[0]
+            result[key] = cells[0]
         elif len(known) == len(cells) and (
             np.ptp(known) <= SLIGHT * abs(float(np.mean(known)))
             or _is_temperature(name, frame.units.get(name))
         ):
-            found[key] = float(np.mean(known))
+            result[key] = float(np.mean(known))
         else:
             shown = (
                 f"from {number(min(known))} to {number(max(known))}"
@@ -1557,7 +1560,7 @@ def conditions_in(frame: QuantityTable, columns: Sequence[str]) -> dict[str, flo
                 " but a condition has one value per trial. Split the record, or leave the"
                 " condition out."
             )
-    return found
+    return result
 
 
 def _is_temperature(name: str, unit: str | None) -> bool:
@@ -1571,13 +1574,13 @@ def _is_temperature(name: str, unit: str | None) -> bool:
 
 def unused_in(frame: QuantityTable, used: Collection[str]) -> dict[str, float | str | None]:
     """Return the columns that nothing was read from, with their value if they have one."""
-    found: dict[str, float | str | None] = {}
+    result: dict[str, float | str | None] = {}
     for name in frame.names:
         if name in used or not name:
             continue
         column = frame.data[frame.names[name]]
         alike = len(column) > 0 and bool((column == column.iloc[0]).all())
-        found[name] = (
+        result[name] = (
             condition_cells(replace(frame, data=frame.data[:1]), name)[0] if alike else None
         )
-    return found
+    return result

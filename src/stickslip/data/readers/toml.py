@@ -149,7 +149,7 @@ def resolved(
     """
     paths = dict.fromkeys((*paths_of(tables), *known))
     firsts = {path.partition(".")[0] for path in paths}
-    found: dict[Any, T] = {}
+    result: dict[Any, T] = {}
     for path, value in overrides.items():
         ends = [full for full in paths if full.endswith(f".{path}")]
         if path in paths or str(path).partition(".")[0] in firsts or not ends:
@@ -158,8 +158,8 @@ def resolved(
             raise InputError(
                 f"override {path!r}: several paths end so, {', '.join(ends)}: give one of them."
             )
-        found[ends[0]] = value
-    return found
+        result[ends[0]] = value
+    return result
 
 
 def paths_of(node: Any, prefix: str = "") -> Iterator[str]:
@@ -205,7 +205,7 @@ def _value(value: object) -> object:
     if not isinstance(value, str):
         return value
     try:
-        found = tomllib.loads(f"value = {value}")
+        result = tomllib.loads(f"value = {value}")
     except (ValueError, RecursionError):
         return value
-    return found["value"] if set(found) == {"value"} else value
+    return result["value"] if set(result) == {"value"} else value

@@ -44,12 +44,16 @@ def seconds(cell: object) -> float | None:
     >>> seconds("0:00:01:07"), seconds("1:00:00.25"), seconds("2:03,5"), seconds("12:30")
     (1.07, 3600.25, 123.5, None)
     """
-    found = _STAMP.fullmatch(cell) if isinstance(cell, str) else None
-    if found is None:
+    result = _STAMP.fullmatch(cell) if isinstance(cell, str) else None
+    if result is None:
         return None
-    hours, minutes, whole = found["hours"] or 0, found["minutes"] or found["m"], found["seconds"]
-    part = found["part"] or found["rest"] or 0
-    return 60 * (60 * int(hours) + int(minutes)) + float(f"{whole or found['s']}.{part}")
+    hours, minutes, whole = (
+        result["hours"] or 0,
+        result["minutes"] or result["m"],
+        result["seconds"],
+    )
+    part = result["part"] or result["rest"] or 0
+    return 60 * (60 * int(hours) + int(minutes)) + float(f"{whole or result['s']}.{part}")
 
 
 def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
@@ -77,19 +81,19 @@ def header_of(names: Sequence[str], below: Sequence[str]) -> list[str]:
     """
     known = [column.strip() for column in below if column.strip()]
     several = len(set(known)) < len(known)
-    track, found = "", []
+    track, result = "", []
     for index, column in enumerate(below):
         own = names[index].strip() if index < len(names) else ""
         track = own or track
         name = _with_unit(column)
         named = several and track and name and index > 0
-        found.append(f"{track}{SEPARATOR}{name}" if named else name)
-    return found
+        result.append(f"{track}{SEPARATOR}{name}" if named else name)
+    return result
 
 
 def _with_unit(column: str) -> str:
-    found = _UNIT.fullmatch(column.strip())  # from the start only: a cell may be long
-    return f"{found['name']} [{found['unit']}]" if found else column.strip()
+    result = _UNIT.fullmatch(column.strip())  # from the start only: a cell may be long
+    return f"{result['name']} [{result['unit']}]" if result else column.strip()
 
 
 def is_blocks(text: str) -> bool:

@@ -131,8 +131,8 @@ def _number(
     ]
     others = (
         dataclasses.replace(quantity, unit=unit)
-        for quantity, found in units
-        for unit in sorted(found - {quantity.unit})
+        for quantity, match in units
+        for unit in sorted(match - {quantity.unit})
     )
     number = Number(
         quantities[0],
@@ -168,10 +168,12 @@ def _law_table(law: type[FrictionLaw], at: ContactUnits) -> type[TomlTable]:
 def _hint(law: type[FrictionLaw], name: str, at: ContactUnits) -> Any:
     quantity = fields_of(law).get(name)
     if quantity is not None:
-        found = {field: (key, measured) for key, (field, measured) in force_parameters(law).items()}
-        if name not in found or not quantity.per_load or at.in_forces:
+        result = {
+            field: (key, measured) for key, (field, measured) in force_parameters(law).items()
+        }
+        if name not in result or not quantity.per_load or at.in_forces:
             return _number([quantity], at)
-        key, known_quantity = found[name]
+        key, known_quantity = result[name]
         where = (
             f"a value in {known_quantity.unit} stands as {key} under [{ITS_TABLE}.forces], with the"
             " load at which it was measured"
@@ -212,7 +214,10 @@ def friction_table(
         in_forces=bool(contacts) and all(contact.in_forces for contact in contacts),
     )
     if len(contacts) > 1:
-        alone = {one.name: friction_table(kinds, (one._replace(name=""),)) for one in contacts}
+        alone = {
+            contact.name: friction_table(kinds, (contact._replace(name=""),))
+            for contact in contacts
+        }
         return _by_contact(friction_table(kinds, (shared,)), alone)
     fields: dict[str, Any] = {}
     misplaced = {}
@@ -276,14 +281,14 @@ def laws_of(
     keys = {key for table in tables for key in table} - {*contacts}
     known = laws()
     usual = [name for name, entry in listed().items() if not entry.on_request or name in keys]
-    found = {name: known[name] for name in usual} | {**more}
-    lacking = keys - found.keys() - {field for kind in found.values() for field in _fields(kind)}
+    result = {name: known[name] for name in usual} | {**more}
+    lacking = keys - result.keys() - {field for kind in result.values() for field in _fields(kind)}
     if not lacking:
-        return found
+        return result
     having = {name: lacking & _fields(known[name]) for name in known}
     if lacking.difference(*having.values()):
         return {**known, **more}
-    wanted = {*found, *(name for name, keys in having.items() if keys)}
+    wanted = {*result, *(name for name, keys in having.items() if keys)}
     return {name: known[name] for name in known if name in wanted} | {**more}
 
 
@@ -301,7 +306,7 @@ def law_values(
 
     A value in a law's own table comes before a shared one, but not before an override of that.
     """
-    found: dict[str, FrictionLaw] = {}
+    result: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
     uncertainties: dict[str, dict[str, float]] = {}
     named, given = [], {}
@@ -331,12 +336,12 @@ def law_values(
             raise ParameterError(_missing_parameter(law, missing[0], file, at, table))
         if missing or (own is None and law.on_request and name not in meant):
             continue
-        found[name] = _built_law(law, values, file, at, table)
+        result[name] = _built_law(law, values, file, at, table)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
     return KnownLaws(
-        laws=found,
+        laws=result,
         named=tuple(named),
         given=_GivenValues(
             {name: values for name, values in given.items() if values},
@@ -379,11 +384,11 @@ def by_contact(
             f" contact, as in [friction.{next(iter(contacts))}.{both[0]}]."
         )
     shared = {key: value for key, value in given.items() if key not in keys}
-    found: dict[str, KnownLaws | None] = {}
+    result: dict[str, KnownLaws | None] = {}
     for key, name in keys.items():
         own: TomlTable | None = getattr(friction, key)
         if own is None and key in given:
-            found[name] = None
+            result[name] = None
             continue
         at = f"friction.{name}"
         paths = {path for path in file.overridden if path.startswith("friction.")}
@@ -398,10 +403,10 @@ def by_contact(
             if k not in kept or (f"friction.{k}" in of_all and f"friction.{k}" not in of_contact)
         }
         whole = (friction.of_one() if own is None else own).model_copy(update=values)
-        found[name] = law_values(
+        result[name] = law_values(
             whole, dataclasses.replace(file, overridden=of_contact | of_all), kinds, at
         )
-    return found
+    return result
 
 
 def overridden_fields(
@@ -413,7 +418,7 @@ def overridden_fields(
     at: str = "friction",
 ) -> set[str]:
     """Return the fields of a law that overrides set: by shared paths, by those of its own table."""
-    found = set()
+    result = set()
     forces = force_parameters(law)
     for path in overridden:
         table, _, rest = path.removeprefix(f"{at}.").partition(".")
@@ -421,10 +426,10 @@ def overridden_fields(
         if not path.startswith(f"{at}."):
             continue
         if shared and not rest:
-            found.add(table)
+            result.add(table)
         elif of_law and table == law.name:
-            found.add(forces[key][0] if key != rest and key in forces else rest)
-    return found & {field.name for field in dataclasses.fields(law)}
+            result.add(forces[key][0] if key != rest and key in forces else rest)
+    return result & {field.name for field in dataclasses.fields(law)}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -590,11 +595,13 @@ def _by_joint(table: Any) -> Any:
     """Return a table in which ``force.elbow`` is one key: in TOML, a dot makes a table of it."""
     if not isinstance(table, dict):
         return table
-    found: dict[Any, Any] = {}
+    result: dict[Any, Any] = {}
     for key, value in table.items():
         joints = key in (*BY_JOINT, *BESIDE, *MOTORS) and isinstance(value, dict)
-        found |= {f"{key}.{joint}": own for joint, own in value.items()} if joints else {key: value}
-    return found
+        result |= (
+            {f"{key}.{joint}": own for joint, own in value.items()} if joints else {key: value}
+        )
+    return result
 
 
 J = TypeVar("J")
@@ -815,15 +822,15 @@ def contact_table(contacts: tuple[str, ...] = ()) -> type[ContactTable]:
         name: (_contact_input(name), Field(default=None, description=known.meaning))
         for name, known in CONTACT_INPUTS.items()
     }
-    found = create_model("Contact", __base__=ContactTable, **fields)
+    result = create_model("Contact", __base__=ContactTable, **fields)
     if len(contacts) < 2:
-        return found
+        return result
     own: dict[str, Any] = {
-        python_name(name, "contact"): (found | None, Field(default=None, alias=name))
+        python_name(name, "contact"): (result | None, Field(default=None, alias=name))
         for name in contacts
         if name not in CONTACT_INPUTS
     }
-    return create_model("Contacts", __base__=found, **own)
+    return create_model("Contacts", __base__=result, **own)
 
 
 class RigTable(rig_models.TomlTable):
@@ -929,15 +936,17 @@ def imported(raw: dict[str, Any], file: RigFile, *, beside: Path | None, allow: 
                 f" {match['module']}, which runs its code. Nothing was imported. If you trust it,"
                 " give --allow-import on the command line or load_rig(..., allow_import=True)."
             )
-    found = {key: _class(path, f"{file.place(key)}: {key}", beside) for key, path in wanted.items()}
-    mechanism = found.pop("mechanism.type", None)
+    result = {
+        key: _class(path, f"{file.place(key)}: {key}", beside) for key, path in wanted.items()
+    }
+    mechanism = result.pop("mechanism.type", None)
     own: dict[str, type[FrictionLaw]] = {}
     tables: dict[str, str] = {}
     for where, table, law in _composed(raw, file, beside):
         tables[f"{where}.{table}"] = f"{where}.{law.name}"
         if law.name not in registered_laws():
             own[law.name] = law
-    for key, kind in found.items():
+    for key, kind in result.items():
         *above, table, _ = key.split(".")
         _check_name(kind, table, f"{file.place(key)}: {key}")
         holder = raw
@@ -1014,19 +1023,19 @@ def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def _class(path: str, where: str, beside: Path | None) -> Any:
     """Import a class and check that it is one of which objects can be made."""
     module, _, name = path.partition(":")
-    found = getattr(_module(module, where, beside), name, None)
-    if found is None:
+    result = getattr(_module(module, where, beside), name, None)
+    if result is None:
         raise InputError(f"{where}: the module {module} has no {name}.")
     base: type = Mechanism if where.endswith("mechanism.type") else FrictionLaw
-    if not (isinstance(found, type) and issubclass(found, base)):
+    if not (isinstance(result, type) and issubclass(result, base)):
         raise InputError(
             f"{where}: {path} must be a class derived from stickslip.{base.__name__},"
-            f" got {found!r}."
+            f" got {result!r}."
         )
-    missing = ", ".join(_missing(found, base))
+    missing = ", ".join(_missing(result, base))
     if missing:
         raise InputError(f"{where}: {path} is abstract: implement {missing}.")
-    return found
+    return result
 
 
 def _missing(kind: type, base: type) -> list[str]:
@@ -1210,14 +1219,14 @@ def _of_law(path: str, tables: Mapping[str, str]) -> str:
 def _contact_inputs(table: TomlTable, mechanism: Mechanism, file: RigFile) -> dict[str, Any]:
     """Return what a file tells of the contact; what the mechanism computes is refused."""
     names = [contact.name for contact in mechanism.contacts()]
-    found = _values(table, "contact", file)
-    _refuse_computed(found, "contact", names, mechanism, file)
+    result = _values(table, "contact", file)
+    _refuse_computed(result, "contact", names, mechanism, file)
     for name in names:
         own = getattr(table, python_name(name, "contact"), None)
         if own is not None:
-            found[name] = _values(own, f"contact.{name}", file)
-            _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file)
-    return found
+            result[name] = _values(own, f"contact.{name}", file)
+            _refuse_computed(result[name], f"contact.{name}", [name], mechanism, file)
+    return result
 
 
 def _refuse_computed(
@@ -1280,7 +1289,11 @@ def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
     table = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     declared = [] if kind is None else [*fields_of(kind).items()]
-    declared += [(one.name, one.quantity) for part in PARTS.values() for one in part.parameters]
+    declared += [
+        (parameter.name, parameter.quantity)
+        for part in PARTS.values()
+        for parameter in part.parameters
+    ]
     ends = {f"{place}{dot}{name}" for name, quantity in declared if quantity.symbol == symbol}
     there = [end for end in ends if any(f".{full}".endswith(f".{end}") for full in known)]
     return there[0] if len(there) == 1 else path
@@ -1303,16 +1316,16 @@ def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[Contac
         raise complaint(error, raw, file) from None
     mechanism = _mechanism(table, file)
     with concerning(f"{file}:", InputError):
-        found = checked_contacts(mechanism)
+        result = checked_contacts(mechanism)
     if isinstance(table.mechanism, UrdfTable):
-        fill_friction(raw, table.mechanism, [contact.name for contact in found], file)
+        fill_friction(raw, table.mechanism, [contact.name for contact in result], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     in_forces = measurements.levels_at(mechanism) != "per load"
     return tuple(
         ContactUnits(
             place.name, isinstance(place.slip, str) and units.get(place.slip) == "rad", in_forces
         )
-        for place in found
+        for place in result
     )
 
 
@@ -1374,8 +1387,8 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
     """Return the values of a recorded motion, its samples from a data file where it names one."""
     from stickslip.data.readers.table_reader import read_frame
 
-    found = {name: value for name, value in values.items() if name not in SWING_FILE}
-    samples = [name for name in SampledSwing.data_fields if name in found]
+    result = {name: value for name, value in values.items() if name not in SWING_FILE}
+    samples = [name for name in SampledSwing.data_fields if name in result]
     given = {name: values.get(name, "") for name in SWING_FILE}
     if bool(given["file"]) is bool(samples):
         got = joined([*samples, *filter(given.get, SWING_FILE)]) or "neither"
@@ -1384,7 +1397,7 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
             f" and positions, got {got}."
         )
     if samples:
-        return found
+        return result
     columns = {"position": given["column"]} if given["column"] else {}
     units = {"position": given["unit"]} if given["unit"] else {}
     try:
@@ -1398,13 +1411,13 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
                 f"{frame.file}: column {frame.names['position']!r} has no unit: add unit ="
                 f' "{"deg" if moved == "rad" else "mm"}" or another one.'
             )
-        found["times"] = tuple(frame.numbers("time", "s").tolist())
-        found["positions"] = tuple(frame.numbers("position", moved or None).tolist())
+        result["times"] = tuple(frame.numbers("time", "s").tolist())
+        result["positions"] = tuple(frame.numbers("position", moved or None).tolist())
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} in {file}: {key}:", error.name, error.known) from None
     except InputError as error:
         raise type(error)(f"{file}: {key}: {error}") from None
-    return found
+    return result
 
 
 def _values(table: TomlTable, key: str, file: RigFile) -> dict[str, Any]:
@@ -1478,9 +1491,9 @@ def _estimates(
     given["covariance"] = tuple(map(tuple, table.covariance))
     given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
     try:
-        found = LawEstimates(**given)
-        law = rig.estimated_law(found.law, known.laws, of_contacts)
-        return found.without(_changed(law, file.overridden)).checked(law)
+        result = LawEstimates(**given)
+        law = rig.estimated_law(result.law, known.laws, of_contacts)
+        return result.without(_changed(law, file.overridden)).checked(law)
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
     except InputError as error:
@@ -1513,8 +1526,8 @@ def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
             ) from None
         turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
         with concerning(f"{file}: {key}.offset.{name}"):
-            found = Number(quantity, alternatives=turning).read(value)
-        offset[name] = found.value if isinstance(found, Given) else found
+            result = Number(quantity, alternatives=turning).read(value)
+        offset[name] = result.value if isinstance(result, Given) else result
     try:
         columns = {name: column_of(name, given) for name, given in table.columns.items()}
         constants = {} if table.motor_constant is None else motor_constants(table.motor_constant)
@@ -1601,7 +1614,7 @@ def _filed(
     own = reading.with_changes(_reading(trial, file, key))
     settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
     try:
-        found = read_data(
+        result = read_data(
             [file.beside(trial.file)],
             own,
             overrides=settings,
@@ -1613,7 +1626,7 @@ def _filed(
         kind = ParameterError if isinstance(error, ParameterError) else InputError
         text = str(error)
         raise kind(text if text.startswith(label) else f"{label}: {text}") from None
-    for record in found.records():
+    for record in result.records():
         rig.check_record(mechanism, record, label)
     return tuple(
         replace(
@@ -1621,7 +1634,7 @@ def _filed(
             conditions={**record.conditions, **trial.conditions},
             parameter_uncertainties=doubts,
         )
-        for record in found.records()
+        for record in result.records()
     )
 
 
@@ -1678,7 +1691,7 @@ def _overrides(
     given: Mapping[str, Any], mechanism: Mechanism, label: str
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return what a trial sets, by path, and the uncertainties of that."""
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     doubts: dict[str, float] = {}
     for name, value in flat(given):
         try:
@@ -1688,24 +1701,24 @@ def _overrides(
             raise InputError(f"{label}: {error}") from None
         except ParameterError as error:
             raise ParameterError(f"{label}: {name} {error}") from None
-        if path in found:
+        if path in result:
             raise InputError(f"{label}: {path} is given twice.")
         assert isinstance(number, Given)
-        found[path] = number.value
+        result[path] = number.value
         if number.uncertainty is not None:
             doubts[path] = number.uncertainty
-    return found, doubts
+    return result, doubts
 
 
 def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
     units = rig.state_units(mechanism)
-    found = {}
+    result = {}
     for name, value in given.items():
         if name not in units:
             raise UnknownNameError(f"state in {label}:", name, units)
         with concerning(f"{label}: {name}"):
-            found[name] = read_number(value, Quantity(name, units[name]))
-    return found
+            result[name] = read_number(value, Quantity(name, units[name]))
+    return result
 
 
 # Reads rig files; the libraries for it are imported only when one is read.

@@ -224,14 +224,14 @@ def _reads(value: object, quantity: Quantity) -> bool:
 def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
     """Return the two numbers of ``100 +- 2 g``; one without a unit has that of the other."""
     texts = {"value": value, UNCERTAINTY: doubt}
-    found = {key: split_number(text) for key, text in texts.items()}
-    units = {key: hit["unit"] if hit else None for key, hit in found.items()}
+    result = {key: split_number(text) for key, text in texts.items()}
+    units = {key: hit["unit"] if hit else None for key, hit in result.items()}
     shared = units["value"] or units[UNCERTAINTY]
-    if not shared and all(found.values()):
+    if not shared and all(result.values()):
         return {key: float(text) for key, text in texts.items()}  # in SI, as plain numbers are
     if shared and "%" not in shared:
         texts = {
-            key: text if units[key] or not found[key] else f"{text} {shared}"
+            key: text if units[key] or not result[key] else f"{text} {shared}"
             for key, text in texts.items()
         }
     return {**texts}
@@ -544,9 +544,9 @@ _WANTED = {
 
 def complaint(error: ValidationError, raw: Mapping[str, Any], file: RigFile) -> InputError:
     """Return the error to raise: the first that was found, unknown keys before all others."""
-    found = error.errors(include_url=False)
-    found.sort(key=lambda fault: fault["type"] not in {"unknown_key", "misplaced"})
-    first: Mapping[str, Any] = found[0]
+    result = error.errors(include_url=False)
+    result.sort(key=lambda fault: fault["type"] not in {"unknown_key", "misplaced"})
+    first: Mapping[str, Any] = result[0]
     key, value = _as_called(_key(first["loc"], raw), file.called), first["input"]
     overridden = [_as_called(path, file.called) for path in file.overridden]
     file = replace(file, overridden=overridden)

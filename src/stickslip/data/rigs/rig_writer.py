@@ -50,8 +50,10 @@ def rig_toml(
     document["mechanism"] = _table(bare, _type(bare, mechanisms()))
     if inputs:
         document["contact"] = {name: _contact_input(value) for name, value in inputs.items()}
-    found = assigned(tuple(contact.name for contact in mechanism.contacts()), law)
-    document["friction"] = _by_contact(mechanism, found) if isinstance(found, Laws) else _law(found)
+    result = assigned(tuple(contact.name for contact in mechanism.contacts()), law)
+    document["friction"] = (
+        _by_contact(mechanism, result) if isinstance(result, Laws) else _law(result)
+    )
     if t_end is not None:
         document["run"] = {"t_end": float(t_end)}
     if estimates is not None:

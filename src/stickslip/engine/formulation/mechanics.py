@@ -66,9 +66,9 @@ def matrix_rows(
             f"{type(mechanism).__name__}.mass_matrix must return {n + len(held)} rows ({names})"
             f" of {n} ({', '.join(mechanism.coordinates)}), got {got}."
         )
-    found = [[trace.expression(entry) for entry in row] for row in rows]
+    result = [[trace.expression(entry) for entry in row] for row in rows]
     for i, j in itertools.combinations(range(n), 2):
-        upper, other = found[i][j], found[j][i]
+        upper, other = result[i][j], result[j][i]
         if not trace.is_zero(upper - other) and _differ(upper, other):
             row, column = mechanism.coordinates[i], mechanism.coordinates[j]
             raise InputError(_asymmetry(mechanism, row, column, _shown(upper), _shown(other)))
@@ -76,7 +76,7 @@ def matrix_rows(
     # Leading minors up to a size that symbols can take; numbers are checked where a run begins.
     for k in range(1, min(len(free), MOST_ELIMINATED) + 1):
         part = free[:k]
-        minor = se.DenseMatrix(k, k, [found[i][j] for i in part for j in part])
+        minor = se.DenseMatrix(k, k, [result[i][j] for i in part for j in part])
         if trace.is_zero(minor.det()):
             names = ", ".join(repr(mechanism.coordinates[i]) for i in part)
             raise InputError(
@@ -84,7 +84,7 @@ def matrix_rows(
                 f" of {names} has no mass wherever it is: the rows and columns of these coordinates"
                 " depend on each other."
             )
-    return [entry for row in found for entry in row]
+    return [entry for row in result for entry in row]
 
 
 def _differ(first: se.Expr, other: se.Expr) -> bool:
@@ -229,11 +229,11 @@ class Wall:
 def derive_walls(mechanism: mechanisms.Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
     """Return the stops of a mechanism whose parameters are symbols."""
     names = list(q)
-    found = []
+    result = []
     for stop in mechanisms.stops_of(mechanism):
         side = SIDES[stop.side]
         position = trace.expression(stop.position)
-        found.append(
+        result.append(
             Wall(
                 coordinate=names.index(stop.coordinate),
                 side=side,
@@ -242,7 +242,7 @@ def derive_walls(mechanism: mechanisms.Mechanism, q: Mapping[str, se.Symbol]) ->
                 margin=side * (position - q[stop.coordinate]),
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def impact_events(
@@ -320,7 +320,7 @@ class Mechanics:
 
     def _solved(self, indices: Sequence[int], friction: se.Expr) -> list[se.Expr]:
         """Return all accelerations where only some coordinates are free to move."""
-        found = [self.guides.get(i, se.Integer(0)) for i in range(len(self.coordinates))]
+        result = [self.guides.get(i, se.Integer(0)) for i in range(len(self.coordinates))]
         if indices:
             right = [
                 # What guided coordinates do by themselves is force on the others.
@@ -331,8 +331,8 @@ class Mechanics:
             ]
             column = self.reduced(indices).LUsolve(se.DenseMatrix(len(indices), 1, right))
             for k, i in enumerate(indices):
-                found[i] = column[k, 0]
-        return found
+                result[i] = column[k, 0]
+        return result
 
     def _pushed(self, size: se.Expr) -> list[se.Expr]:
         """Return how a friction force changes the accelerations."""
@@ -340,10 +340,10 @@ class Mechanics:
         unit = [int(i == self.slip) * size for i in indices]
         # guided coordinates do not yield to a force
         column = self.reduced(indices).LUsolve(se.DenseMatrix(len(indices), 1, unit))
-        found = [se.Integer(0)] * len(self.coordinates)
+        result = [se.Integer(0)] * len(self.coordinates)
         for k, i in enumerate(indices):
-            found[i] = column[k, 0]
-        return found
+            result[i] = column[k, 0]
+        return result
 
     def surplus(self, row: int, accelerations: Sequence[se.Expr]) -> se.Expr:
         """Return the force that a coordinate needs beside those that act on it."""
@@ -389,13 +389,13 @@ class Mechanics:
         by the accelerations.
         """
         n = len(self.coordinates)
-        found = {self.coordinates[i]: self.surplus(i, motion.accelerations) for i in self.guides}
+        result = {self.coordinates[i]: self.surplus(i, motion.accelerations) for i in self.guides}
         first = 0 if self.load is not None else 1
         if first:
-            found[self.held[0]] = motion.normal
+            result[self.held[0]] = motion.normal
         for k, name in enumerate(self.held[first:], n + first):
-            found[name] = self.surplus(k, motion.accelerations)
-        return found
+            result[name] = self.surplus(k, motion.accelerations)
+        return result
 
     def power(self, motion: Motion, rates: Sequence[se.Expr]) -> se.Expr:
         """Return the power supplied, that of the guides included."""
@@ -674,9 +674,9 @@ class JointTorques:
         values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
         fixed = np.broadcast_to([values[path] for path in self.paths], (len(time), len(self.paths)))
         table = np.column_stack([time, q, q_dot, q_ddot, fixed])
-        found = np.asarray(self._function(table), dtype=float).reshape(len(time), -1)
+        result = np.asarray(self._function(table), dtype=float).reshape(len(time), -1)
         count = len(self.coordinates)
-        return found[:, :count], found[:, count:].reshape(len(time), count, -1)
+        return result[:, :count], result[:, count:].reshape(len(time), count, -1)
 
     def inertias(self, mechanism: mechanisms.Mechanism, q: Array) -> Array:
         """Return what moves as each coordinate does (m,), all else at rest."""

@@ -251,9 +251,9 @@ def program(
     calls = _calls_of(everything, {f"p{i}" for i in parameters})
     if calls:
         # Worked out once a run instead of at each evaluation.
-        found = {e: se.Symbol(f"p{first + i}") for i, e in enumerate(calls)}
+        result = {e: se.Symbol(f"p{first + i}") for i, e in enumerate(calls)}
         functions = {
-            name: {mode: [e.xreplace(found) for e in case] for mode, case in cases.items()}
+            name: {mode: [e.xreplace(result) for e in case] for mode, case in cases.items()}
             for name, cases in functions.items()
         }
         functions[CONSTANTS] = {None: calls}
@@ -267,7 +267,7 @@ def _calls_of(expressions: Sequence[se.Expr], known: Set[str]) -> list[se.Expr]:
 
     Parts that several others share, of which recursions make many, are looked at once.
     """
-    found: dict[se.Expr, None] = {}
+    result: dict[se.Expr, None] = {}
     seen: set[se.Expr] = set()
     waiting = [*reversed(expressions)]
     while waiting:
@@ -278,10 +278,10 @@ def _calls_of(expressions: Sequence[se.Expr], known: Set[str]) -> list[se.Expr]:
         seen.add(e)
         names = {str(s) for s in e.free_symbols} if _is_call(e) else set()
         if names and names <= known:
-            found[e] = None
+            result[e] = None
         else:
             waiting.extend(reversed(e.args))
-    return list(found)
+    return list(result)
 
 
 def _is_call(e: se.Expr) -> bool:
@@ -437,14 +437,14 @@ def contact_model(
         along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
     columns = equations.part_slopes(along)
     # The constants stand behind all parameters, laws' ones included.
-    text, found = program(_contact_functions(equations, columns), index.values(), rows[-1])
+    text, result = program(_contact_functions(equations, columns), index.values(), rows[-1])
     sizes = layout.ContactSizes(
         coordinates=len(mechanism.coordinates),
         bristles=sum(bristles),
         switches=len(board.switches),
         drives=len(equations.symbols.drives),
         parameters=len(paths),
-        constants=found,
+        constants=result,
         waves=len(equations.time_slopes) if equations.waves.symbols else 0,
         rest_is_final=equations.rest_is_final(),
         slips=parts.directions.slips,

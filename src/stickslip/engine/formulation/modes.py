@@ -104,12 +104,12 @@ class _Context:
             name: self.traced(force) for name, force in self.mechanics.reactions(motion).items()
         }
         own = trace.own_limits(self.mechanics.mechanism, reactions)
-        found = {name: trace.expression(margin) for name, margin in own.items()}
+        result = {name: trace.expression(margin) for name, margin in own.items()}
         of_law = self.law.limits() if self.law.inputs else {}
-        found |= {name: trace.expression(margin) for name, margin in of_law.items()}
+        result |= {name: trace.expression(margin) for name, margin in of_law.items()}
         if motion.pivot.free_symbols:
-            found[PAINLEVE] = motion.pivot - NEAREST
-        return found
+            result[PAINLEVE] = motion.pivot - NEAREST
+        return result
 
     def channels(self, motion: dynamics.Motion) -> dict[str, se.Expr]:
         """Return the efforts of guided coordinates by what they are called."""
@@ -583,7 +583,7 @@ def _loads(
     for name in given:
         if name not in known:
             raise UnknownNameError(f"contact in {type(mechanism).__name__}.loads", name, known)
-    found = []
+    result = []
     for contact in contacts:
         prescribed = given.get(contact.name, contact.load)
         if contact.normal is not None and prescribed is not None:
@@ -596,8 +596,8 @@ def _loads(
                 f"{type(mechanism).__name__}: the contact {contact.name!r} has neither a normal"
                 " coordinate nor a load: give one of them."
             )
-        found.append(se.Integer(0) if contact.normal is not None else trace.expression(prescribed))
-    return tuple(found)
+        result.append(se.Integer(0) if contact.normal is not None else trace.expression(prescribed))
+    return tuple(result)
 
 
 @dataclass(frozen=True)

@@ -67,12 +67,12 @@ def _trials(symbols: Sequence[se.Symbol]) -> Iterator[dict[se.Symbol, float]]:
 
 def trials_of(closing: Sequence[Entries]) -> list[tuple[list[int], int]]:
     """Return how many sets of held contacts are tried for the cuts of each loop."""
-    found = []
+    result = []
     for own in _components(closing):
         # Held are s - 1 of the s coordinates and the closing slips: what is left is one motion.
         s = len({j for d in own for j, e in enumerate(closing[d]) if e != 0})
-        found.append((own, math.comb(s + len(own), s - 1)))
-    return found
+        result.append((own, math.comb(s + len(own), s - 1)))
+    return result
 
 
 def loops_of(closing: Sequence[Entries]) -> Loops | None:
@@ -248,7 +248,7 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
     rows = [_row(mechanism, contact, names) for contact in contacts]
     kept = {stop.coordinate for stop in stops_of(mechanism)} | set(mechanism.guided())
     # index of the coordinate that stands for each direction, the direction, whose slip it is
-    found: dict[int, tuple[Row, str]] = {}
+    result: dict[int, tuple[Row, str]] = {}
     echelon: dict[int, Row] = {}
     slips, factors = [0] * len(rows), [se.Integer(1)] * len(rows)
     closing: list[tuple[Row, str]] = []
@@ -258,9 +258,9 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
         if len(row) == 1:
             ((slips[c], factors[c]),) = row.items()
             echelon[slips[c]] = {slips[c]: se.Integer(1)}
-            found.setdefault(slips[c], (echelon[slips[c]], name))
+            result.setdefault(slips[c], (echelon[slips[c]], name))
             continue
-        ratios = ((i, _ratio(row, other)) for i, (other, _) in found.items())
+        ratios = ((i, _ratio(row, other)) for i, (other, _) in result.items())
         same = next(((i, ratio) for i, ratio in ratios if ratio is not None), None)
         if same is not None:
             slips[c], factors[c] = same
@@ -281,8 +281,8 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
         # a number is never 0 here, and a parameter may be: what it takes the place of is lost then
         i = ([i for i in replaced if free[i].is_Number] or replaced)[-1]
         slips[c] = i
-        found[i], echelon[i] = (row, name), free
-    changed = {i: row for i, (row, _) in found.items() if len(row) > 1}
+        result[i], echelon[i] = (row, name), free
+    changed = {i: row for i, (row, _) in result.items() if len(row) > 1}
     forward, backward = _change(changed, len(names))
     turned = [_turned(row, backward, len(names)) for row, _ in closing]
     loops = loops_of(turned)

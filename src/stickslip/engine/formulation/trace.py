@@ -517,13 +517,13 @@ def guides_of(
     mechanism: Mechanism, slips: Sequence[str], drives: Mapping[str, se.Symbol]
 ) -> dict[int, se.Expr]:
     """Return the accelerations of guided coordinates by index."""
-    found = {}
+    result = {}
     for name, guide in mechanism.guided().items():
         wrong = _fault(mechanism, slips, name, guide, list(drives))
         if wrong:
             raise InputError(f"{type(mechanism).__name__}: {wrong}")
-        found[mechanism.coordinates.index(name)] = drives[guide.drive]
-    return found
+        result[mechanism.coordinates.index(name)] = drives[guide.drive]
+    return result
 
 
 def _fault(

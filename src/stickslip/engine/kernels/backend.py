@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 
 Vector: TypeAlias = MutableSequence[float]
 """A list of floats in the Python tier, an array in the compiled one."""
-Wholes: TypeAlias = MutableSequence[int]
+IntVector: TypeAlias = MutableSequence[int]
 """A list of whole numbers, or an array of them."""
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 """A function of the kernels."""
@@ -29,11 +29,11 @@ def call_model(
 
 
 def call_contacts(
-    w: Vector, place: int, whole: Wholes, name: int, t: float, at: int, to: int
+    w: Vector, place: int, iw: IntVector, name: int, t: float, at: int, to: int
 ) -> None:
     """Call what works out the equations of several contacts.
 
     It is called by its place, as the equations are, since it asks the kernels in its turn.
     """
     function: Any = w[place]
-    function(name, t, w, whole, at, to)
+    function(name, t, w, iw, at, to)

@@ -13,7 +13,7 @@ time that is known ahead.
 import math
 
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.engine.kernels.backend import Vector, Wholes, call_contacts, call_model, rare
+from stickslip.engine.kernels.backend import IntVector, Vector, call_contacts, call_model, rare
 
 # Generated functions of a model, asked by number.
 #
@@ -103,10 +103,10 @@ def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to:
     call_model(w, layout.ADDRESS, name, mode, flags, t, at, to)
 
 
-def put_constants(w: Vector, whole: Wholes) -> None:
+def put_constants(w: Vector, iw: IntVector) -> None:
     """Write what the equations need of parameters alone, where there is such a thing."""
-    if whole[layout.CONSTANTS] > 0:
-        evaluate(CONSTANTS_OF, 0, 0, 0.0, w, 0, whole[layout.CONSTANTS])
+    if iw[layout.CONSTANTS] > 0:
+        evaluate(CONSTANTS_OF, 0, 0, 0.0, w, 0, iw[layout.CONSTANTS])
 
 
 # What is asked of a mechanism with several contacts, by number: see `contacts.transitions`.
@@ -137,20 +137,20 @@ IMPACT_STATES = 22
 IMPACT_QUANTITIES = 23
 
 
-def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def ask_of(name: int, t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Ask at a state, for numbers."""
-    call_contacts(w, layout.SEVERAL, whole, name, t, at, to)
+    call_contacts(w, layout.SEVERAL, iw, name, t, at, to)
 
 
-def ask(name: int, t: float, w: Vector, whole: Wholes) -> int:
+def ask(name: int, t: float, w: Vector, iw: IntVector) -> int:
     """Ask at the present state; return the answer, a whole number."""
-    call_contacts(w, layout.SEVERAL, whole, name, t, whole[layout.Y], 0)
-    return whole[layout.ANSWER]
+    call_contacts(w, layout.SEVERAL, iw, name, t, iw[layout.Y], 0)
+    return iw[layout.ANSWER]
 
 
-def ask_here(name: int, w: Vector, whole: Wholes) -> int:
+def ask_here(name: int, w: Vector, iw: IntVector) -> int:
     """Ask at the present time and state; return the answer, a whole number."""
-    return ask(name, w[layout.TIME], w, whole)
+    return ask(name, w[layout.TIME], w, iw)
 
 
 # The coordinates of the mechanism and those of its equations, which differ where slips are sums.
@@ -159,12 +159,12 @@ def ask_here(name: int, w: Vector, whole: Wholes) -> int:
 # mechanism; rates follow alike, and so do sensitivities.
 
 
-def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
+def turn_columns(at: int, m: int, back: int, w: Vector, iw: IntVector) -> None:
     """Turn `m` columns of states in place, row by row; bristles stay as they are."""
-    n, values = whole[layout.N_COORDINATES], whole[layout.VALUES]
-    if not whole[layout.IS_TURNED]:
+    n, values = iw[layout.N_COORDINATES], iw[layout.VALUES]
+    if not iw[layout.IS_TURNED]:
         return
-    matrix = whole[layout.TURN] + back * n * n
+    matrix = iw[layout.TURN] + back * n * n
     for block in range(2):
         for c in range(m):
             place = at + block * n * m + c
@@ -177,20 +177,20 @@ def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
                 w[place + i * m] = w[values + i]
 
 
-def turn_states(at: int, back: int, w: Vector, whole: Wholes) -> None:
+def turn_states(at: int, back: int, w: Vector, iw: IntVector) -> None:
     """Turn one state in place, as `turn_columns` does."""
-    turn_columns(at, 1, back, w, whole)
+    turn_columns(at, 1, back, w, iw)
 
 
-def state_seen(at: int, state: int, w: Vector, whole: Wholes) -> float:
+def state_seen(at: int, state: int, w: Vector, iw: IntVector) -> float:
     """Return one of the states of the mechanism."""
-    n = whole[layout.N_COORDINATES]
-    if not whole[layout.IS_TURNED] or state >= 2 * n:
+    n = iw[layout.N_COORDINATES]
+    if not iw[layout.IS_TURNED] or state >= 2 * n:
         return w[at + state]
     block, row = divmod(state, n)
     total = 0.0
     for j in range(n):
-        total += w[whole[layout.TURN] + n * n + row * n + j] * w[at + block * n + j]
+        total += w[iw[layout.TURN] + n * n + row * n + j] * w[at + block * n + j]
     return total
 
 
@@ -206,86 +206,86 @@ ROUNDED = 1e-15
 """Share of the sizes of its parts below which a closing slip is at rest."""
 
 
-def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
+def factor_of(i: int, j: int, w: Vector, iw: IntVector) -> float:
     """Return the factor of a coordinate in a direction or a cut."""
-    n = whole[layout.N_COORDINATES]
+    n = iw[layout.N_COORDINATES]
     if i < n:
         return 1.0 if i == j else 0.0
-    return w[whole[layout.LOOPS] + (i - n) * n + j]
+    return w[iw[layout.LOOPS] + (i - n) * n + j]
 
 
-def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
+def combined(i: int, at: int, w: Vector, iw: IntVector) -> float:
     """Return what a vector of the coordinates is along a direction or a cut."""
-    if i < whole[layout.N_COORDINATES]:
+    if i < iw[layout.N_COORDINATES]:
         return w[at + i]
-    return summed(i, at, w, whole)
+    return summed(i, at, w, iw)
 
 
 @rare
-def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
+def summed(i: int, at: int, w: Vector, iw: IntVector) -> float:
     """Return what a vector of the coordinates is along a closing slip or a cut."""
-    n, total = whole[layout.N_COORDINATES], 0.0
-    row = whole[layout.LOOPS] + (i - n) * n
+    n, total = iw[layout.N_COORDINATES], 0.0
+    row = iw[layout.LOOPS] + (i - n) * n
     for j in range(n):
         total += w[row + j] * w[at + j]
     return total
 
 
-def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
+def size_along(i: int, at: int, w: Vector, iw: IntVector) -> float:
     """Return how large the parts are of what a vector is along a direction or a cut."""
-    if i < whole[layout.N_COORDINATES]:
+    if i < iw[layout.N_COORDINATES]:
         return abs(w[at + i])
-    return size_of_sum(i, at, w, whole)
+    return size_of_sum(i, at, w, iw)
 
 
 @rare
-def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
+def size_of_sum(i: int, at: int, w: Vector, iw: IntVector) -> float:
     """Return how large the parts are of what a vector is along a closing slip or a cut."""
-    n, total = whole[layout.N_COORDINATES], 0.0
-    row = whole[layout.LOOPS] + (i - n) * n
+    n, total = iw[layout.N_COORDINATES], 0.0
+    row = iw[layout.LOOPS] + (i - n) * n
     for j in range(n):
         total += abs(w[row + j] * w[at + j])
     return total
 
 
-def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
+def slip_rate_along(i: int, at: int, w: Vector, iw: IntVector) -> float:
     """Return the rate along a direction; what is left of a sum by rounding is 0."""
-    n = whole[layout.N_COORDINATES]
+    n = iw[layout.N_COORDINATES]
     if i < n:
         return w[at + n + i]
-    return closing_rate(i, at + n, w, whole)
+    return closing_rate(i, at + n, w, iw)
 
 
 @rare
-def closing_rate(i: int, rates: int, w: Vector, whole: Wholes) -> float:
+def closing_rate(i: int, rates: int, w: Vector, iw: IntVector) -> float:
     """Return the rate along a closing slip, 0 where it is rounding."""
-    rate = summed(i, rates, w, whole)
-    return 0.0 if abs(rate) <= ROUNDED * size_of_sum(i, rates, w, whole) else rate
+    rate = summed(i, rates, w, iw)
+    return 0.0 if abs(rate) <= ROUNDED * size_of_sum(i, rates, w, iw) else rate
 
 
-def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
+def spread(i: int, force: float, to: int, w: Vector, iw: IntVector) -> None:
     """Take a force along a direction away from those along the coordinates."""
-    if i < whole[layout.N_COORDINATES]:
+    if i < iw[layout.N_COORDINATES]:
         w[to + i] -= force
     else:
-        spread_out(i, force, to, w, whole)
+        spread_out(i, force, to, w, iw)
 
 
 @rare
-def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
+def spread_out(i: int, force: float, to: int, w: Vector, iw: IntVector) -> None:
     """Take a force along a closing slip away from those along the coordinates."""
-    n = whole[layout.N_COORDINATES]
-    row = whole[layout.LOOPS] + (i - n) * n
+    n = iw[layout.N_COORDINATES]
+    row = iw[layout.LOOPS] + (i - n) * n
     for j in range(n):
         w[to + j] -= w[row + j] * force
 
 
 @rare
-def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
+def bind(to: int, stride: int, w: Vector, iw: IntVector) -> None:
     """Let coordinates follow from others where a closing slip is held."""
-    n = whole[layout.N_COORDINATES]
-    for d in range(whole[layout.N_DIRECTIONS] - n):
-        follower, row = whole[whole[layout.FOLLOWERS] + d], whole[layout.FOLLOWED] + d * n
+    n = iw[layout.N_COORDINATES]
+    for d in range(iw[layout.N_DIRECTIONS] - n):
+        follower, row = iw[iw[layout.FOLLOWERS] + d], iw[layout.FOLLOWED] + d * n
         if follower >= 0:
             total = 0.0
             for j in range(n):
@@ -297,54 +297,54 @@ def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
 # The pieces of the drives: which one holds, when the next begins, whether any still moves.
 
 
-def load_piece(table: Vector, row: int, w: Vector, whole: Wholes) -> None:
+def load_piece(table: Vector, row: int, w: Vector, iw: IntVector) -> None:
     """Put one row of the drives' table where the equations read it."""
-    n_drives = whole[layout.N_DRIVES]
+    n_drives = iw[layout.N_DRIVES]
     width = 1 + 3 * n_drives
     for i in range(3 * n_drives):
         w[layout.NUMBERS + i] = table[row * width + 1 + i]
 
 
-def next_stop(table: Vector, t_end: float, whole: Wholes) -> float:
+def next_stop(table: Vector, t_end: float, iw: IntVector) -> float:
     """Return the start of the next piece of the drives, or the end."""
-    width = 1 + 3 * whole[layout.N_DRIVES]
-    following = (whole[layout.PIECE] + 1) * width
+    width = 1 + 3 * iw[layout.N_DRIVES]
+    following = (iw[layout.PIECE] + 1) * width
     return min(table[following], t_end) if following < len(table) else t_end
 
 
-def enter_pieces(table: Vector, w: Vector, whole: Wholes) -> None:
+def enter_pieces(table: Vector, w: Vector, iw: IntVector) -> None:
     """Load the piece of the drives that holds now."""
-    width = 1 + 3 * whole[layout.N_DRIVES]
-    while (whole[layout.PIECE] + 1) * width < len(table) and (
-        table[(whole[layout.PIECE] + 1) * width] <= w[layout.TIME]
+    width = 1 + 3 * iw[layout.N_DRIVES]
+    while (iw[layout.PIECE] + 1) * width < len(table) and (
+        table[(iw[layout.PIECE] + 1) * width] <= w[layout.TIME]
     ):
-        whole[layout.PIECE] += 1
-    load_piece(table, whole[layout.PIECE], w, whole)
+        iw[layout.PIECE] += 1
+    load_piece(table, iw[layout.PIECE], w, iw)
 
 
-def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
+def rests_for_good(w: Vector, iw: IntVector, bounds: Vector) -> bool:
     """Whether no drive can move the held body any more, nor pull it off its stop.
 
     `bounds` has least and largest value of each drive from the start of each piece on.
     """
-    n_drives = whole[layout.N_DRIVES]
-    given = whole[layout.GIVEN]
-    y = whole[layout.Y]
-    values = whole[layout.VALUES]
-    if whole[layout.N_CONTACTS] > 0:
-        for k in range(2 * whole[layout.N_DRIVES]):
-            w[whole[layout.BOX] + k] = bounds[whole[layout.PIECE] * whole[layout.N_DRIVES] * 2 + k]
-        return ask_here(STAYS, w, whole) == 1
-    if not whole[layout.REST_IS_FINAL] or abs(whole[layout.MODE]) == 1:
+    n_drives = iw[layout.N_DRIVES]
+    given = iw[layout.GIVEN]
+    y = iw[layout.Y]
+    values = iw[layout.VALUES]
+    if iw[layout.N_CONTACTS] > 0:
+        for k in range(2 * iw[layout.N_DRIVES]):
+            w[iw[layout.BOX] + k] = bounds[iw[layout.PIECE] * iw[layout.N_DRIVES] * 2 + k]
+        return ask_here(STAYS, w, iw) == 1
+    if not iw[layout.REST_IS_FINAL] or abs(iw[layout.MODE]) == 1:
         return False
-    side = 0.5 * whole[layout.MODE]
+    side = 0.5 * iw[layout.MODE]
     for corner in range(1 << n_drives):
         for k in range(n_drives):
-            at = (whole[layout.PIECE] * n_drives + k) * 2 + ((corner >> k) & 1)
+            at = (iw[layout.PIECE] * n_drives + k) * 2 + ((corner >> k) & 1)
             w[given + k] = bounds[at]
             if not abs(bounds[at]) < math.inf:
                 return False
-        evaluate(REST, 0, whole[layout.FLAGS], w[layout.TIME], w, y, values)
+        evaluate(REST, 0, iw[layout.FLAGS], w[layout.TIME], w, y, values)
         pull = abs(w[values]) if side == 0.0 else -side * w[values]
         if pull > w[values + 1] or w[values + 2] < 0.0:
             return False
@@ -354,96 +354,96 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
 # The equations of a mechanism with its friction, in the modes and with the flags of the run.
 
 
-def put(one: int, several: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def put(one: int, several: int, t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Write what equations of one contact, or of several, give for the mode of the run."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(several, t, w, whole, at, to)
+    if iw[layout.N_CONTACTS] > 0:
+        ask_of(several, t, w, iw, at, to)
     else:
-        evaluate(one, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+        evaluate(one, iw[layout.MODE], iw[layout.FLAGS], t, w, at, to)
 
 
-def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def field(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Time derivatives of the states."""
-    put(FIELD, RATES, t, w, whole, at, to)
+    put(FIELD, RATES, t, w, iw, at, to)
 
 
-def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def jacobian(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of the field with respect to the states, row by row."""
-    put(JACOBIAN, STATE_SLOPES, t, w, whole, at, to)
+    put(JACOBIAN, STATE_SLOPES, t, w, iw, at, to)
 
 
-def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def time_slope(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of the field with respect to time."""
-    put(TIME_SLOPE, TIME_SLOPES, t, w, whole, at, to)
+    put(TIME_SLOPE, TIME_SLOPES, t, w, iw, at, to)
 
 
-def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def guards(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Quantities that are not negative while the mode lasts, by the indices of `enums`."""
-    put(GUARDS, GUARDS_OF, t, w, whole, at, to)
+    put(GUARDS, GUARDS_OF, t, w, iw, at, to)
 
 
-def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def guard_slopes(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of each guard with respect to the states and then to time."""
-    put(GUARD_SLOPES, GUARD_STATES, t, w, whole, at, to)
+    put(GUARD_SLOPES, GUARD_STATES, t, w, iw, at, to)
 
 
-def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def linear(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Whether field and guards are affine in state and time together: 1 or 0."""
-    if whole[layout.N_CONTACTS] > 0:
-        w[to] = ask_here(IS_LINEAR, w, whole)
+    if iw[layout.N_CONTACTS] > 0:
+        w[to] = ask_here(IS_LINEAR, w, iw)
     else:
-        evaluate(LINEAR, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+        evaluate(LINEAR, iw[layout.MODE], iw[layout.FLAGS], t, w, at, to)
 
 
-def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def recorded(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Write what a run records beside its states.
 
     That is friction, normal force and the efforts of guided coordinates; of several contacts
     friction, then load, then mode of each.
     """
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(COLUMNS, t, w, whole, at, to)
+    if iw[layout.N_CONTACTS] > 0:
+        ask_of(COLUMNS, t, w, iw, at, to)
         return
-    evaluate(CONTACT, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
-    for k in range(2, whole[layout.N_COLUMNS]):  # needed friction and level stand between
+    evaluate(CONTACT, iw[layout.MODE], iw[layout.FLAGS], t, w, at, to)
+    for k in range(2, iw[layout.N_COLUMNS]):  # needed friction and level stand between
         w[to + k] = w[to + k + 2]
 
 
-def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def power(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Power supplied, power taken by friction."""
-    put(POWER, POWERS, t, w, whole, at, to)
+    put(POWER, POWERS, t, w, iw, at, to)
 
 
-def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def energy(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Mechanical energy; the same in all modes."""
-    evaluate(ENERGY, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    evaluate(ENERGY, iw[layout.MODE], iw[layout.FLAGS], t, w, at, to)
 
 
-def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def field_slopes(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of the field with respect to all quantities: drives' numbers, parameters."""
-    put(FIELD_SLOPES, QUANTITY_SLOPES, t, w, whole, at, to)
+    put(FIELD_SLOPES, QUANTITY_SLOPES, t, w, iw, at, to)
 
 
-def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def guard_parameters(t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of each guard with respect to all quantities."""
-    put(GUARD_PARAMETERS, GUARD_QUANTITIES, t, w, whole, at, to)
+    put(GUARD_PARAMETERS, GUARD_QUANTITIES, t, w, iw, at, to)
 
 
-def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def impact_slopes(case: int, t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of the rates after an impact with respect to the states before it.
 
     Of several contacts, STRUCK and BOUNDS tell which coordinates are stopped, and what the rates
     change by.
     """
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(IMPACT_STATES, t, w, whole, at, to)
+    if iw[layout.N_CONTACTS] > 0:
+        ask_of(IMPACT_STATES, t, w, iw, at, to)
     else:
-        evaluate(IMPACT_SLOPES, case, whole[layout.FLAGS], t, w, at, to)
+        evaluate(IMPACT_SLOPES, case, iw[layout.FLAGS], t, w, at, to)
 
 
-def impact_parameters(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def impact_parameters(case: int, t: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Derivatives of the rates after an impact with respect to all quantities."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(IMPACT_QUANTITIES, t, w, whole, at, to)
+    if iw[layout.N_CONTACTS] > 0:
+        ask_of(IMPACT_QUANTITIES, t, w, iw, at, to)
     else:
-        evaluate(IMPACT_PARAMETERS, case, whole[layout.FLAGS], t, w, at, to)
+        evaluate(IMPACT_PARAMETERS, case, iw[layout.FLAGS], t, w, at, to)

@@ -25,7 +25,7 @@ without any samples (`numerics.first_fall`), so that no violation is too short t
 import math
 
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.engine.kernels.backend import Vector, Wholes, rare
+from stickslip.engine.kernels.backend import IntVector, Vector, rare
 from stickslip.engine.kernels.equations import (
     FIELD,
     combined,
@@ -116,117 +116,117 @@ def itp_point(
     return min(max(x, low + 0.5 * epsilon), high - 0.5 * epsilon)
 
 
-def direction_from_rest(i: int, w: Vector, whole: Wholes) -> int:
+def direction_from_rest(i: int, w: Vector, iw: IntVector) -> int:
     """Return the direction in which what friction can hold slips from rest in a step, or 0."""
-    if whole[layout.N_CONTACTS] > 0:
-        mode = whole[whole[layout.MODES] + i] if whole[whole[layout.RIGID] + i] else 0
-        rate = slip_rate_along(i, whole[layout.Y], w, whole)
+    if iw[layout.N_CONTACTS] > 0:
+        mode = iw[iw[layout.MODES] + i] if iw[iw[layout.RIGID] + i] else 0
+        rate = slip_rate_along(i, iw[layout.Y], w, iw)
     else:
-        own = whole[layout.N_COORDINATES] + i == whole[layout.SLIP]
-        mode = whole[layout.MODE] if own and not whole[layout.HAS_BRISTLES] else 0
-        rate = w[whole[layout.Y] + whole[layout.SLIP]]
+        own = iw[layout.N_COORDINATES] + i == iw[layout.SLIP]
+        mode = iw[layout.MODE] if own and not iw[layout.HAS_BRISTLES] else 0
+        rate = w[iw[layout.Y] + iw[layout.SLIP]]
     return mode if abs(mode) == 1 and rate == 0.0 else 0
 
 
-def note_spare(w: Vector, whole: Wholes) -> None:
+def note_spare(w: Vector, iw: IntVector) -> None:
     """Write how much of the acceleration of what slips from rest may be rounding.
 
     As it breaks away forces balance, and it is their growth that tells that it goes on. What is
     left of the balance is the rounding of forces and of the time.
     """
     w[layout.SPARE] = 0.0
-    if whole[layout.STEPPER] == layout.EXACT:
+    if iw[layout.STEPPER] == layout.EXACT:
         return
-    for i in range(max(whole[layout.N_DIRECTIONS], whole[layout.N_COORDINATES])):
-        if direction_from_rest(i, w, whole) != 0:
-            w[layout.SPARE] = max(w[layout.SPARE], UNMOVED * size_of_slip(i, w, whole))
+    for i in range(max(iw[layout.N_DIRECTIONS], iw[layout.N_COORDINATES])):
+        if direction_from_rest(i, w, iw) != 0:
+            w[layout.SPARE] = max(w[layout.SPARE], UNMOVED * size_of_slip(i, w, iw))
 
 
-def size_of_slip(i: int, w: Vector, whole: Wholes) -> float:
+def size_of_slip(i: int, w: Vector, iw: IntVector) -> float:
     """Return how large the accelerations are that balance as something begins to slip.
 
     Over the time that has passed its change counts, too: the time is rounded as forces are.
     """
-    n, states, t = whole[layout.N_COORDINATES], whole[layout.N_STATES], w[layout.TIME]
-    y, point, now = whole[layout.Y], whole[layout.POINT], whole[layout.STAGES]
+    n, states, t = iw[layout.N_COORDINATES], iw[layout.N_STATES], w[layout.TIME]
+    y, point, now = iw[layout.Y], iw[layout.POINT], iw[layout.STAGES]
     later, size = now + states, 0.0
-    field(t, w, whole, y, now)
-    if whole[layout.N_CONTACTS] > 0:
+    field(t, w, iw, y, now)
+    if iw[layout.N_CONTACTS] > 0:
         for j in range(n):
-            forces = abs(w[whole[layout.FORCE] + j]) + size_of_forces(j, w, whole)
-            size += abs(factor_of(i, j, w, whole)) * forces / w[whole[layout.MASS] + j * n + j]
+            forces = abs(w[iw[layout.FORCE] + j]) + size_of_forces(j, w, iw)
+            size += abs(factor_of(i, j, w, iw)) * forces / w[iw[layout.MASS] + j * n + j]
     else:  # fields of both directions differ by twice the friction
-        evaluate(FIELD, -whole[layout.MODE], whole[layout.FLAGS], t, w, y, later)
+        evaluate(FIELD, -iw[layout.MODE], iw[layout.FLAGS], t, w, y, later)
         size = abs(w[now + n + i] - w[later + n + i])
     tick = UNMOVED * t
     for j in range(states):
         w[point + j] = w[y + j] + tick * w[now + j]
-    field(t + tick, w, whole, point, later)
+    field(t + tick, w, iw, point, later)
     for j in range(states):
         w[later + j] = (w[later + j] - w[now + j]) / UNMOVED
-    return size + abs(combined(i, later + n, w, whole))
+    return size + abs(combined(i, later + n, w, iw))
 
 
-def forget_spare(w: Vector, whole: Wholes) -> None:
+def forget_spare(w: Vector, iw: IntVector) -> None:
     """Take for 0 what rounding leaves of a speed against the slip, at the end of a step in Y1."""
-    rates = whole[layout.Y1] + whole[layout.N_COORDINATES]
-    for i in range(whole[layout.N_COORDINATES]):
-        speed = direction_from_rest(i, w, whole) * w[rates + i]
+    rates = iw[layout.Y1] + iw[layout.N_COORDINATES]
+    for i in range(iw[layout.N_COORDINATES]):
+        speed = direction_from_rest(i, w, iw) * w[rates + i]
         if -w[layout.SPARE] * w[layout.LENGTH] <= speed < 0.0:
             w[rates + i] = 0.0
 
 
-def guard_values(t: float, ahead: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+def guard_values(t: float, ahead: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Evaluate the guards a time ahead of the start of a step, with what rounding may decide.
 
     That is the quiet zone of bristle laws, and the speed that what begins to slip has by rounding.
     """
-    guards(t, w, whole, at, to)
+    guards(t, w, iw, at, to)
     if ahead * w[layout.SPARE] > 0.0:
-        for i in range(max(whole[layout.N_DIRECTIONS], whole[layout.N_COORDINATES])):
-            if direction_from_rest(i, w, whole) != 0:
-                speed = 2 * i if whole[layout.N_CONTACTS] > 0 else layout.STOP
+        for i in range(max(iw[layout.N_DIRECTIONS], iw[layout.N_COORDINATES])):
+            if direction_from_rest(i, w, iw) != 0:
+                speed = 2 * i if iw[layout.N_CONTACTS] > 0 else layout.STOP
                 w[to + speed] += ahead * w[layout.SPARE]
-    if not whole[layout.HAS_BRISTLES]:
+    if not iw[layout.HAS_BRISTLES]:
         return
-    if whole[layout.N_CONTACTS] > 0:
-        for i in range(whole[layout.N_DIRECTIONS]):
-            if reverses(2 * i, whole):
-                w[to + 2 * i] += QUIET * guard_size(2 * i, w, whole)
-    elif whole[layout.MODE] != 0:
-        w[to + layout.STOP] += QUIET * w[whole[layout.SCALE] + whole[layout.SLIP]]
+    if iw[layout.N_CONTACTS] > 0:
+        for i in range(iw[layout.N_DIRECTIONS]):
+            if reverses(2 * i, iw):
+                w[to + 2 * i] += QUIET * guard_size(2 * i, w, iw)
+    elif iw[layout.MODE] != 0:
+        w[to + layout.STOP] += QUIET * w[iw[layout.SCALE] + iw[layout.SLIP]]
 
 
-def reverses(guard: int, whole: Wholes) -> bool:
+def reverses(guard: int, iw: IntVector) -> bool:
     """Whether a guard is the speed of a body that bristles alone carry, which only turns."""
-    if not whole[layout.HAS_BRISTLES]:
+    if not iw[layout.HAS_BRISTLES]:
         return False
-    if whole[layout.N_CONTACTS] == 0:
+    if iw[layout.N_CONTACTS] == 0:
         return guard == layout.STOP
-    if guard < 0 or guard >= 2 * whole[layout.N_DIRECTIONS] or guard % 2 == 1:
+    if guard < 0 or guard >= 2 * iw[layout.N_DIRECTIONS] or guard % 2 == 1:
         return False
     i = guard // 2
     return (
-        whole[whole[layout.MODES] + i] in (layout.FORWARD, layout.BACKWARD)
-        and not whole[whole[layout.RIGID] + i]
+        iw[iw[layout.MODES] + i] in (layout.FORWARD, layout.BACKWARD)
+        and not iw[iw[layout.RIGID] + i]
     )
 
 
-def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
+def guard_at(guard: int, x: float, t: float, h: float, w: Vector, iw: IntVector) -> float:
     """Return one guard at a fraction of the step."""
-    point = whole[layout.POINT]
-    values = whole[layout.VALUES]
-    interpolate(w, whole, x, point)
-    guard_values(t + x * h, x * h, w, whole, point, values)
+    point = iw[layout.POINT]
+    values = iw[layout.VALUES]
+    interpolate(w, iw, x, point)
+    guard_values(t + x * h, x * h, w, iw, point, values)
     return w[values + guard]
 
 
 def bisect(
-    guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes
+    guard: int, low: float, high: float, t: float, h: float, w: Vector, iw: IntVector
 ) -> float:
     """Return the fraction just past a sign change."""
-    f_low = guard_at(guard, low, t, h, w, whole)
-    f_high = guard_at(guard, high, t, h, w, whole)
+    f_low = guard_at(guard, low, t, h, w, iw)
+    f_high = guard_at(guard, high, t, h, w, iw)
     # A fraction of the step is told no better than the clock tells the time.
     epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
     width = high - low
@@ -235,7 +235,7 @@ def bisect(
         if high - low <= 2.0 * epsilon:
             break
         x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
-        value = guard_at(guard, x, t, h, w, whole)
+        value = guard_at(guard, x, t, h, w, iw)
         # The guard holds at `low` and is violated at `high`: what is returned lies just past the
         # root.
         if value < 0.0:
@@ -247,12 +247,12 @@ def bisect(
     return high
 
 
-def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
+def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, iw: IntVector) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
-    f_a = guard_at(guard, a, t, h, w, whole)
-    f_b = guard_at(guard, b, t, h, w, whole)
+    f_a = guard_at(guard, a, t, h, w, iw)
+    f_b = guard_at(guard, b, t, h, w, iw)
     # 0.618^40 is 4e-9 of the bracket; closer than the root of the rounding, 1.5e-8, values of a
     # smooth function about its minimum do not differ.
     for _ in range(40):
@@ -265,13 +265,13 @@ def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whol
             b = a
             f_b = f_a
             a = high - GOLDEN * (high - low)
-            f_a = guard_at(guard, a, t, h, w, whole)
+            f_a = guard_at(guard, a, t, h, w, iw)
         else:
             low = a
             a = b
             f_a = f_b
             b = low + GOLDEN * (high - low)
-            f_b = guard_at(guard, b, t, h, w, whole)
+            f_b = guard_at(guard, b, t, h, w, iw)
     return -1.0
 
 
@@ -293,15 +293,15 @@ def turns(edge: float, near: float, far: float) -> bool:
     return near < far and slope < 0.0 and 2.0 * edge * bend < 2.5 * slope * slope
 
 
-def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
+def first_sign(guard: int, first: float, t: float, h: float, w: Vector, iw: IntVector) -> float:
     """Return the first point just past a fall of one guard among the samples.
 
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
     """
-    n_guards = whole[layout.N_GUARDS]
-    first_wall = whole[layout.FIRST_WALL]
-    at = whole[layout.SAMPLED] + guard
+    n_guards = iw[layout.N_GUARDS]
+    first_wall = iw[layout.FIRST_WALL]
+    at = iw[layout.SAMPLED] + guard
     value = w[at]
     before = value
     armed = value > 0.0
@@ -313,79 +313,77 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
         before = value
         value = w[at + s * n_guards]
         if armed and value < 0.0:
-            return min(first, bisect(guard, low, s / layout.SAMPLES, t, h, w, whole))
+            return min(first, bisect(guard, low, s / layout.SAMPLES, t, h, w, iw))
         if armed and s > 1:
             if s == 2 and turns(earlier, before, value):
-                x = dip(guard, 0.0, 1.0 / layout.SAMPLES, t, h, w, whole)
+                x = dip(guard, 0.0, 1.0 / layout.SAMPLES, t, h, w, iw)
                 if x >= 0.0:
-                    return min(first, bisect(guard, 0.0, x, t, h, w, whole))
+                    return min(first, bisect(guard, 0.0, x, t, h, w, iw))
             # A minimum lies near `before`. The parabola through the three values falls below zero
             # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
                 low = (s - 2) / layout.SAMPLES
-                x = dip(guard, low, s / layout.SAMPLES, t, h, w, whole)
+                x = dip(guard, low, s / layout.SAMPLES, t, h, w, iw)
                 if x >= 0.0:
-                    return min(first, bisect(guard, low, x, t, h, w, whole))
+                    return min(first, bisect(guard, low, x, t, h, w, iw))
             if s == layout.SAMPLES and turns(value, before, earlier):
                 low = (s - 1) / layout.SAMPLES
-                x = dip(guard, low, 1.0, t, h, w, whole)
+                x = dip(guard, low, 1.0, t, h, w, iw)
                 if x >= 0.0:
-                    return min(first, bisect(guard, low, x, t, h, w, whole))
+                    return min(first, bisect(guard, low, x, t, h, w, iw))
         if value < 0.0 and guard >= first_wall:  # a bounce too short to be seen
             return -1.0
         armed = armed or value > 0.0
     return -1.0 if not armed and value < 0.0 else first
 
 
-def start_on_thresholds(w: Vector, whole: Wholes) -> None:
+def start_on_thresholds(w: Vector, iw: IntVector) -> None:
     """Take for 0 what is left of switches by rounding of the places at which a run begins.
 
     One that begins on its threshold is left to the side to which it goes, and that must not be what
     a difference of places leaves.
     """
-    guards, first = whole[layout.N_GUARDS], whole[layout.FIRST_LIMIT] - whole[layout.N_SWITCHES]
-    if whole[layout.N_SWITCHES] == 0:
+    guards, first = iw[layout.N_GUARDS], iw[layout.FIRST_LIMIT] - iw[layout.N_SWITCHES]
+    if iw[layout.N_SWITCHES] == 0:
         return
-    guard_slopes(w[layout.TIME], w, whole, whole[layout.Y], whole[layout.SLOPES])
-    for guard in range(first, whole[layout.FIRST_LIMIT]):
-        rounding = rounding_of_places(guard, w, whole)
+    guard_slopes(w[layout.TIME], w, iw, iw[layout.Y], iw[layout.SLOPES])
+    for guard in range(first, iw[layout.FIRST_LIMIT]):
+        rounding = rounding_of_places(guard, w, iw)
         # Only what has not been away from its threshold in this run: larger values are no rounding.
         for s in range(
-            layout.SAMPLES + 1 if w[whole[layout.REACHED] + guard] <= AWAY * rounding else 0
+            layout.SAMPLES + 1 if w[iw[layout.REACHED] + guard] <= AWAY * rounding else 0
         ):
-            at = whole[layout.SAMPLED] + s * guards + guard
+            at = iw[layout.SAMPLED] + s * guards + guard
             if abs(w[at]) <= rounding:
                 w[at] = 0.0
 
 
-def rounding_of_places(guard: int, w: Vector, whole: Wholes) -> float:
+def rounding_of_places(guard: int, w: Vector, iw: IntVector) -> float:
     """Return the rounding of a switch by that of the state, where slopes of guards are at hand."""
-    n, size = whole[layout.N_STATES], 0.0
+    n, size = iw[layout.N_STATES], 0.0
     for i in range(n):
-        size += abs(w[whole[layout.SLOPES] + guard * (n + 1) + i] * w[whole[layout.Y] + i])
+        size += abs(w[iw[layout.SLOPES] + guard * (n + 1) + i] * w[iw[layout.Y] + i])
     return PLACED * size
 
 
-def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
+def first_violation(t: float, h: float, w: Vector, iw: IntVector) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
     """
-    point = whole[layout.POINT]
-    sampled = whole[layout.SAMPLED]
-    n_guards = whole[layout.N_GUARDS]
+    point = iw[layout.POINT]
+    sampled = iw[layout.SAMPLED]
+    n_guards = iw[layout.N_GUARDS]
     for s in range(layout.SAMPLES + 1):
-        interpolate(w, whole, s / layout.SAMPLES, point)
+        interpolate(w, iw, s / layout.SAMPLES, point)
         ahead = s / layout.SAMPLES * h
-        guard_values(t + ahead, ahead, w, whole, point, sampled + s * n_guards)
-    if whole[layout.STEPS] < EARLY and (
-        whole[layout.N_CONTACTS] == 0 or whole[layout.N_VARIABLES] > 0
-    ):
-        start_on_thresholds(w, whole)
+        guard_values(t + ahead, ahead, w, iw, point, sampled + s * n_guards)
+    if iw[layout.STEPS] < EARLY and (iw[layout.N_CONTACTS] == 0 or iw[layout.N_VARIABLES] > 0):
+        start_on_thresholds(w, iw)
     best = NO_GUARD
     w[layout.FRACTION] = 2.0  # beyond the step: any fall is earlier
     for guard in range(n_guards):
-        x = first_sign(guard, w[layout.FRACTION], t, h, w, whole)
+        x = first_sign(guard, w[layout.FRACTION], t, h, w, iw)
         if x < 0.0:
             w[layout.FRACTION] = 0.0
             return guard
@@ -396,101 +394,97 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     return best
 
 
-def is_held(whole: Wholes) -> bool:
+def is_held(iw: IntVector) -> bool:
     """Whether anything is held: its guards may change with time while no state does."""
-    if whole[layout.N_CONTACTS] == 0:
-        return abs(whole[layout.MODE]) != 1
+    if iw[layout.N_CONTACTS] == 0:
+        return abs(iw[layout.MODE]) != 1
     held = False
-    for i in range(whole[layout.N_DIRECTIONS]):
-        held = held or whole[whole[layout.MODES] + i] == layout.HELD_FAST
+    for i in range(iw[layout.N_DIRECTIONS]):
+        held = held or iw[iw[layout.MODES] + i] == layout.HELD_FAST
     return held
 
 
-def opposite(guard: int, whole: Wholes) -> int:
+def opposite(guard: int, iw: IntVector) -> int:
     """Return the guard of the other direction, where both are of one level; else itself.
 
     Their sum is twice the level, which tells how large the rounding of either is.
     """
-    if whole[layout.N_CONTACTS] > 0:
-        pair = guard < 2 * whole[layout.N_PAIRS] and not is_speed(guard, whole)
+    if iw[layout.N_CONTACTS] > 0:
+        pair = guard < 2 * iw[layout.N_PAIRS] and not is_speed(guard, iw)
         return guard + 1 - 2 * (guard % 2) if pair else guard
     if guard in (layout.BREAK_FORWARD, layout.BREAK_BACKWARD):
         return layout.BREAK_FORWARD + layout.BREAK_BACKWARD - guard
     return guard
 
 
-def is_speed(guard: int, whole: Wholes) -> bool:
+def is_speed(guard: int, iw: IntVector) -> bool:
     """Whether a guard is one of a coordinate of several that moves: its speed, not a force."""
-    if whole[layout.N_CONTACTS] == 0 or guard >= 2 * whole[layout.N_PAIRS]:
+    if iw[layout.N_CONTACTS] == 0 or guard >= 2 * iw[layout.N_PAIRS]:
         return False
-    return whole[whole[layout.MODES] + guard // 2] != layout.HELD_FAST
+    return iw[iw[layout.MODES] + guard // 2] != layout.HELD_FAST
 
 
-def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
+def guard_size(guard: int, w: Vector, iw: IntVector) -> float:
     """Return how large a guard has been in the run: a speed as a speed, a force as a force."""
-    if is_speed(guard, whole):
-        return size_along(guard // 2, whole[layout.SCALE] + whole[layout.N_COORDINATES], w, whole)
-    return w[whole[layout.REACHED] + guard]
+    if is_speed(guard, iw):
+        return size_along(guard // 2, iw[layout.SCALE] + iw[layout.N_COORDINATES], w, iw)
+    return w[iw[layout.REACHED] + guard]
 
 
-def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
+def size_of_forces(i: int, w: Vector, iw: IntVector) -> float:
     """Return how large the forces are of which a held coordinate's needed friction is the rest.
 
     Inertia forces of others may leave little of them but their rounding.
     """
-    if whole[layout.DIAGONAL]:
+    if iw[layout.DIAGONAL]:
         return 0.0
-    n = whole[layout.N_COORDINATES]
+    n = iw[layout.N_COORDINATES]
     if i >= n:
-        return size_in_motion(i, w, whole)
-    total = abs(w[whole[layout.FORCE] + i])
+        return size_in_motion(i, w, iw)
+    total = abs(w[iw[layout.FORCE] + i])
     for j in range(n):
-        total += abs(w[whole[layout.MASS] + i * n + j] * w[whole[layout.ACCELERATION] + j])
+        total += abs(w[iw[layout.MASS] + i * n + j] * w[iw[layout.ACCELERATION] + j])
     return total
 
 
 @rare
-def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
+def size_in_motion(i: int, w: Vector, iw: IntVector) -> float:
     """Return how large the forces are of which that along a closing slip or a cut is the rest."""
-    n, total = whole[layout.N_COORDINATES], 0.0
+    n, total = iw[layout.N_COORDINATES], 0.0
     for j in range(n):
-        factor = abs(factor_of(i, j, w, whole))
+        factor = abs(factor_of(i, j, w, iw))
         if factor != 0.0:
-            total += factor * abs(w[whole[layout.FORCE] + j])
+            total += factor * abs(w[iw[layout.FORCE] + j])
             for k in range(n):
                 total += factor * abs(
-                    w[whole[layout.MASS] + j * n + k] * w[whole[layout.ACCELERATION] + k]
+                    w[iw[layout.MASS] + j * n + k] * w[iw[layout.ACCELERATION] + k]
                 )
     return total
 
 
-def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
+def size_of_balance(guard: int, w: Vector, iw: IntVector) -> float:
     """Return how large the forces are that a guard compares at the state; 0 if none."""
-    if (
-        whole[layout.N_CONTACTS] == 0
-        or guard >= 2 * whole[layout.N_PAIRS]
-        or is_speed(guard, whole)
-    ):
+    if iw[layout.N_CONTACTS] == 0 or guard >= 2 * iw[layout.N_PAIRS] or is_speed(guard, iw):
         return 0.0
-    return size_of_forces(guard // 2, w, whole)
+    return size_of_forces(guard // 2, w, iw)
 
 
-def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
+def coarseness(t: float, h: float, w: Vector, iw: IntVector) -> float:
     """Return how badly the samples of a step show the course of the guards; up to 1 they do.
 
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
     """
-    n_guards, sampled, values = whole[layout.N_GUARDS], whole[layout.SAMPLED], whole[layout.VALUES]
-    interpolate(w, whole, GOLDEN, whole[layout.POINT])
-    guard_values(t + GOLDEN * h, GOLDEN * h, w, whole, whole[layout.POINT], values)
+    n_guards, sampled, values = iw[layout.N_GUARDS], iw[layout.SAMPLED], iw[layout.VALUES]
+    interpolate(w, iw, GOLDEN, iw[layout.POINT])
+    guard_values(t + GOLDEN * h, GOLDEN * h, w, iw, iw[layout.POINT], values)
     worst = 0.0
     for guard in range(n_guards):
         at = sampled + guard
         a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
         d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
-        known = max(guard_size(guard, w, whole), abs(w[sampled + opposite(guard, whole)]))
-        known = max(known, size_of_balance(guard, w, whole))
+        known = max(guard_size(guard, w, iw), abs(w[sampled + opposite(guard, iw)]))
+        known = max(known, size_of_balance(guard, w, iw))
         size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * known)
         # Weights of the polynomial of degree four through every other sample, at those between,
         # times 128.
@@ -510,53 +504,53 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     return worst
 
 
-def stays(guard: int, w: Vector, whole: Wholes) -> bool:
+def stays(guard: int, w: Vector, iw: IntVector) -> bool:
     """Whether a guard just above its threshold comes no nearer in a step that was to end there."""
-    at, largest = whole[layout.SAMPLED] + guard, 0.0
-    if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, whole):
+    at, largest = iw[layout.SAMPLED] + guard, 0.0
+    if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, iw):
         return False
     for s in range(layout.SAMPLES + 1):
-        largest = max(largest, w[at + s * whole[layout.N_GUARDS]])
-    return w[at + layout.SAMPLES * whole[layout.N_GUARDS]] > 0.5 * largest
+        largest = max(largest, w[at + s * iw[layout.N_GUARDS]])
+    return w[at + layout.SAMPLES * iw[layout.N_GUARDS]] > 0.5 * largest
 
 
-def rises(guard: int, w: Vector, whole: Wholes) -> bool:
+def rises(guard: int, w: Vector, iw: IntVector) -> bool:
     """Whether one guard is positive at any of the samples."""
-    sampled = whole[layout.SAMPLED]
-    n_guards = whole[layout.N_GUARDS]
+    sampled = iw[layout.SAMPLED]
+    n_guards = iw[layout.N_GUARDS]
     highest = w[sampled + guard]
     for s in range(1, layout.SAMPLES + 1):
         highest = max(highest, w[sampled + s * n_guards + guard])
     return highest > 0.0
 
 
-def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
+def note_least(guard: int, value: float, w: Vector, iw: IntVector) -> None:
     """Note the least value of a guard that ends runs."""
-    lowest = whole[layout.LOWEST]
-    if (whole[layout.CAN_LIFT] and guard == layout.LIFT_OFF) or whole[
-        layout.FIRST_LIMIT
-    ] <= guard < whole[layout.FIRST_WALL]:
+    lowest = iw[layout.LOWEST]
+    if (iw[layout.CAN_LIFT] and guard == layout.LIFT_OFF) or iw[layout.FIRST_LIMIT] <= guard < iw[
+        layout.FIRST_WALL
+    ]:
         w[lowest + guard] = min(w[lowest + guard], value)
 
 
-def note_sizes(w: Vector, whole: Wholes) -> None:
+def note_sizes(w: Vector, iw: IntVector) -> None:
     """Note the largest size of each guard among the samples of a step, and the least ones."""
-    n_guards = whole[layout.N_GUARDS]
-    sampled = whole[layout.SAMPLED]
-    reached = whole[layout.REACHED]
+    n_guards = iw[layout.N_GUARDS]
+    sampled = iw[layout.SAMPLED]
+    reached = iw[layout.REACHED]
     for guard in range(n_guards):
-        if is_speed(guard, whole):
+        if is_speed(guard, iw):
             continue  # the largest speeds stand at SCALE
-        largest = max(w[reached + guard], size_of_balance(guard, w, whole))
+        largest = max(w[reached + guard], size_of_balance(guard, w, iw))
         least = math.inf
         for s in range(layout.SAMPLES + 1):
             value = w[sampled + s * n_guards + guard]
-            if value == UNWATCHED and whole[layout.N_CONTACTS] > 0:
+            if value == UNWATCHED and iw[layout.N_CONTACTS] > 0:
                 continue
             largest = max(largest, abs(value))
             least = min(least, value)
         w[reached + guard] = largest
-        note_least(guard, least, w, whole)
+        note_least(guard, least, w, iw)
 
 
 # Where a step of a linear mode first violates a guard: guards are polynomials there.
@@ -565,34 +559,34 @@ BALANCED = 4e-15
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
 
 
-def guard_waves(guard: int, w: Vector, whole: Wholes) -> bool:
+def guard_waves(guard: int, w: Vector, iw: IntVector) -> bool:
     """Whether a guard of one contact has a harmonic term in this step."""
-    if whole[layout.N_WAVES] == 0:
+    if iw[layout.N_WAVES] == 0:
         return False
-    own = whole[layout.WAVES] + layout.SERIES + 1 + whole[layout.N_STATES] + guard
-    return w[own] != 0.0 or w[own + whole[layout.N_WAVES]] != 0.0
+    own = iw[layout.WAVES] + layout.SERIES + 1 + iw[layout.N_STATES] + guard
+    return w[own] != 0.0 or w[own + iw[layout.N_WAVES]] != 0.0
 
 
-def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
+def guard_polynomial(guard: int, h: float, w: Vector, iw: IntVector) -> int:
     """Write the coefficients of one guard in the fraction of the step; return the degree."""
-    values = whole[layout.VALUES]
-    dense = whole[layout.DENSE]
-    reached = whole[layout.REACHED]
-    n = whole[layout.N_STATES]
-    row = whole[layout.SLOPES] + guard * (n + 1)  # slopes along the states, then along time
+    values = iw[layout.VALUES]
+    dense = iw[layout.DENSE]
+    reached = iw[layout.REACHED]
+    n = iw[layout.N_STATES]
+    row = iw[layout.SLOPES] + guard * (n + 1)  # slopes along the states, then along time
     w[layout.POLYNOMIAL] = w[values + guard]
     last = w[values + guard]
     degree = 0
     first = row
     while first <= row + n and w[first] == 0.0:
         first += 1
-    waves = guard_waves(guard, w, whole)
+    waves = guard_waves(guard, w, iw)
     # many guards are 0 in a mode, or change with nothing in it
     terms = int(w[dense]) if first <= row + n or waves else 0
     for k in range(1, terms + 1):
         total = h * w[row + n] if k == 1 else 0.0
         if k > 1 and waves:
-            power, place = wave_at(k, w, whole)
+            power, place = wave_at(k, w, iw)
             total = power * w[place + n + guard]
         for i in range(n):
             total += w[row + i] * w[dense + 1 + k * n + i]
@@ -601,66 +595,66 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
         if total != 0.0:
             degree = k
     w[reached + guard] = max(w[reached + guard], abs(w[values + guard]), abs(last))
-    note_least(guard, min(w[values + guard], last), w, whole)
+    note_least(guard, min(w[values + guard], last), w, iw)
     return degree
 
 
-def largest_term(k: int, states: int, first: int, w: Vector, whole: Wholes) -> float:
+def largest_term(k: int, states: int, first: int, w: Vector, iw: IntVector) -> float:
     """Return the largest term of one power in the series of the states from `first` on."""
-    row, size = whole[layout.DENSE] + 1 + k * states, 0.0
+    row, size = iw[layout.DENSE] + 1 + k * states, 0.0
     for i in range(first, states):
         size = max(size, abs(w[row + i]))
     return size
 
 
-def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
+def quiet_start(t: float, h: float, w: Vector, iw: IntVector) -> None:
     """Drop the first slopes of a body at rest where forces balance but for their rounding."""
-    y = whole[layout.Y]
-    point = whole[layout.POINT]
-    slip = whole[layout.SLIP]
-    drift = whole[layout.DRIFT]
-    n = whole[layout.N_STATES]
-    matrix = whole[layout.MATRIX]
+    y = iw[layout.Y]
+    point = iw[layout.POINT]
+    slip = iw[layout.SLIP]
+    drift = iw[layout.DRIFT]
+    n = iw[layout.N_STATES]
+    matrix = iw[layout.MATRIX]
     # Fields of both directions differ by twice the friction. With slopes times states and time they
     # tell how large the forces are that balance.
-    evaluate(FIELD, 1, whole[layout.FLAGS], t, w, y, point)
+    evaluate(FIELD, 1, iw[layout.FLAGS], t, w, y, point)
     size = w[point + slip]
-    evaluate(FIELD, -1, whole[layout.FLAGS], t, w, y, point)
+    evaluate(FIELD, -1, iw[layout.FLAGS], t, w, y, point)
     size = abs(size - w[point + slip]) + abs(w[drift + slip] * t)
     for i in range(n):
         size += abs(w[matrix + slip * n + i] * w[y + i])
     # a force between other bodies reaches this one by the rounding of the inverse mass matrix
-    if abs(w[layout.POLYNOMIAL + 1]) <= BALANCED * max(h * size, largest_term(1, n, 0, w, whole)):
+    if abs(w[layout.POLYNOMIAL + 1]) <= BALANCED * max(h * size, largest_term(1, n, 0, w, iw)):
         w[layout.POLYNOMIAL + 1] = 0.0
-        if abs(w[layout.POLYNOMIAL + 2]) <= BALANCED * largest_term(2, n, 0, w, whole):
+        if abs(w[layout.POLYNOMIAL + 2]) <= BALANCED * largest_term(2, n, 0, w, iw):
             w[layout.POLYNOMIAL + 2] = 0.0
-        still = w[drift + slip] == 0.0 and whole[layout.N_WAVES] == 0
-        if whole[layout.N_COORDINATES] == 1 and still:  # nor is there anything to follow
+        still = w[drift + slip] == 0.0 and iw[layout.N_WAVES] == 0
+        if iw[layout.N_COORDINATES] == 1 and still:  # nor is there anything to follow
             for k in range(2, layout.SERIES + 1):
                 w[layout.POLYNOMIAL + k] = 0.0
 
 
-def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
+def first_crossing(t: float, h: float, w: Vector, iw: IntVector) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard that starts at zero falls below it at once.
     """
-    y = whole[layout.Y]
-    n_guards = whole[layout.N_GUARDS]
-    slip = whole[layout.SLIP]
-    guards(t, w, whole, y, whole[layout.VALUES])
-    guard_slopes(t, w, whole, y, whole[layout.SLOPES])
+    y = iw[layout.Y]
+    n_guards = iw[layout.N_GUARDS]
+    slip = iw[layout.SLIP]
+    guards(t, w, iw, y, iw[layout.VALUES])
+    guard_slopes(t, w, iw, y, iw[layout.SLOPES])
     best = NO_GUARD
     w[layout.FRACTION] = 1.0
     for guard in range(n_guards):
-        degree = guard_polynomial(guard, h, w, whole)
-        switches = layout.SWITCH <= guard < whole[layout.FIRST_LIMIT]
-        if switches and -UNMOVED * w[whole[layout.REACHED] + guard] <= w[layout.POLYNOMIAL] < 0.0:
+        degree = guard_polynomial(guard, h, w, iw)
+        switches = layout.SWITCH <= guard < iw[layout.FIRST_LIMIT]
+        if switches and -UNMOVED * w[iw[layout.REACHED] + guard] <= w[layout.POLYNOMIAL] < 0.0:
             w[layout.POLYNOMIAL] = 0.0  # it has just been turned, within rounding of its threshold
         if degree == 0 and w[layout.POLYNOMIAL] >= 0.0:
             continue
-        if guard == layout.STOP and whole[layout.MODE] != 0 and w[y + slip] == 0.0:
-            quiet_start(t, h, w, whole)
+        if guard == layout.STOP and iw[layout.MODE] != 0 and w[y + slip] == 0.0:
+            quiet_start(t, h, w, iw)
         x = first_fall(w, degree)
         if x == FALLS_AT_ONCE:
             w[layout.FRACTION] = 0.0

@@ -10,7 +10,7 @@
 """
 
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.backend import IntVector, Vector
 
 # Nodes and weights of Gauss and Legendre on 0 to 1, for integrals over a step.
 
@@ -104,10 +104,10 @@ def lu_solve(w: Vector, a: int, n: int, pivots: int, b: int) -> None:
 NESTED_SHORT = -1.0
 
 
-def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
+def interpolate(w: Vector, iw: IntVector, x: float, to: int) -> None:
     """Evaluate the step at the fraction `x` of its length."""
-    dense = whole[layout.DENSE]
-    n = whole[layout.N_STATES]
+    dense = iw[layout.DENSE]
+    n = iw[layout.N_STATES]
     terms = int(w[dense])
     if terms > 0:
         for i in range(0, n, 2):

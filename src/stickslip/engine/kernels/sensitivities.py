@@ -17,7 +17,7 @@ import math
 
 from stickslip.engine.kernels import equations
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.backend import IntVector, Vector
 from stickslip.engine.kernels.driver import restore, restore_modes, restore_start
 from stickslip.engine.kernels.guard_roots import NO_GUARD
 from stickslip.engine.kernels.mode_transitions import approach, wall_coordinate, wall_side
@@ -74,44 +74,40 @@ SHARES = tuple(
 """Weights of the nodes in an integral with a power of the time that is left."""
 
 
-def guards_at(q: int, whole: Wholes) -> int:
+def guards_at(q: int, iw: IntVector) -> int:
     """Place of the guards' slopes."""
-    return whole[layout.SIZE] + whole[layout.N_STATES] * q
+    return iw[layout.SIZE] + iw[layout.N_STATES] * q
 
 
-def directions_at(q: int, whole: Wholes) -> int:
+def directions_at(q: int, iw: IntVector) -> int:
     """Place of the directions of the drives' numbers."""
-    return guards_at(q, whole) + whole[layout.N_GUARDS] * q
+    return guards_at(q, iw) + iw[layout.N_GUARDS] * q
 
 
-def columns_at(which: int, q: int, m: int, whole: Wholes) -> int:
+def columns_at(which: int, q: int, m: int, iw: IntVector) -> int:
     """Place of sensitivities: 0 present, 1 result, 2 and 3 for terms; 4 moments; 5 what follows."""
-    return (
-        directions_at(q, whole)
-        + 3 * whole[layout.N_DRIVES] * m
-        + which * whole[layout.N_STATES] * m
-    )
+    return directions_at(q, iw) + 3 * iw[layout.N_DRIVES] * m + which * iw[layout.N_STATES] * m
 
 
-def sense_size(q: int, m: int, whole: Wholes) -> int:
+def sense_size(q: int, m: int, iw: IntVector) -> int:
     """Return how long the vector of a run must be."""
-    n = whole[layout.N_STATES]
+    n = iw[layout.N_STATES]
     stages = RADAU_STAGES * n
-    return columns_at(5, q, m, whole) + max(stages * (stages + 1 + m), len(NODES) * n * m)
+    return columns_at(5, q, m, iw) + max(stages * (stages + 1 + m), len(NODES) * n * m)
 
 
 def forcing(
-    t: float, at: int, w: Vector, whole: Wholes, own: Vector, q: int, m: int, to: int
+    t: float, at: int, w: Vector, iw: IntVector, own: Vector, q: int, m: int, to: int
 ) -> None:
     """Write the slopes of the field along each direction.
 
     `own` has the quantity of each direction, -1 for an initial state.
     """
-    size = whole[layout.SIZE]
-    n = whole[layout.N_STATES]
-    n_drives = whole[layout.N_DRIVES]
-    equations.field_slopes(t, w, whole, at, size)
-    directions = directions_at(q, whole)
+    size = iw[layout.SIZE]
+    n = iw[layout.N_STATES]
+    n_drives = iw[layout.N_DRIVES]
+    equations.field_slopes(t, w, iw, at, size)
+    directions = directions_at(q, iw)
     for c in range(m):
         for i in range(n):
             row = size + i * q
@@ -122,9 +118,9 @@ def forcing(
             w[to + i * m + c] = total
 
 
-def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to: int) -> None:
+def add_product(w: Vector, iw: IntVector, matrix: int, columns: int, m: int, to: int) -> None:
     """Add the product of an n x n matrix with columns."""
-    n = whole[layout.N_STATES]
+    n = iw[layout.N_STATES]
     for i in range(n):
         for j in range(n):
             factor = w[matrix + i * n + j]
@@ -133,17 +129,17 @@ def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to:
                     w[to + i * m + c] += factor * w[columns + j * m + c]
 
 
-def powers_needed(h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> int:
+def powers_needed(h: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int) -> int:
     """Return the last power of the Jacobian that counts in a step.
 
     Terms are at most those of absolute values, of the largest sensitivity of each state.
     """
-    matrix, n, count = whole[layout.MATRIX], whole[layout.N_STATES], len(NODES)
-    now, forced = columns_at(0, q, m, whole), columns_at(5, q, m, whole)
+    matrix, n, count = iw[layout.MATRIX], iw[layout.N_STATES], len(NODES)
+    now, forced = columns_at(0, q, m, iw), columns_at(5, q, m, iw)
     largest, after, before = (
-        columns_at(1, q, m, whole),
-        columns_at(2, q, m, whole),
-        columns_at(3, q, m, whole),
+        columns_at(1, q, m, iw),
+        columns_at(2, q, m, iw),
+        columns_at(3, q, m, iw),
     )
     for i in range(n):
         size = 0.0
@@ -173,7 +169,7 @@ def powers_needed(h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: in
 
 
 def series_sensed(
-    t: float, h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    t: float, h: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
 
@@ -181,21 +177,21 @@ def series_sensed(
     integral is taken by the rule of Gauss, of which each power of A has a sum of its own; powers
     end where what they add has vanished.
     """
-    y, matrix, point = whole[layout.Y], whole[layout.MATRIX], whole[layout.POINT]
-    n, count = whole[layout.N_STATES], len(NODES)
+    y, matrix, point = iw[layout.Y], iw[layout.MATRIX], iw[layout.POINT]
+    n, count = iw[layout.N_STATES], len(NODES)
     size = n * m
-    now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
-    term, forced = columns_at(2, q, m, whole), columns_at(5, q, m, whole)
-    if whole[layout.N_CONTACTS] > 0:
+    now, result = columns_at(0, q, m, iw), columns_at(1, q, m, iw)
+    term, forced = columns_at(2, q, m, iw), columns_at(5, q, m, iw)
+    if iw[layout.N_CONTACTS] > 0:
         w[layout.TIME] = t
-        equations.ask_of(equations.SERIES_FROM, h, w, whole, y, 0)
+        equations.ask_of(equations.SERIES_FROM, h, w, iw, y, 0)
     else:
-        series_fill(t, h, w, whole, y)
+        series_fill(t, h, w, iw, y)
     for s in range(count):
-        interpolate(w, whole, NODES[s], point)
-        forcing(t + NODES[s] * h, point, w, whole, own, q, m, forced + s * size)
-    equations.jacobian(t, w, whole, y, matrix)
-    most = powers_needed(h, w, whole, own, q, m)
+        interpolate(w, iw, NODES[s], point)
+        forcing(t + NODES[s] * h, point, w, iw, own, q, m, forced + s * size)
+    equations.jacobian(t, w, iw, y, matrix)
+    most = powers_needed(h, w, iw, own, q, m)
     for k in range(most, -1, -1):
         for i in range(size):
             w[term + i] = w[result + i] * (h / (k + 1.0)) if k < most else 0.0
@@ -209,31 +205,31 @@ def series_sensed(
                     for s in range(count):
                         total += SHARES[k * count + s] * w[at + s * size]
                     w[result + i * m + c] += h * total
-        add_product(w, whole, matrix, term, m, result)
+        add_product(w, iw, matrix, term, m, result)
 
 
 def radau_stage(
-    s: int, t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    s: int, t: float, h: float, length: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Write the rows of one stage: of the matrix, and of all right-hand sides."""
-    point = whole[layout.POINT]
-    matrix_at = whole[layout.MATRIX]
-    n = whole[layout.N_STATES]
+    point = iw[layout.POINT]
+    matrix_at = iw[layout.MATRIX]
+    n = iw[layout.N_STATES]
     stages = RADAU_STAGES * n
     now, slopes, matrix = (
-        columns_at(0, q, m, whole),
-        columns_at(2, q, m, whole),
-        columns_at(5, q, m, whole),
+        columns_at(0, q, m, iw),
+        columns_at(2, q, m, iw),
+        columns_at(5, q, m, iw),
     )
     right = matrix + stages * (stages + 1)
     # Nodes of the part that is advanced, as fractions of the whole row, which the dense output
     # spans.
     share = RADAU_NODES[s] * length / h
-    interpolate(w, whole, share, point)
-    equations.jacobian(t + share * h, w, whole, point, matrix_at)
-    forcing(t + share * h, point, w, whole, own, q, m, slopes)
+    interpolate(w, iw, share, point)
+    equations.jacobian(t + share * h, w, iw, point, matrix_at)
+    forcing(t + share * h, point, w, iw, own, q, m, slopes)
     # The unknowns are the slopes K of the stages: K = F + J (S + length * (sum of RADAU x K)).
-    add_product(w, whole, matrix_at, now, m, slopes)
+    add_product(w, iw, matrix_at, now, m, slopes)
     # Rows of I - length * (RADAU x J).
     for i in range(n):
         row = matrix + (s * n + i) * stages
@@ -247,19 +243,19 @@ def radau_stage(
 
 
 def radau_sensed(
-    t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    t: float, h: float, length: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities along a row of length `h` by `length`; result in columns 1."""
-    n = whole[layout.N_STATES]
+    n = iw[layout.N_STATES]
     stages = RADAU_STAGES * n
     now, result, matrix = (
-        columns_at(0, q, m, whole),
-        columns_at(1, q, m, whole),
-        columns_at(5, q, m, whole),
+        columns_at(0, q, m, iw),
+        columns_at(1, q, m, iw),
+        columns_at(5, q, m, iw),
     )
     pivots = matrix + stages * stages
     for s in range(RADAU_STAGES):
-        radau_stage(s, t, h, length, w, whole, own, q, m)
+        radau_stage(s, t, h, length, w, iw, own, q, m)
     lu_factor(w, matrix, stages, pivots)
     for c in range(m):
         right = pivots + stages + c * stages
@@ -271,38 +267,38 @@ def radau_sensed(
             w[result + i * m + c] = w[now + i * m + c] + length * total
 
 
-def restore_sensed(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
+def restore_sensed(log: Vector, row: int, table: Vector, w: Vector, iw: IntVector) -> None:
     """Bring back the start of a row; its series is filled in up to where it is needed."""
-    if log[row * whole[layout.ROW_COLUMNS] + layout.ROW_DENSE] > 0.0:
-        restore_start(log, row, table, w, whole)
+    if log[row * iw[layout.ROW_COLUMNS] + layout.ROW_DENSE] > 0.0:
+        restore_start(log, row, table, w, iw)
     else:
-        restore(log, row, table, w, whole)
+        restore(log, row, table, w, iw)
 
 
 def advance_sensed(
-    log: Vector, row: int, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    log: Vector, row: int, length: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities from the start of a restored row; result in columns 1."""
-    at = row * whole[layout.ROW_COLUMNS]
+    at = row * iw[layout.ROW_COLUMNS]
     if log[at + layout.ROW_DENSE] > 0.0:
-        series_sensed(log[at], length, w, whole, own, q, m)
+        series_sensed(log[at], length, w, iw, own, q, m)
     else:
-        radau_sensed(log[at], log[at + 2], length, w, whole, own, q, m)
+        radau_sensed(log[at], log[at + 2], length, w, iw, own, q, m)
 
 
 def guard_changes(
-    guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    guard: int, t: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Write how a guard changes; state in Y."""
-    y = whole[layout.Y]
-    slopes = whole[layout.SLOPES]
-    n_drives = whole[layout.N_DRIVES]
-    n = whole[layout.N_STATES]
-    now, to = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
-    equations.guard_slopes(t, w, whole, y, slopes)
-    equations.guard_parameters(t, w, whole, y, guards_at(q, whole))
+    y = iw[layout.Y]
+    slopes = iw[layout.SLOPES]
+    n_drives = iw[layout.N_DRIVES]
+    n = iw[layout.N_STATES]
+    now, to = columns_at(0, q, m, iw), columns_at(4, q, m, iw)
+    equations.guard_slopes(t, w, iw, y, slopes)
+    equations.guard_parameters(t, w, iw, y, guards_at(q, iw))
     row = slopes + guard * (n + 1)
-    parameters, directions = guards_at(q, whole) + guard * q, directions_at(q, whole)
+    parameters, directions = guards_at(q, iw) + guard * q, directions_at(q, iw)
     for c in range(m):
         total = w[parameters + int(own[c])] if own[c] >= 0.0 else 0.0
         for k in range(3 * n_drives):
@@ -312,39 +308,39 @@ def guard_changes(
         w[to + c] = total
 
 
-def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
+def moments(guard: int, t: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int) -> None:
     """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1."""
-    n, to = whole[layout.N_STATES], columns_at(4, q, m, whole)
-    guard_changes(guard, t, w, whole, own, q, m)
-    row = whole[layout.SLOPES] + guard * (n + 1)
+    n, to = iw[layout.N_STATES], columns_at(4, q, m, iw)
+    guard_changes(guard, t, w, iw, own, q, m)
+    row = iw[layout.SLOPES] + guard * (n + 1)
     rate = w[row + n]
     for i in range(n):
-        rate += w[row + i] * w[whole[layout.Y1] + i]
+        rate += w[row + i] * w[iw[layout.Y1] + i]
     for c in range(m):
         # implicit function theorem; where the guard only touches zero there is no such derivative
         w[to + c] = -w[to + c] / rate if rate != 0.0 else 0.0
 
 
 def same_moment(
-    guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    guard: int, t: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Give up moments in columns 4 along directions where another guard has one."""
-    kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
+    kept, moment = columns_at(3, q, m, iw), columns_at(4, q, m, iw)
     for c in range(m):
         w[kept + c] = w[moment + c]
-    moments(guard, t, w, whole, own, q, m)
+    moments(guard, t, w, iw, own, q, m)
     for c in range(m):
         size = abs(w[kept + c]) + abs(w[moment + c])
         apart = abs(w[kept + c] - w[moment + c]) > TOGETHER_TOO * size
         w[moment + c] = math.nan if apart else w[kept + c]
 
 
-def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
+def jump(w: Vector, iw: IntVector, q: int, m: int) -> None:
     """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4."""
-    n = whole[layout.N_STATES]
-    y1 = whole[layout.Y1]
-    values = whole[layout.VALUES]
-    now, moment = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
+    n = iw[layout.N_STATES]
+    y1 = iw[layout.Y1]
+    values = iw[layout.VALUES]
+    now, moment = columns_at(0, q, m, iw), columns_at(4, q, m, iw)
     # Saltation: a run that meets the event dt later follows the slope before it for that long, and
     # misses as much of the slope after it.
     for i in range(n):
@@ -353,31 +349,31 @@ def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
             w[now + i * m + c] += change * w[moment + c]
 
 
-def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
+def lose(w: Vector, iw: IntVector, q: int, m: int) -> None:
     """Give the sensitivities up: what came before the start is not known."""
-    n = whole[layout.N_STATES]
-    now = columns_at(0, q, m, whole)
+    n = iw[layout.N_STATES]
+    now = columns_at(0, q, m, iw)
     for i in range(n * m):
         w[now + i] = math.nan
 
 
-def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
+def rebound(case: int, t: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int) -> None:
     """Let an impact change the sensitivities; slope before in Y1, moments in columns 4.
 
     They become those of the state right after the impact, whenever it comes: as the slope of that
     is what is left to subtract, the slope before is 0 from here on.
     """
-    n, coordinates = whole[layout.N_STATES], whole[layout.N_COORDINATES]
-    y1, size, slopes = whole[layout.Y1], whole[layout.SIZE], whole[layout.MATRIX]
-    now, new = columns_at(0, q, m, whole), columns_at(3, q, m, whole)
-    moment = columns_at(4, q, m, whole)
+    n, coordinates = iw[layout.N_STATES], iw[layout.N_COORDINATES]
+    y1, size, slopes = iw[layout.Y1], iw[layout.SIZE], iw[layout.MATRIX]
+    now, new = columns_at(0, q, m, iw), columns_at(3, q, m, iw)
+    moment = columns_at(4, q, m, iw)
     for i in range(n):
         for c in range(m):
             # to the moment of the impact, which parameters move, from the end of the row
             w[now + i * m + c] += w[y1 + i] * w[moment + c]
         w[y1 + i] = 0.0
-    equations.impact_slopes(case, t, w, whole, whole[layout.Y], slopes)
-    equations.impact_parameters(case, t, w, whole, whole[layout.Y], size)
+    equations.impact_slopes(case, t, w, iw, iw[layout.Y], slopes)
+    equations.impact_parameters(case, t, w, iw, iw[layout.Y], size)
     for i in range(coordinates):
         for c in range(m):
             total = w[size + i * q + int(own[c])] if own[c] >= 0.0 else 0.0
@@ -389,48 +385,48 @@ def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, 
         w[now + coordinates * m + i] = w[new + i]
 
 
-def bounces(wall: int, end: float, held: bool, w: Vector, whole: Wholes) -> bool:
+def bounces(wall: int, end: float, held: bool, w: Vector, iw: IntVector) -> bool:
     """Whether what strikes a stop bounces, by its rate after the instant and whether it is held.
 
     Without restitution nothing bounces, but more of it would make what is not held then do so.
     """
-    restitution = w[whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS] + 1]
+    restitution = w[iw[layout.WALLS] + wall * iw[layout.WALL_COLUMNS] + 1]
     return end != 0.0 or (restitution == 0.0 and not held)
 
 
-def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int) -> None:
+def load_directions(piece: int, dtable: Vector, w: Vector, iw: IntVector, q: int, m: int) -> None:
     """Put the directions of one piece of the drives in their place."""
-    n_drives = whole[layout.N_DRIVES]
-    directions = directions_at(q, whole)
+    n_drives = iw[layout.N_DRIVES]
+    directions = directions_at(q, iw)
     at = piece * (1 + 3 * n_drives) * m + m
     for k in range(3 * n_drives * m):
         w[directions + k] = dtable[at + k]
 
 
 def pass_piece(
-    t: float, piece: int, table: Vector, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int
+    t: float, piece: int, table: Vector, dtable: Vector, w: Vector, iw: IntVector, q: int, m: int
 ) -> None:
     """Go over to another piece of the drives, at a moment that its start gives."""
-    y = whole[layout.Y]
-    n_drives = whole[layout.N_DRIVES]
-    moment = columns_at(4, q, m, whole)
-    equations.field(t, w, whole, y, whole[layout.Y1])
-    equations.load_piece(table, piece, w, whole)
-    load_directions(piece, dtable, w, whole, q, m)
-    equations.field(t, w, whole, y, whole[layout.VALUES])
+    y = iw[layout.Y]
+    n_drives = iw[layout.N_DRIVES]
+    moment = columns_at(4, q, m, iw)
+    equations.field(t, w, iw, y, iw[layout.Y1])
+    equations.load_piece(table, piece, w, iw)
+    load_directions(piece, dtable, w, iw, q, m)
+    equations.field(t, w, iw, y, iw[layout.VALUES])
     for c in range(m):
         w[moment + c] = dtable[piece * (1 + 3 * n_drives) * m + c]
-    jump(w, whole, q, m)
+    jump(w, iw, q, m)
 
 
-def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
+def pass_event(guard: int, t: float, w: Vector, iw: IntVector, q: int, m: int) -> None:
     """Go over to the mode and the flags that follow an event."""
-    y = whole[layout.Y]
+    y = iw[layout.Y]
     # The run has stopped it exactly; the dense output leaves rounding.
-    if guard == layout.STOP and whole[layout.CAN_STICK]:
-        w[y + whole[layout.SLIP]] = 0.0
-    equations.field(t, w, whole, y, whole[layout.VALUES])
-    jump(w, whole, q, m)
+    if guard == layout.STOP and iw[layout.CAN_STICK]:
+        w[y + iw[layout.SLIP]] = 0.0
+    equations.field(t, w, iw, y, iw[layout.VALUES])
+    jump(w, iw, q, m)
 
 
 def pass_impact(
@@ -440,7 +436,7 @@ def pass_impact(
     t: float,
     log: Vector,
     w: Vector,
-    whole: Wholes,
+    iw: IntVector,
     own: Vector,
     q: int,
     m: int,
@@ -449,17 +445,17 @@ def pass_impact(
 
     `following` is the row that begins after the instant.
     """
-    n, y, wall = whole[layout.N_COORDINATES], whole[layout.Y], guard - whole[layout.FIRST_WALL]
-    rate = n + wall_coordinate(wall, whole)
-    equations.evaluate(equations.WALLS_OF, 0, whole[layout.FLAGS], t, w, y, whole[layout.WALLS])
+    n, y, wall = iw[layout.N_COORDINATES], iw[layout.Y], guard - iw[layout.FIRST_WALL]
+    rate = n + wall_coordinate(wall, iw)
+    equations.evaluate(equations.WALLS_OF, 0, iw[layout.FLAGS], t, w, y, iw[layout.WALLS])
     held = mode not in (1, -1)
     # The mode after the impact and the rate in the next row tell whether it bounced or stayed.
-    end = log[following * whole[layout.ROW_COLUMNS] + layout.ROW_DENSE + 1 + rate]
-    case = wall if bounces(wall, end, held, w, whole) else whole[layout.N_WALLS] + wall
-    rebound(case, t, w, whole, own, q, m)
-    equations.evaluate(equations.IMPACT, case, whole[layout.FLAGS], t, w, y, whole[layout.VALUES])
+    end = log[following * iw[layout.ROW_COLUMNS] + layout.ROW_DENSE + 1 + rate]
+    case = wall if bounces(wall, end, held, w, iw) else iw[layout.N_WALLS] + wall
+    rebound(case, t, w, iw, own, q, m)
+    equations.evaluate(equations.IMPACT, case, iw[layout.FLAGS], t, w, y, iw[layout.VALUES])
     for i in range(n):
-        w[y + n + i] = w[whole[layout.VALUES] + i]
+        w[y + n + i] = w[iw[layout.VALUES] + i]
 
 
 def pass_instant(
@@ -471,7 +467,7 @@ def pass_instant(
     table: Vector,
     dtable: Vector,
     w: Vector,
-    whole: Wholes,
+    iw: IntVector,
     own: Vector,
     q: int,
     m: int,
@@ -480,23 +476,23 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
     """
-    width = whole[layout.ROW_COLUMNS]
-    point = whole[layout.POINT]
-    n = whole[layout.N_STATES]
-    y = whole[layout.Y]
-    y1 = whole[layout.Y1]
+    width = iw[layout.ROW_COLUMNS]
+    point = iw[layout.POINT]
+    n = iw[layout.N_STATES]
+    y = iw[layout.Y]
+    y1 = iw[layout.Y1]
     at = row * width
     t = log[at + 1]
     whole_row = (
         log[at + layout.ROW_DENSE] > 0.0
     )  # the series at hand is that up to the end of the row
-    interpolate(w, whole, 1.0 if whole_row else (t - log[at]) / log[at + 2], point)
+    interpolate(w, iw, 1.0 if whole_row else (t - log[at]) / log[at + 2], point)
     for i in range(n):
         w[y + i] = w[point + i]
-    if whole[layout.N_CONTACTS] > 0:
+    if iw[layout.N_CONTACTS] > 0:
         guard = first_guard(events, first, number, t)
-        struck = note_struck(log, row + 1, events, number, first, w, whole)
-        pass_contacts(log, row, guard, struck, table, dtable, w, whole, own, q, m)
+        struck = note_struck(log, row + 1, events, number, first, w, iw)
+        pass_contacts(log, row, guard, struck, table, dtable, w, iw, own, q, m)
         while first < number and events[first * layout.EVENT_COLUMNS] <= t:
             first += 1
         return first
@@ -505,35 +501,35 @@ def pass_instant(
     # Where a new piece begins, its start gives the moment, and all events of the instant follow
     # from it.
     if known:
-        pass_piece(t, following, table, dtable, w, whole, q, m)
+        pass_piece(t, following, table, dtable, w, iw, q, m)
     k, last = first, NO_GUARD
     while k < number and events[k * layout.EVENT_COLUMNS] <= t:
         event = k * layout.EVENT_COLUMNS
         guard = int(events[event + 3])
-        equations.field(t, w, whole, y, y1)
+        equations.field(t, w, iw, y, y1)
         if not known:
-            moments(guard, t, w, whole, own, q, m)
+            moments(guard, t, w, iw, own, q, m)
             known = True
         # A second stop met in the same instant has a moment of its own, for parameters nearby.
-        elif guard >= whole[layout.FIRST_WALL] and guard != last:
-            same_moment(guard, t, w, whole, own, q, m)
-        if guard >= whole[layout.FIRST_WALL]:
+        elif guard >= iw[layout.FIRST_WALL] and guard != last:
+            same_moment(guard, t, w, iw, own, q, m)
+        if guard >= iw[layout.FIRST_WALL]:
             last = guard
-            pass_impact(guard, int(events[event + 2]), row + 1, t, log, w, whole, own, q, m)
-        whole[layout.MODE] = int(events[event + 2])
-        whole[layout.FLAGS] = int(events[event + 4])
-        pass_event(guard, t, w, whole, q, m)
+            pass_impact(guard, int(events[event + 2]), row + 1, t, log, w, iw, own, q, m)
+        iw[layout.MODE] = int(events[event + 2])
+        iw[layout.FLAGS] = int(events[event + 4])
+        pass_event(guard, t, w, iw, q, m)
         k += 1
     return k
 
 
-def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
+def restore_contacts(log: Vector, row: int, w: Vector, iw: IntVector) -> None:
     """Take over modes, flags and state with which a row begins, of several contacts."""
-    at = row * whole[layout.ROW_COLUMNS]
-    for i in range(whole[layout.N_STATES]):
-        w[whole[layout.Y] + i] = log[at + layout.ROW_DENSE + 1 + i]
-    whole[layout.FLAGS] = int(log[at + 4])
-    restore_modes(at + whole[layout.ROW_COLUMNS], log, w, whole)
+    at = row * iw[layout.ROW_COLUMNS]
+    for i in range(iw[layout.N_STATES]):
+        w[iw[layout.Y] + i] = log[at + layout.ROW_DENSE + 1 + i]
+    iw[layout.FLAGS] = int(log[at + 4])
+    restore_modes(at + iw[layout.ROW_COLUMNS], log, w, iw)
 
 
 def first_guard(events: Vector, k: int, number: int, t: float) -> int:
@@ -550,33 +546,29 @@ def first_guard(events: Vector, k: int, number: int, t: float) -> int:
 
 
 def note_struck(
-    log: Vector, row: int, events: Vector, number: int, first: int, w: Vector, whole: Wholes
+    log: Vector, row: int, events: Vector, number: int, first: int, w: Vector, iw: IntVector
 ) -> bool:
     """Write which coordinates an instant's impacts stop, and how all rates change; whether any is.
 
     What else changes then, such as a rate that friction has stopped, was 0 but for rounding.
     """
-    n, rates = whole[layout.N_COORDINATES], whole[layout.Y] + whole[layout.N_COORDINATES]
-    after = row * whole[layout.ROW_COLUMNS] + layout.ROW_DENSE + 1 + n
+    n, rates = iw[layout.N_COORDINATES], iw[layout.Y] + iw[layout.N_COORDINATES]
+    after = row * iw[layout.ROW_COLUMNS] + layout.ROW_DENSE + 1 + n
     # The modes after the instant stand at the end of the next row.
-    modes = (
-        (row + 1) * whole[layout.ROW_COLUMNS] - whole[layout.N_PAIRS] - 2 * whole[layout.N_CONTACTS]
-    )
-    t, found, k = log[row * whole[layout.ROW_COLUMNS]], False, first
+    modes = (row + 1) * iw[layout.ROW_COLUMNS] - iw[layout.N_PAIRS] - 2 * iw[layout.N_CONTACTS]
+    t, result, k = log[row * iw[layout.ROW_COLUMNS]], False, first
     for i in range(n):
-        whole[whole[layout.STRUCK] + i] = 0
-        w[whole[layout.BOUNDS] + i] = log[after + i] - w[rates + i]
+        iw[iw[layout.STRUCK] + i] = 0
+        w[iw[layout.BOUNDS] + i] = log[after + i] - w[rates + i]
     while k < number and events[k * layout.EVENT_COLUMNS] <= t:
-        wall = int(events[k * layout.EVENT_COLUMNS + 3]) - whole[layout.FIRST_WALL]
+        wall = int(events[k * layout.EVENT_COLUMNS + 3]) - iw[layout.FIRST_WALL]
         if wall >= 0:
-            i = wall_coordinate(wall, whole)
+            i = wall_coordinate(wall, iw)
             held = int(log[modes + i]) == layout.HELD_FAST
-            whole[whole[layout.STRUCK] + i] = (
-                2 if bounces(wall, log[after + i], held, w, whole) else 1
-            )
-            found = True
+            iw[iw[layout.STRUCK] + i] = 2 if bounces(wall, log[after + i], held, w, iw) else 1
+            result = True
         k += 1
-    return found
+    return result
 
 
 def own_moments(
@@ -586,7 +578,7 @@ def own_moments(
     t: float,
     log: Vector,
     w: Vector,
-    whole: Wholes,
+    iw: IntVector,
     own: Vector,
     q: int,
     m: int,
@@ -597,22 +589,20 @@ def own_moments(
     derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
     as it has reached its level, and not because of another.
     """
-    values, rates = whole[layout.VALUES], whole[layout.Y1] + whole[layout.N_COORDINATES]
+    values, rates = iw[layout.VALUES], iw[layout.Y1] + iw[layout.N_COORDINATES]
     after = (
-        (following + 1) * whole[layout.ROW_COLUMNS]
-        - whole[layout.N_PAIRS]
-        - 2 * whole[layout.N_CONTACTS]
+        (following + 1) * iw[layout.ROW_COLUMNS] - iw[layout.N_PAIRS] - 2 * iw[layout.N_CONTACTS]
     )
-    moments(first, t, w, whole, own, q, m)
-    equations.guards(t, w, whole, whole[layout.Y], values)
-    for other in range(2 * whole[layout.N_PAIRS]):
+    moments(first, t, w, iw, own, q, m)
+    equations.guards(t, w, iw, iw[layout.Y], values)
+    for other in range(2 * iw[layout.N_PAIRS]):
         mode, is_cut = (
-            whole[whole[layout.MODES] + other // 2],
-            other >= 2 * whole[layout.N_DIRECTIONS],
+            iw[iw[layout.MODES] + other // 2],
+            other >= 2 * iw[layout.N_DIRECTIONS],
         )
         if other == first or (mode == int(log[after + other // 2]) and not is_cut):
             continue
-        if mode == layout.HELD_FAST and whole[whole[layout.LOOPED] + other // 2]:
+        if mode == layout.HELD_FAST and iw[iw[layout.LOOPED] + other // 2]:
             continue  # its cuts tell
         stops = mode != layout.HELD_FAST and other % 2 == 0 and not is_cut
         if stops and struck:  # an impact may give it another mode, however fast it is
@@ -621,7 +611,7 @@ def own_moments(
         level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
         breaks = mode == layout.HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
         if stops or breaks:
-            same_moment(other, t, w, whole, own, q, m)
+            same_moment(other, t, w, iw, own, q, m)
 
 
 def pass_contacts(
@@ -632,87 +622,84 @@ def pass_contacts(
     table: Vector,
     dtable: Vector,
     w: Vector,
-    whole: Wholes,
+    iw: IntVector,
     own: Vector,
     q: int,
     m: int,
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump."""
-    at = row * whole[layout.ROW_COLUMNS]
-    y, t = whole[layout.Y], log[at + 1]
+    at = row * iw[layout.ROW_COLUMNS]
+    y, t = iw[layout.Y], log[at + 1]
     w[layout.TIME] = t
-    piece = int(log[at + whole[layout.ROW_COLUMNS] + 5])
-    moment = columns_at(4, q, m, whole)
-    equations.field(t, w, whole, y, whole[layout.Y1])
+    piece = int(log[at + iw[layout.ROW_COLUMNS] + 5])
+    moment = columns_at(4, q, m, iw)
+    equations.field(t, w, iw, y, iw[layout.Y1])
     if piece != int(log[at + 5]):
-        equations.load_piece(table, piece, w, whole)
-        load_directions(piece, dtable, w, whole, q, m)
+        equations.load_piece(table, piece, w, iw)
+        load_directions(piece, dtable, w, iw, q, m)
         for c in range(m):
-            w[moment + c] = dtable[piece * (1 + 3 * whole[layout.N_DRIVES]) * m + c]
+            w[moment + c] = dtable[piece * (1 + 3 * iw[layout.N_DRIVES]) * m + c]
     elif guard != NO_GUARD:
-        own_moments(guard, row + 1, struck, t, log, w, whole, own, q, m)
+        own_moments(guard, row + 1, struck, t, log, w, iw, own, q, m)
     else:
         return
     if struck:
-        for wall in range(whole[layout.N_WALLS]):
-            meets = whole[whole[layout.STRUCK] + wall_coordinate(wall, whole)] != 0
-            other = whole[layout.FIRST_WALL] + wall
-            if meets and other != guard and approach(other, w, whole) > 0.0:
-                same_moment(other, t, w, whole, own, q, m)
-        rebound(0, t, w, whole, own, q, m)
-    restore_contacts(log, row + 1, w, whole)
-    equations.field(t, w, whole, y, whole[layout.VALUES])
-    jump(w, whole, q, m)
-    hold_contacts(w, whole, q, m)
+        for wall in range(iw[layout.N_WALLS]):
+            meets = iw[iw[layout.STRUCK] + wall_coordinate(wall, iw)] != 0
+            other = iw[layout.FIRST_WALL] + wall
+            if meets and other != guard and approach(other, w, iw) > 0.0:
+                same_moment(other, t, w, iw, own, q, m)
+        rebound(0, t, w, iw, own, q, m)
+    restore_contacts(log, row + 1, w, iw)
+    equations.field(t, w, iw, y, iw[layout.VALUES])
+    jump(w, iw, q, m)
+    hold_contacts(w, iw, q, m)
 
 
-def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
+def hold_contacts(w: Vector, iw: IntVector, q: int, m: int) -> None:
     """Take away the rates of what is held."""
-    n, now = whole[layout.N_COORDINATES], columns_at(0, q, m, whole)
+    n, now = iw[layout.N_COORDINATES], columns_at(0, q, m, iw)
     for i in range(n):
-        if whole[whole[layout.MODES] + i] == layout.HELD_FAST:
+        if iw[iw[layout.MODES] + i] == layout.HELD_FAST:
             for c in range(m):
                 w[now + (n + i) * m + c] = 0.0
-    if whole[layout.N_DIRECTIONS] > n:
+    if iw[layout.N_DIRECTIONS] > n:
         for c in range(m):
-            equations.bind(now + n * m + c, m, w, whole)
+            equations.bind(now + n * m + c, m, w, iw)
 
 
 def hold_at_stops(
-    mode: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+    mode: int, t: float, w: Vector, iw: IntVector, own: Vector, q: int, m: int
 ) -> None:
     """Give up the directions in which what is held at its stop as a run begins would leave it.
 
     What follows there depends on what an impact would do right after the start.
     """
-    n, states = whole[layout.N_COORDINATES], whole[layout.N_STATES]
-    now, moves = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
-    for wall in range(whole[layout.N_WALLS]):
-        i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
-        if whole[layout.N_CONTACTS] > 0:
-            position = w[whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]]
-            held = (
-                whole[whole[layout.MODES] + i] == layout.HELD_FAST
-                and w[whole[layout.Y] + i] == position
-            )
+    n, states = iw[layout.N_COORDINATES], iw[layout.N_STATES]
+    now, moves = columns_at(0, q, m, iw), columns_at(4, q, m, iw)
+    for wall in range(iw[layout.N_WALLS]):
+        i, side = wall_coordinate(wall, iw), wall_side(wall, iw)
+        if iw[layout.N_CONTACTS] > 0:
+            position = w[iw[layout.WALLS] + wall * iw[layout.WALL_COLUMNS]]
+            held = iw[iw[layout.MODES] + i] == layout.HELD_FAST and w[iw[layout.Y] + i] == position
         else:
-            held = mode == 2 * side and n + i == whole[layout.SLIP]
-            whole[layout.MODE] = side if held else mode  # one that slips watches its stop
+            held = mode == 2 * side and n + i == iw[layout.SLIP]
+            iw[layout.MODE] = side if held else mode  # one that slips watches its stop
         if held:
-            guard_changes(whole[layout.FIRST_WALL] + wall, t, w, whole, own, q, m)
+            guard_changes(iw[layout.FIRST_WALL] + wall, t, w, iw, own, q, m)
             for c in range(m):
                 if w[moves + c] != 0.0 or w[now + (n + i) * m + c] != 0.0:
                     for j in range(states):
                         w[now + j * m + c] = math.nan
-    whole[layout.MODE] = mode
+    iw[layout.MODE] = mode
 
 
-def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
+def hold(mode: int, w: Vector, iw: IntVector, q: int, m: int) -> None:
     """Take away what a body that is held at the start does not do: it loses a small velocity."""
     if mode == 0:
-        now = columns_at(0, q, m, whole)
+        now = columns_at(0, q, m, iw)
         for c in range(m):
-            w[now + whole[layout.SLIP] * m + c] = 0.0
+            w[now + iw[layout.SLIP] * m + c] = 0.0
 
 
 def sense(
@@ -726,7 +713,7 @@ def sense(
     own: Vector,
     q: int,
     w: Vector,
-    whole: Wholes,
+    iw: IntVector,
     out: Vector,
     to: int,
 ) -> None:
@@ -734,44 +721,44 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
     """
-    width = whole[layout.ROW_COLUMNS]
+    width = iw[layout.ROW_COLUMNS]
     m = len(own)
-    n = whole[layout.N_STATES]
-    now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
+    n = iw[layout.N_STATES]
+    now, result = columns_at(0, q, m, iw), columns_at(1, q, m, iw)
     asked = 0
     k = 0
     # What happens as a run begins has no row before it.
     while k < number and events[k * layout.EVENT_COLUMNS] <= log[0]:
-        if events[k * layout.EVENT_COLUMNS + 3] >= whole[layout.FIRST_WALL]:
-            lose(w, whole, q, m)
+        if events[k * layout.EVENT_COLUMNS + 3] >= iw[layout.FIRST_WALL]:
+            lose(w, iw, q, m)
         k += 1
-    equations.put_constants(w, whole)
-    if whole[layout.N_CONTACTS] > 0:
-        equations.ask(equations.PREPARE, log[0], w, whole)
-        equations.turn_columns(now, m, 0, w, whole)
-    load_directions(int(log[5]), dtable, w, whole, q, m)
-    restore(log, 0, table, w, whole)
-    hold_at_stops(int(log[3]), log[0], w, whole, own, q, m)
-    if whole[layout.N_CONTACTS] > 0:
-        hold_contacts(w, whole, q, m)
+    equations.put_constants(w, iw)
+    if iw[layout.N_CONTACTS] > 0:
+        equations.ask(equations.PREPARE, log[0], w, iw)
+        equations.turn_columns(now, m, 0, w, iw)
+    load_directions(int(log[5]), dtable, w, iw, q, m)
+    restore(log, 0, table, w, iw)
+    hold_at_stops(int(log[3]), log[0], w, iw, own, q, m)
+    if iw[layout.N_CONTACTS] > 0:
+        hold_contacts(w, iw, q, m)
     else:
-        hold(int(log[3]), w, whole, q, m)
+        hold(int(log[3]), w, iw, q, m)
     for row in range(count):
         at = row * width
         last = row == count - 1
-        load_directions(int(log[at + 5]), dtable, w, whole, q, m)
+        load_directions(int(log[at + 5]), dtable, w, iw, q, m)
         # The last row also answers all times behind its end.
         while asked < len(times) and (last or times[asked] < log[at + 1]):
-            restore_sensed(log, row, table, w, whole)
-            advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
-            equations.turn_columns(result, m, 1, w, whole)
+            restore_sensed(log, row, table, w, iw)
+            advance_sensed(log, row, times[asked] - log[at], w, iw, own, q, m)
+            equations.turn_columns(result, m, 1, w, iw)
             for i in range(n * m):
                 out[to + asked * n * m + i] = w[result + i]
             asked += 1
         if last:
             return
-        restore_sensed(log, row, table, w, whole)
-        advance_sensed(log, row, log[at + 1] - log[at], w, whole, own, q, m)
+        restore_sensed(log, row, table, w, iw)
+        advance_sensed(log, row, log[at + 1] - log[at], w, iw, own, q, m)
         for i in range(n * m):
             w[now + i] = w[result + i]
-        k = pass_instant(log, row, events, number, k, table, dtable, w, whole, own, q, m)
+        k = pass_instant(log, row, events, number, k, table, dtable, w, iw, own, q, m)

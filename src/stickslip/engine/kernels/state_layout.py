@@ -1,12 +1,12 @@
 """Layout of a run: places in its two vectors, named whole numbers, and the sizes of a model.
 
-One vector `w` holds all real numbers of a run and one vector `whole` all whole ones: compiled
+One vector `w` holds all real numbers of a run and one vector `iw` all whole ones: compiled
 code passes two arrays and counts no references, and one compilation serves all mechanisms and
 laws.
 
 `w` begins with what has one size in all runs. Then come the numbers that the equations read:
 value, slope and start of each drive, values given from outside, the parameters; then what has a
-size of its own in each model. `whole` begins with the state of a run; then come sizes and places
+size of its own in each model. `iw` begins with the state of a run; then come sizes and places
 in `w`, which follow from the sizes of a model (`Sizes.header`), and tables.
 
 Docstrings of kernels list the slots that a function reads and writes, with all that it calls. It
@@ -224,7 +224,7 @@ CONSTANT_LOADS = 62
 AFFINE = 63
 SUPPLIES = 64
 
-# Places in `whole` of tables: row and column of each entry of the mass matrix and of each slope,
+# Places in `iw` of tables: row and column of each entry of the mass matrix and of each slope,
 # row of each slope in time; of each contact the coordinate along which it slips, its law, its
 # bristles among all, whether its load is a reaction, the place in `w` of its law's numbers, that of
 # the bristles there, whether its law depends on the direction; whether anything can hold a
@@ -282,7 +282,7 @@ BOUNDS = 106
 REACTION_ROWS = 107
 WORKS = 108
 
-# Places in `whole`: number of bristle states of each contact, room for modes.
+# Places in `iw`: number of bristle states of each contact, room for modes.
 BRISTLE_COUNTS = 109
 KEPT = 110
 
@@ -291,7 +291,7 @@ BOX = 111
 CHANGES = 112
 
 ALWAYS_EXACT = 113
-"""Place in `whole` of whether all modes are exact, 1 or 0: rows of steps are short then."""
+"""Place in `iw` of whether all modes are exact, 1 or 0: rows of steps are short then."""
 
 # Slopes of the parts: number of variables along which they are taken, room of a law's slopes in one
 # direction; where the slopes along each variable begin, their rows, the place of each variable that
@@ -319,14 +319,14 @@ BRISTLE_SLOPES = 128
 N_CHANNELS = 129
 """Efforts of guided coordinates."""
 STRUCK = 130
-"""Place in `whole` of how each coordinate meets its stop in an impact."""
+"""Place in `iw` of how each coordinate meets its stop in an impact."""
 
 IS_TURNED = 131
-"""Place in `whole` of whether the coordinates are not those of the mechanism, 1 or 0."""
+"""Place in `iw` of whether the coordinates are not those of the mechanism, 1 or 0."""
 TURN = 132
 """Place in `w` of the matrix that gives them by those of the mechanism, and of its inverse."""
 HOLDS = 133
-"""Place in `whole` of whether each contact's law may hold it, 1 or 0."""
+"""Place in `iw` of whether each contact's law may hold it, 1 or 0."""
 
 # Loops of contacts. Directions are the coordinates, then the slips that follow from them and close
 # loops; pairs of guards are those of the directions and of the cuts, the motions that break a loop
@@ -348,12 +348,12 @@ SHARES = 142
 REACHED_SO_FAR = 143
 
 ASKED = 145
-"""Place in `whole` of the mode in which each contact's law was asked last."""
+"""Place in `iw` of the mode in which each contact's law was asked last."""
 
 CONSTANTS = 146
 """Place in `w` of what the equations need of parameters alone; 0 if there is nothing."""
 
-# Contact inputs of laws, which stand behind the loads: how many there are; places in `whole` of the
+# Contact inputs of laws, which stand behind the loads: how many there are; places in `iw` of the
 # index of the first that each contact's law has, and of how many it has.
 N_INPUTS = 147
 INPUTS = 148
@@ -476,34 +476,34 @@ class Sizes(ABC):
 def _header(sizes: Sizes) -> tuple[int, ...]:
     """Return the whole numbers of a run that begins."""
     n = sizes.states
-    whole = [0] * HEADER
-    whole[N_STATES] = n
-    whole[N_COORDINATES] = sizes.coordinates
-    whole[N_GUARDS] = sizes.guards
-    whole[N_SWITCHES] = sizes.switches
-    whole[N_COLUMNS] = sizes.columns
-    whole[N_DRIVES] = sizes.drives
-    whole[HAS_BRISTLES] = int(sizes.bristles > 0)
-    whole[REST_IS_FINAL] = int(sizes.rest_is_final)
-    whole[N_WAVES] = sizes.waves
-    whole[DENSE_SIZE] = 1 + (SERIES + 1) * n
-    whole[ROW_COLUMNS] = ROW_DENSE + 1 + (TERMS + 1) * n
-    whole[WALL_COLUMNS] = 3 + sizes.coordinates
-    whole[GIVEN] = NUMBERS + 3 * sizes.drives
+    iw = [0] * HEADER
+    iw[N_STATES] = n
+    iw[N_COORDINATES] = sizes.coordinates
+    iw[N_GUARDS] = sizes.guards
+    iw[N_SWITCHES] = sizes.switches
+    iw[N_COLUMNS] = sizes.columns
+    iw[N_DRIVES] = sizes.drives
+    iw[HAS_BRISTLES] = int(sizes.bristles > 0)
+    iw[REST_IS_FINAL] = int(sizes.rest_is_final)
+    iw[N_WAVES] = sizes.waves
+    iw[DENSE_SIZE] = 1 + (SERIES + 1) * n
+    iw[ROW_COLUMNS] = ROW_DENSE + 1 + (TERMS + 1) * n
+    iw[WALL_COLUMNS] = 3 + sizes.coordinates
+    iw[GIVEN] = NUMBERS + 3 * sizes.drives
     for slot, size in sizes._own().items():
-        whole[slot] = size
+        iw[slot] = size
     place = sizes.first_parameter + sizes.parameters
     for slot, room in sizes._rooms().items():
-        whole[slot] = place
+        iw[slot] = place
         place += room
     if not sizes.constants:
-        whole[CONSTANTS] = 0
-    whole[SIZE] = place
+        iw[CONSTANTS] = 0
+    iw[SIZE] = place
     for table, numbers in sizes._tables():
         if table is not None:
-            whole[table] = len(whole)
-        whole += numbers
-    return tuple(whole)
+            iw[table] = len(iw)
+        iw += numbers
+    return tuple(iw)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -133,11 +133,11 @@ def stepped(z: float, parts: int, size: float, w: Vector) -> tuple[float, float]
             phi_1 = (math.exp(x) - 1.0) / x
             phi_3 = ((phi_1 - 1.0) / x - 0.5) / x
         there = z + h * phi_1 * f
-        found = rate(there, w)
-        rest = found - f - slope * (there - z)
+        result = rate(there, w)
+        rest = result - f - slope * (there - z)
         correction = 2.0 * h * phi_3 * rest
         new, error = there + correction, abs(correction)
-        if found * f <= 0.0 and error > SEEN * size:  # it comes to yield all of a sudden
+        if result * f <= 0.0 and error > SEEN * size:  # it comes to yield all of a sudden
             limit = REACH * max(size, 1e-3 * abs(h * f), LEAST)
             error = TOLERANCE * size * math.pow(abs(h * f) / limit, 3.0)
             # ten times the way that is left: arrived, whatever the slopes promise
@@ -163,15 +163,15 @@ def held_back(z: float, f: float, new: float, w: Vector) -> float:
         middle = high - f_high * (high - low) / (1.0 if spread == 0.0 else spread)
         f_middle = rate(middle, w)
         # the rate of a law that is linear in the deflection is 0 after one step, but for rounding
-        found = abs(f_middle) <= STILL * abs(f)
+        result = abs(f_middle) <= STILL * abs(f)
         # Illinois: the end that stays counts half
         if f_middle * f > 0.0:
             low, f_low, f_high = middle, f_middle, 0.5 * f_high
-            if found:
+            if result:
                 high = middle
         else:
             high, f_high, f_low = middle, f_middle, 0.5 * f_low
-            if found:
+            if result:
                 low = middle
         if abs(high - low) - 1e-10 * abs(new) <= 0.0:
             break

@@ -15,7 +15,7 @@ import math
 
 from stickslip.engine.kernels import equations
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.backend import IntVector, Vector
 from stickslip.engine.kernels.mode_transitions import set_flags
 from stickslip.engine.kernels.numerics import NESTED_SHORT, interpolate, lu_factor, lu_solve
 
@@ -33,24 +33,24 @@ VANISHED = 1e-18
 """Size of a term, over the largest of its state, below which a series has ended."""
 
 
-def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
+def first_sizes(t: float, t_end: float, w: Vector, iw: IntVector) -> None:
     """Set the sizes at the start.
 
     A body at rest has no speed to compare with. Where friction falls steeply from rest, it leaves
     as a power of time, which no relative error control gets started; a floor far below any speed
     of interest does. It follows from the forces at rest, and so from the scale of the problem.
     """
-    n = whole[layout.N_STATES]
-    scale = whole[layout.SCALE]
-    y = whole[layout.Y]
-    point = whole[layout.POINT]
-    slip = whole[layout.SLIP]
-    values = whole[layout.VALUES]
+    n = iw[layout.N_STATES]
+    scale = iw[layout.SCALE]
+    y = iw[layout.Y]
+    point = iw[layout.POINT]
+    slip = iw[layout.SLIP]
+    values = iw[layout.VALUES]
     for i in range(n):
         w[scale + i] = abs(w[y + i])
         w[point + i] = w[y + i]
     w[point + slip] = 0.0
-    flags = set_flags(t, w, whole, point, 0, 0)
+    flags = set_flags(t, w, iw, point, 0, 0)
     equations.evaluate(equations.FIELD, 1, flags, t, w, point, values)
     forward = w[values + slip]
     equations.evaluate(equations.FIELD, -1, flags, t, w, point, values)
@@ -58,22 +58,22 @@ def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
     w[scale + slip] = max(w[scale + slip], floor)
 
 
-def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
+def size_of(i: int, h: float, w: Vector, iw: IntVector) -> float:
     """Return what an error of state `i` in a step is judged against."""
-    scale = whole[layout.SCALE]
-    coordinates = whole[layout.N_COORDINATES]
-    size = max(w[scale + i], abs(w[whole[layout.Y] + i]), abs(w[whole[layout.Y1] + i]))
+    scale = iw[layout.SCALE]
+    coordinates = iw[layout.N_COORDINATES]
+    size = max(w[scale + i], abs(w[iw[layout.Y] + i]), abs(w[iw[layout.Y1] + i]))
     if i < coordinates:
         return max(size, abs(h) * w[scale + i + coordinates])
     if i < 2 * coordinates:
-        return max(size, BALANCED * abs(h) * w[whole[layout.PULLS] + i - coordinates])
+        return max(size, BALANCED * abs(h) * w[iw[layout.PULLS] + i - coordinates])
     return size
 
 
-def series_tail(h: float, w: Vector, whole: Wholes) -> float:
+def series_tail(h: float, w: Vector, iw: IntVector) -> float:
     """Return the tail of the series in the dense output over what is allowed."""
-    dense = whole[layout.DENSE]
-    n = whole[layout.N_STATES]
+    dense = iw[layout.DENSE]
+    n = iw[layout.N_STATES]
     error = 0.0
     if w[dense] >= layout.SERIES:
         last = dense + 1 + layout.SERIES * n
@@ -81,7 +81,7 @@ def series_tail(h: float, w: Vector, whole: Wholes) -> float:
             tail = abs(w[last + i]) + abs(w[last - n + i])
             if not tail < math.inf:
                 return math.inf
-            size = TAIL * size_of(i, h, w, whole)
+            size = TAIL * size_of(i, h, w, iw)
             if tail > 0.0:
                 error = max(error, tail / size if size > 0.0 else math.inf)
     return error
@@ -194,35 +194,35 @@ D = (
 # fmt: on
 
 
-def dop853_stage(s: int, t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
+def dop853_stage(s: int, t: float, h: float, w: Vector, iw: IntVector, at: int) -> None:
     """Evaluate stage `s` from the ones before it, at a state that is written to `at`."""
-    stages = whole[layout.STAGES]
-    y = whole[layout.Y]
-    n = whole[layout.N_STATES]
+    stages = iw[layout.STAGES]
+    y = iw[layout.Y]
+    n = iw[layout.N_STATES]
     row = s * (s - 1) // 2
     for i in range(n):
         total = 0.0
         for j in range(s):
             total += A[row + j] * w[stages + j * n + i]
         w[at + i] = w[y + i] + h * total
-    equations.field(t + C[s] * h, w, whole, at, stages + s * n)
+    equations.field(t + C[s] * h, w, iw, at, stages + s * n)
 
 
-def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
+def dop853_step(t: float, h: float, w: Vector, iw: IntVector, rtol: float) -> float:
     """Try a step; return its error over the tolerance.
 
     Stage 12 is the slope at the solution, which is left in Y1.
     """
-    stages = whole[layout.STAGES]
-    y1 = whole[layout.Y1]
-    n = whole[layout.N_STATES]
-    equations.field(t, w, whole, whole[layout.Y], stages)
+    stages = iw[layout.STAGES]
+    y1 = iw[layout.Y1]
+    n = iw[layout.N_STATES]
+    equations.field(t, w, iw, iw[layout.Y], stages)
     for s in range(1, 13):
-        dop853_stage(s, t, h, w, whole, y1)
+        dop853_stage(s, t, h, w, iw, y1)
     sum_5 = 0.0
     sum_3 = 0.0
     for i in range(n):
-        size = rtol * size_of(i, h, w, whole)
+        size = rtol * size_of(i, h, w, iw)
         error_5 = 0.0
         error_3 = 0.0
         for s in range(13):
@@ -240,14 +240,14 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
     return 0.0 if total == 0.0 else abs(h) * sum_5 / math.sqrt(total * n)
 
 
-def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
+def dop853_dense(t: float, h: float, w: Vector, iw: IntVector) -> None:
     """Fill the dense output of the step just taken."""
-    dense = whole[layout.DENSE]
-    stages = whole[layout.STAGES]
-    y1 = whole[layout.Y1]
-    y = whole[layout.Y]
-    point = whole[layout.POINT]
-    n = whole[layout.N_STATES]
+    dense = iw[layout.DENSE]
+    stages = iw[layout.STAGES]
+    y1 = iw[layout.Y1]
+    y = iw[layout.Y]
+    point = iw[layout.POINT]
+    n = iw[layout.N_STATES]
     w[dense] = 0.0
     for i in range(n):
         # The first four rows are the cubic of Hermite through both ends and their slopes; four more
@@ -260,7 +260,7 @@ def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
         w[at + 2 * n] = h * first - change
         w[at + 3 * n] = 2.0 * change - h * (last + first)
     for s in range(13, 16):
-        dop853_stage(s, t, h, w, whole, point)
+        dop853_stage(s, t, h, w, iw, point)
     for row in range(4):
         for i in range(n):
             total = 0.0
@@ -321,31 +321,31 @@ RODAS_STAGES = 8
 # fmt: on
 
 
-def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
+def rodas_matrix(t: float, h: float, w: Vector, iw: IntVector) -> bool:
     """Factorise 1 / (gamma h) - J."""
-    matrix = whole[layout.MATRIX]
-    n = whole[layout.N_STATES]
-    equations.jacobian(t, w, whole, whole[layout.Y], matrix)
+    matrix = iw[layout.MATRIX]
+    n = iw[layout.N_STATES]
+    equations.jacobian(t, w, iw, iw[layout.Y], matrix)
     for i in range(n * n):
         w[matrix + i] = -w[matrix + i]
     for i in range(n):
         w[matrix + i * n + i] += 1.0 / (GAMMA * h)
-    return lu_factor(w, matrix, n, whole[layout.PIVOTS])
+    return lu_factor(w, matrix, n, iw[layout.PIVOTS])
 
 
-def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
+def rodas_step(t: float, h: float, w: Vector, iw: IntVector, rtol: float) -> float:
     """Try a step; return its error over the tolerance. The solution is left in Y1."""
-    y = whole[layout.Y]
-    drift = whole[layout.DRIFT]
-    stages = whole[layout.STAGES]
-    y1 = whole[layout.Y1]
-    matrix = whole[layout.MATRIX]
-    pivots = whole[layout.PIVOTS]
-    point = whole[layout.POINT]
-    n = whole[layout.N_STATES]
-    if not rodas_matrix(t, h, w, whole):
+    y = iw[layout.Y]
+    drift = iw[layout.DRIFT]
+    stages = iw[layout.STAGES]
+    y1 = iw[layout.Y1]
+    matrix = iw[layout.MATRIX]
+    pivots = iw[layout.PIVOTS]
+    point = iw[layout.POINT]
+    n = iw[layout.N_STATES]
+    if not rodas_matrix(t, h, w, iw):
         return math.inf
-    equations.time_slope(t, w, whole, y, drift)
+    equations.time_slope(t, w, iw, y, drift)
     per_step = 1.0 / h
     # Stages are those of Hairer and Wanner, section IV.7: sums of C over h stand for products with
     # the Jacobian, so that each costs one evaluation and one solution with the same factors.
@@ -361,54 +361,54 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
                 product += C_RODAS[row + j] * earlier
             w[y1 + i] = total
             w[point + i] = product
-        equations.field(t + TIMES_RODAS[s] * h, w, whole, y1, stage)
+        equations.field(t + TIMES_RODAS[s] * h, w, iw, y1, stage)
         slope = h * SLOPES_RODAS[s]
         for i in range(n):
             w[stage + i] += w[point + i] * per_step + slope * w[drift + i]
         lu_solve(w, matrix, n, pivots, stage)
-        hold_still(stage, w, whole)
+        hold_still(stage, w, iw)
     for i in range(n):
         w[y1 + i] += w[stages + 7 * n + i]
-    return rodas_error(h, w, whole, rtol)
+    return rodas_error(h, w, iw, rtol)
 
 
-def hold_still(to: int, w: Vector, whole: Wholes) -> None:
+def hold_still(to: int, w: Vector, iw: IntVector) -> None:
     """Keep what is held where it is, whatever pivots round to."""
-    n = whole[layout.N_COORDINATES]
+    n = iw[layout.N_COORDINATES]
     for i in range(n):
-        if whole[layout.N_CONTACTS] > 0:
-            held = whole[whole[layout.MODES] + i] == layout.HELD_FAST
+        if iw[layout.N_CONTACTS] > 0:
+            held = iw[iw[layout.MODES] + i] == layout.HELD_FAST
         else:
-            held = whole[layout.MODE] == 0 and whole[layout.SLIP] == n + i
+            held = iw[layout.MODE] == 0 and iw[layout.SLIP] == n + i
         if held:
             w[to + i] = 0.0
             w[to + n + i] = 0.0
-    if whole[layout.N_DIRECTIONS] > n:
-        equations.bind(to, 1, w, whole)
-        equations.bind(to + n, 1, w, whole)
+    if iw[layout.N_DIRECTIONS] > n:
+        equations.bind(to, 1, w, iw)
+        equations.bind(to + n, 1, w, iw)
 
 
-def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
+def rodas_error(h: float, w: Vector, iw: IntVector, rtol: float) -> float:
     """Return the last stage, which is the error estimate, over the tolerance."""
-    stages = whole[layout.STAGES]
-    n = whole[layout.N_STATES]
+    stages = iw[layout.STAGES]
+    n = iw[layout.N_STATES]
     total = 0.0
     for i in range(n):
         error = w[stages + 7 * n + i]
-        size = rtol * size_of(i, h, w, whole)
+        size = rtol * size_of(i, h, w, iw)
         if error != 0.0:
             share = error / size if size > 0.0 else math.inf
             total += share * share
     return math.sqrt(total / n)
 
 
-def rodas_dense(w: Vector, whole: Wholes) -> None:
+def rodas_dense(w: Vector, iw: IntVector) -> None:
     """Fill the dense output of the step just taken."""
-    dense = whole[layout.DENSE]
-    stages = whole[layout.STAGES]
-    y = whole[layout.Y]
-    y1 = whole[layout.Y1]
-    n = whole[layout.N_STATES]
+    dense = iw[layout.DENSE]
+    stages = iw[layout.STAGES]
+    y = iw[layout.Y]
+    y1 = iw[layout.Y1]
+    n = iw[layout.N_STATES]
     w[dense] = NESTED_SHORT
     for i in range(n):
         at = dense + 1 + i
@@ -444,13 +444,13 @@ RATIOS = (0.0, 0.0, *(1.0 / (k * (k - 1.0)) for k in range(2, layout.SERIES + 1)
 """1 / (k (k - 1)): the power k of a harmonic over that before the last, over the angle squared."""
 
 
-def fill_waves(t: float, h: float, w: Vector, whole: Wholes, at: int) -> int:
+def fill_waves(t: float, h: float, w: Vector, iw: IntVector, at: int) -> int:
     """Write the factors of all powers of the harmonics; return the last that counts, 0 if none."""
-    first, rows = whole[layout.WAVES], whole[layout.N_WAVES]
+    first, rows = iw[layout.WAVES], iw[layout.N_WAVES]
     if rows == 0:
         return 0
     terms = first + layout.SERIES + 1
-    equations.evaluate(equations.WAVES_OF, whole[layout.MODE], whole[layout.FLAGS], t, w, at, terms)
+    equations.evaluate(equations.WAVES_OF, iw[layout.MODE], iw[layout.FLAGS], t, w, at, terms)
     acts = False
     for i in range(2 * rows):
         acts = acts or w[terms + i] != 0.0
@@ -466,35 +466,35 @@ def fill_waves(t: float, h: float, w: Vector, whole: Wholes, at: int) -> int:
     return last
 
 
-def wave_at(k: int, w: Vector, whole: Wholes) -> tuple[float, int]:
+def wave_at(k: int, w: Vector, iw: IntVector) -> tuple[float, int]:
     """Return the factor of a power of the harmonics, and the place of what it multiplies."""
-    first = whole[layout.WAVES]
-    return w[first + k], first + layout.SERIES + 1 + whole[layout.N_WAVES] * (k % 2)
+    first = iw[layout.WAVES]
+    return w[first + k], first + layout.SERIES + 1 + iw[layout.N_WAVES] * (k % 2)
 
 
-def waves_tail(w: Vector, whole: Wholes) -> float:
+def waves_tail(w: Vector, iw: IntVector) -> float:
     """Return the last term of the harmonics over what is allowed."""
-    return abs(w[whole[layout.WAVES] + layout.SERIES]) / TAIL if whole[layout.N_WAVES] > 0 else 0.0
+    return abs(w[iw[layout.WAVES] + layout.SERIES]) / TAIL if iw[layout.N_WAVES] > 0 else 0.0
 
 
-def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
+def series_fill(t: float, h: float, w: Vector, iw: IntVector, at: int) -> None:
     """Fill the dense output with the series of a step from the state at `at`."""
-    dense = whole[layout.DENSE]
-    drift = whole[layout.DRIFT]
-    matrix = whole[layout.MATRIX]
-    point = whole[layout.POINT]
-    n = whole[layout.N_STATES]
+    dense = iw[layout.DENSE]
+    drift = iw[layout.DRIFT]
+    matrix = iw[layout.MATRIX]
+    point = iw[layout.POINT]
+    n = iw[layout.N_STATES]
     last = dense + 1
-    equations.field(t, w, whole, at, last + n)
-    equations.time_slope(t, w, whole, at, drift)
-    equations.jacobian(t, w, whole, at, matrix)
+    equations.field(t, w, iw, at, last + n)
+    equations.time_slope(t, w, iw, at, drift)
+    equations.jacobian(t, w, iw, at, matrix)
     for i in range(n):
         w[last + i] = w[at + i]
         w[last + n + i] *= h
         w[point + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
-    waving = fill_waves(t, h, w, whole, at)
+    waving = fill_waves(t, h, w, iw, at)
     if n == 2 and waving == 0:
-        series_of_two(h, w, whole)
+        series_of_two(h, w, iw)
         return
     # Two small terms in a row end the series: one alone may be zero by chance, as each second term
     # of an oscillation from rest is.
@@ -507,7 +507,7 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
         ended = terms >= waving
         power, waves = 0.0, drift
         if waving > 0:
-            power, waves = wave_at(terms - 1, w, whole)
+            power, waves = wave_at(terms - 1, w, iw)
         for i in range(n):
             # df/dt is constant but for harmonics: time enters the second derivative of the state
             total = h * w[drift + i] if terms == 2 else power * w[waves + i]
@@ -521,15 +521,15 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     w[dense] = terms - small
 
 
-def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
+def series_of_two(h: float, w: Vector, iw: IntVector) -> None:
     """Fill in the series of two states, of one coordinate, from the second term after the first on.
 
     Most linear modes have two. In variables of their own the terms wait for no memory, which takes
     half the time.
     """
-    drift = whole[layout.DRIFT]
-    matrix = whole[layout.MATRIX]
-    last = whole[layout.DENSE] + 1
+    drift = iw[layout.DRIFT]
+    matrix = iw[layout.MATRIX]
+    last = iw[layout.DENSE] + 1
     a = w[matrix]
     b = w[matrix + 1]
     c = w[matrix + 2]
@@ -558,14 +558,14 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
         largest_v = max(largest_v, abs(v))
         ended = abs(x) <= VANISHED * largest_x and abs(v) <= VANISHED * largest_v
         small = small + 1 if ended else 0
-    w[whole[layout.DENSE]] = terms - small
+    w[iw[layout.DENSE]] = terms - small
 
 
-def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
+def series_step(t: float, h: float, w: Vector, iw: IntVector, at: int) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1."""
-    series_fill(t, h, w, whole, at)
-    interpolate(w, whole, 1.0, whole[layout.Y1])
-    return max(series_tail(h, w, whole), waves_tail(w, whole))
+    series_fill(t, h, w, iw, at)
+    interpolate(w, iw, 1.0, iw[layout.Y1])
+    return max(series_tail(h, w, iw), waves_tail(w, iw))
 
 
 # Which stepper a mode takes: its exact series, DOP853, or Rodas5P where it is stiff.
@@ -593,133 +593,125 @@ SLOW_STEPS = 15
 many as in the test of stiffness in Hairer's DOP853."""
 
 
-def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
+def choose_stepper(stop: float, w: Vector, iw: IntVector) -> None:
     """Choose for the mode that begins."""
-    values = whole[layout.VALUES]
-    whole[layout.SLOW] = 0
-    if (
-        whole[layout.N_CONTACTS] == 0
-        and whole[layout.HAS_BRISTLES]
-        and abs(whole[layout.MODE]) == 1
-    ):
-        whole[layout.STEPPER] = layout.STIFF
+    values = iw[layout.VALUES]
+    iw[layout.SLOW] = 0
+    if iw[layout.N_CONTACTS] == 0 and iw[layout.HAS_BRISTLES] and abs(iw[layout.MODE]) == 1:
+        iw[layout.STEPPER] = layout.STIFF
     else:
-        equations.linear(w[layout.TIME], w, whole, whole[layout.Y], values)
+        equations.linear(w[layout.TIME], w, iw, iw[layout.Y], values)
         others = (
-            layout.STIFF
-            if whole[layout.N_CONTACTS] > 0 and whole[layout.HAS_BRISTLES]
-            else layout.SMOOTH
+            layout.STIFF if iw[layout.N_CONTACTS] > 0 and iw[layout.HAS_BRISTLES] else layout.SMOOTH
         )
-        whole[layout.STEPPER] = layout.EXACT if w[values] > 0.0 else others
-    if whole[layout.STEPPER] != layout.EXACT:
-        if whole[layout.N_CONTACTS] == 0:
-            probe_sizes(stop, w, whole)
+        iw[layout.STEPPER] = layout.EXACT if w[values] > 0.0 else others
+    if iw[layout.STEPPER] != layout.EXACT:
+        if iw[layout.N_CONTACTS] == 0:
+            probe_sizes(stop, w, iw)
         if (
             not stop + w[layout.STEP] > stop
         ):  # none yet, or one left over from an event soon after 0
             w[layout.STEP] = FIRST_SHARE * (stop - w[layout.TIME])
 
 
-def note_pulls(w: Vector, whole: Wholes) -> None:
+def note_pulls(w: Vector, iw: IntVector) -> None:
     """Note how large the forces are on coordinates that have had no rate yet.
 
     Where they balance, as those of a spring without tension far from 0 do, what is left of them as
     others begin to move is no more than their rounding for a while.
     """
     n, coordinates, slopes = (
-        whole[layout.N_STATES],
-        whole[layout.N_COORDINATES],
-        whole[layout.MATRIX],
+        iw[layout.N_STATES],
+        iw[layout.N_COORDINATES],
+        iw[layout.MATRIX],
     )
-    equations.jacobian(w[layout.TIME], w, whole, whole[layout.Y], slopes)
+    equations.jacobian(w[layout.TIME], w, iw, iw[layout.Y], slopes)
     for i in range(coordinates):
         rate = coordinates + i
-        w[whole[layout.PULLS] + i] = 0.0
-        if w[whole[layout.SCALE] + rate] == 0.0:
+        w[iw[layout.PULLS] + i] = 0.0
+        if w[iw[layout.SCALE] + rate] == 0.0:
             for j in range(n):
-                w[whole[layout.PULLS] + i] += abs(w[slopes + rate * n + j] * w[whole[layout.Y] + j])
+                w[iw[layout.PULLS] + i] += abs(w[slopes + rate * n + j] * w[iw[layout.Y] + j])
 
 
-def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
+def probe_sizes(stop: float, w: Vector, iw: IntVector) -> None:
     """Give a size to states that have none yet: a small part of what a first stretch brings.
 
     What is at rest begins as a power of time, which no relative error control gets started.
     """
-    n = whole[layout.N_STATES]
-    scale = whole[layout.SCALE]
-    y1 = whole[layout.Y1]
-    slip = whole[layout.SLIP]
-    y = whole[layout.Y]
-    mode = whole[layout.MODE]
-    half = whole[layout.DENSE]
+    n = iw[layout.N_STATES]
+    scale = iw[layout.SCALE]
+    y1 = iw[layout.Y1]
+    slip = iw[layout.SLIP]
+    y = iw[layout.Y]
+    mode = iw[layout.MODE]
+    half = iw[layout.DENSE]
     missing = False
     for i in range(n):
         missing = missing or w[scale + i] == 0.0
     if missing:
-        note_pulls(w, whole)
+        note_pulls(w, iw)
     h = PROBE * (stop - w[layout.TIME])
     trials = 0
     while missing and trials < PROBES and w[layout.TIME] + h > w[layout.TIME]:
         trials += 1
-        rodas_step(w[layout.TIME], 0.5 * h, w, whole, 1.0)
+        rodas_step(w[layout.TIME], 0.5 * h, w, iw, 1.0)
         for i in range(n):
             w[half + i] = abs(w[y1 + i] - w[y + i])
-        error = rodas_step(w[layout.TIME], h, w, whole, 1.0)
+        error = rodas_step(w[layout.TIME], h, w, iw, 1.0)
         for i in range(n):
             if w[scale + i] == 0.0 and abs(w[y1 + i] - w[y + i]) > BEYOND_HALF * w[half + i]:
                 error = math.inf
-        if error <= 1.0 and w[y1 + slip] * whole[layout.MODE] >= 0.0:
+        if error <= 1.0 and w[y1 + slip] * iw[layout.MODE] >= 0.0:
             blurred = abs(w[layout.TIME]) / (BLURRED * h)
             share = max(PROBED, min(1.0, blurred * blurred))
             for i in range(n):
                 w[scale + i] = max(w[scale + i], share * abs(w[y1 + i] - w[y + i]))
             missing = False
         elif (
-            whole[layout.HAS_BRISTLES]
+            iw[layout.HAS_BRISTLES]
             and error <= 1.0
             and w[y + slip] == 0.0
-            and whole[layout.MODE] == mode
+            and iw[layout.MODE] == mode
         ):
-            whole[
-                layout.MODE
-            ] = -mode  # what leads to the body tells only later which way it is drawn
+            iw[layout.MODE] = -mode  # what leads to the body tells only later which way it is drawn
         else:
             h *= PROBE
-            whole[layout.MODE] = mode
-    whole[layout.MODE] = mode
+            iw[layout.MODE] = mode
+    iw[layout.MODE] = mode
 
 
-def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
+def watch_stiffness(h: float, w: Vector, iw: IntVector) -> None:
     """Go over to Rodas5P where steps stay short for the sake of a motion that has died away.
 
     Less the trace of the Jacobian, at the start of the step, is the sum of all dampings. It is
     asked for only where nothing changes much.
     """
-    if whole[layout.N_CONTACTS] > 0 and whole[layout.N_VARIABLES] == 0:
+    if iw[layout.N_CONTACTS] > 0 and iw[layout.N_VARIABLES] == 0:
         return  # there are no slopes, for nothing dies away
-    y1 = whole[layout.Y1]
-    y = whole[layout.Y]
-    n = whole[layout.N_STATES]
+    y1 = iw[layout.Y1]
+    y = iw[layout.Y]
+    n = iw[layout.N_STATES]
     slow = True
     for i in range(n):
         change = abs(w[y1 + i] - w[y + i])
-        slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w, whole)
+        slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w, iw)
     if slow:
-        slow = h * damping_of(w, whole) > 1.0
-    whole[layout.SLOW] = whole[layout.SLOW] + 1 if slow else 0
-    if whole[layout.SLOW] > SLOW_STEPS:
-        whole[layout.STEPPER] = layout.STIFF
+        slow = h * damping_of(w, iw) > 1.0
+    iw[layout.SLOW] = iw[layout.SLOW] + 1 if slow else 0
+    if iw[layout.SLOW] > SLOW_STEPS:
+        iw[layout.STEPPER] = layout.STIFF
         w[layout.STEP] = h
 
 
-def damping_of(w: Vector, whole: Wholes) -> float:
+def damping_of(w: Vector, iw: IntVector) -> float:
     """Return the sum of all rates at which motions die away, less those at which others grow.
 
     The series of one contact has the Jacobian at hand.
     """
-    matrix, n = whole[layout.MATRIX], whole[layout.N_STATES]
-    if whole[layout.STEPPER] != layout.EXACT or whole[layout.N_CONTACTS] > 0:
-        equations.jacobian(w[layout.TIME], w, whole, whole[layout.Y], matrix)
+    matrix, n = iw[layout.MATRIX], iw[layout.N_STATES]
+    if iw[layout.STEPPER] != layout.EXACT or iw[layout.N_CONTACTS] > 0:
+        equations.jacobian(w[layout.TIME], w, iw, iw[layout.Y], matrix)
     damping = 0.0
     for i in range(n):
         damping -= w[matrix + i * n + i]

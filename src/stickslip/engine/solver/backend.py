@@ -62,18 +62,18 @@ class Runner:
         """Return a vector of zeros."""
         return np.zeros(size) if self.compiled else [0.0] * size
 
-    def whole(self) -> Any:
+    def iw(self) -> Any:
         """Return the whole numbers of a run that begins, which books its work."""
         return self._beginning.copy()
 
     @functools.cached_property
     def _beginning(self) -> Any:
         """Those whole numbers, to copy."""
-        whole = self.wholes(self.header)
-        whole[layout.BOOKS] = 1
-        return whole
+        iw = self.int_vectors(self.header)
+        iw[layout.BOOKS] = 1
+        return iw
 
-    def wholes(self, numbers: Iterable[int]) -> Any:
+    def int_vectors(self, numbers: Iterable[int]) -> Any:
         """Return whole numbers as the tier takes them: a list, or an array."""
         values = [int(number) for number in numbers]
         return np.array(values, dtype=np.int64) if self.compiled else values
@@ -100,7 +100,7 @@ class Runner:
     def run(
         self,
         w: Any,
-        whole: Any,
+        iw: Any,
         table: Any,
         bounds: Any,
         t_end: float,
@@ -113,16 +113,16 @@ class Runner:
         """Run on to a time, as `kernels.driver.run` does, with as much room as it takes."""
         while True:
             # Before the call, too: a run that goes on may write an event before its first step.
-            log, events = self.with_room(whole, log, events)
-            self.kernels.enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
-            if whole[layout.STATUS] != layout.FULL:
+            log, events = self.with_room(iw, log, events)
+            self.kernels.enter_run(w, iw, table, bounds, t_end, rtol, cap, limit, log, events)
+            if iw[layout.STATUS] != layout.FULL:
                 return log, events
 
-    def with_room(self, whole: Any, log: Any, events: Any) -> tuple[Any, Any]:
+    def with_room(self, iw: Any, log: Any, events: Any) -> tuple[Any, Any]:
         """Return rows of steps and of events with room for a further step."""
-        while log_is_full(whole, log):
+        while log_is_full(iw, log):
             log = self._longer(log)
-        while events_are_full(whole, events):
+        while events_are_full(iw, events):
             events = self._longer(events)
         return log, events
 
@@ -165,9 +165,9 @@ def _beginning_of(
 ) -> tuple[Mapping[str, int], list[Any], list[int]]:
     """Return how many numbers each function writes, and vectors with the parameters, to copy."""
     runner, lengths = runner_of(model, compiled=False), model.sizes.lengths()
-    w, whole = [*runner.working(p), *[0.0] * max(lengths.values())], runner.whole()
-    put_constants(w, whole)
-    return MappingProxyType(lengths), w, whole
+    w, iw = [*runner.working(p), *[0.0] * max(lengths.values())], runner.iw()
+    put_constants(w, iw)
+    return MappingProxyType(lengths), w, iw
 
 
 class Equations:
@@ -178,23 +178,23 @@ class Equations:
         self.sizes = model.sizes
         self.functions = plain_equations(model)
         self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
-        self.lengths, w, whole = _beginning_of(model, tuple(inputs.p))
-        self.w, self.whole = w.copy(), whole.copy()  # states and drives are written into them
-        self._first, self._last = whole[layout.Y], whole[layout.Y] + model.sizes.states
-        self.width = 1 + 3 * self.whole[layout.N_DRIVES]
+        self.lengths, w, iw = _beginning_of(model, tuple(inputs.p))
+        self.w, self.iw = w.copy(), iw.copy()  # states and drives are written into them
+        self._first, self._last = iw[layout.Y], iw[layout.Y] + model.sizes.states
+        self.width = 1 + 3 * self.iw[layout.N_DRIVES]
         self.load(0)
 
     def load(self, piece: int) -> None:
         """Load a piece of the drives."""
         self.piece = piece
-        load_piece(self.table, piece, self.w, self.whole)
+        load_piece(self.table, piece, self.w, self.iw)
 
     def load_at(self, t: float) -> None:
         """Load the piece of the drives that holds at a time; times mostly go forwards."""
         begun = self.piece * self.width
         # From the first piece again only where time has gone back.
         first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
-        self.load(piece_at(self.table, first, t, self.whole))  # whose numbers a loop may change
+        self.load(piece_at(self.table, first, t, self.iw))  # whose numbers a loop may change
 
     def linear(self, t: float) -> list[float]:
         """Return the linear part of each drive at a time, in the piece that is loaded."""
@@ -208,7 +208,7 @@ class Equations:
     def flags(self, t: float, y: Sequence[Any]) -> int:
         """Return the flags of the switches that a state asks for."""
         self._put(y)
-        return set_flags(t, self.w, self.whole, self.whole[layout.Y], 0, 0)
+        return set_flags(t, self.w, self.iw, self.iw[layout.Y], 0, 0)
 
     def __call__(
         self,
@@ -227,9 +227,9 @@ class Equations:
         self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
     ) -> list[Any]:
         """Return what a function gives at the state that flags were last asked for."""
-        w, to = self.w, self.whole[layout.SIZE]
+        w, to = self.w, self.iw[layout.SIZE]
         if len(given):
-            place = self.whole[layout.GIVEN]
+            place = self.iw[layout.GIVEN]
             w[place : place + len(given)] = given
         self.functions[name](mode, flags, t, w, self._first, to)
         return w[to : to + self.lengths[name]]
@@ -280,10 +280,10 @@ class Playback:
 
     def column(self, index: int, last: float) -> Array:
         """Return a number of each row, and one more behind them."""
-        found = np.empty(len(self.rows) + 1)
-        found[:-1] = self.rows[:, index]
-        found[-1] = last
-        return found
+        result = np.empty(len(self.rows) + 1)
+        result[:-1] = self.rows[:, index]
+        result[-1] = last
+        return result
 
     def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
@@ -295,7 +295,7 @@ class Playback:
             self.runner.flat(t),
             self.runner.flat(self.inputs.table),
             self.runner.working(self.inputs.p),
-            self.runner.whole(),
+            self.runner.iw(),
             states,
             forces,
             rows,

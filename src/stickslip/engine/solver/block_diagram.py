@@ -458,14 +458,14 @@ class Diagram(BlockDiagram):
 def leads_of(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
     """Return the guided coordinates that a profile tells of, from where the run begins."""
     drives, n = mechanism.drives(), len(mechanism.coordinates)
-    found = []
+    result = []
     for name, guide in mechanism.guided().items():
         profile, place = drives[guide.drive], mechanism.coordinates.index(name)
         if isinstance(profile, Profile):
             position, speed = profile.at(0.0)
             ahead, faster = y0[place] - position, y0[n + place] - speed
-            found.append(Lead(place, n + place, profile, ahead, faster))
-    return tuple(found)
+            result.append(Lead(place, n + place, profile, ahead, faster))
+    return tuple(result)
 
 
 # A mechanism with several contacts as blocks of a diagram, from the parts of its equations.
@@ -547,23 +547,23 @@ class ContactDiagram(BlockDiagram):
                 " alone: use EventDriven."
             )
         equations = Equations(model, gather(mechanism, law, model, t_end))
-        w, whole = equations.w, equations.whole
-        first, n = whole[layout.SLIPS], whole[layout.N_COORDINATES]
-        slips = {n + whole[first + c] for c in range(whole[layout.N_CONTACTS])}
+        w, iw = equations.w, equations.iw
+        first, n = iw[layout.SLIPS], iw[layout.N_COORDINATES]
+        slips = {n + iw[first + c] for c in range(iw[layout.N_CONTACTS])}
         # Switches, and so the geometry, are those of the state at which the run begins.
-        w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]] = y0
-        set_own_flags(0, w, whole)
-        prepare(0.0, w, whole)  # gives the change of coordinates, too
+        w[iw[layout.Y] : iw[layout.Y] + iw[layout.N_STATES]] = y0
+        set_own_flags(0, w, iw)
+        prepare(0.0, w, iw)  # gives the change of coordinates, too
         walls = tuple(
-            Wall(wall_coordinate(k, whole), wall_side(k, whole), *_numbers_of(k, w, whole))
-            for k in range(whole[layout.N_WALLS])
+            Wall(wall_coordinate(k, iw), wall_side(k, iw), *_numbers_of(k, w, iw))
+            for k in range(iw[layout.N_WALLS])
         )
         held = tuple(sorted(slips | {n + wall.place for wall in walls}))
         return cls(model, equations, held, walls, leads_of(mechanism, y0), break_away)
 
     @property
     def coordinates(self) -> int:
-        return int(self.equations.whole[layout.N_COORDINATES])
+        return int(self.equations.iw[layout.N_COORDINATES])
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -577,17 +577,17 @@ class ContactDiagram(BlockDiagram):
         return () if self.model.alone else self.model.contacts
 
     def _put(self, t: float, y: Sequence[float]) -> None:
-        w, whole = self.equations.w, self.equations.whole
-        first = whole[layout.Y]
-        w[first : first + whole[layout.N_STATES]] = y
+        w, iw = self.equations.w, self.equations.iw
+        first = iw[layout.Y]
+        w[first : first + iw[layout.N_STATES]] = y
         w[layout.TIME] = t
 
     def _turned(self, y: Sequence[float], back: int) -> list[float]:
         """Return a state in coordinates of the equations, or back in those of the mechanism."""
-        w, whole = self.equations.w, self.equations.whole
-        first, count = whole[layout.Y], whole[layout.N_STATES]
+        w, iw = self.equations.w, self.equations.iw
+        first, count = iw[layout.Y], iw[layout.N_STATES]
         w[first : first + count] = y
-        turn_states(first, back, w, whole)
+        turn_states(first, back, w, iw)
         self.asked.clear()
         return [float(x) for x in w[first : first + count]]
 
@@ -610,55 +610,55 @@ class ContactDiagram(BlockDiagram):
 
         Of coordinates at rest that are not held, `pushed` has the directions.
         """
-        w, whole = self.equations.w, self.equations.whole
+        w, iw = self.equations.w, self.equations.iw
         state: list[Any] = [t, held, dict(pushed or {})]
         # By identity and by what is held: within a step the same state is asked for with other
         # holds.
         if self.asked and self.asked[0] is y and self.asked[1:] == state:
-            return w, whole
+            return w, iw
         self.equations.load_at(t)
         self._put(t, y)
-        set_own_flags(0, w, whole)
+        set_own_flags(0, w, iw)
         # Which contacts are open follows from the loads alone: steps locate no lift-off.
-        if not whole[layout.CONSTANT_LOADS]:
-            evaluate(LOADS, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.LOAD])
-        for c in range(whole[layout.N_CONTACTS]):
-            closed = whole[whole[layout.REACTS] + c] or w[whole[layout.LOAD] + c] > 0.0
-            whole[whole[layout.OPEN] + c] = 0 if closed else 1
-        n, modes = whole[layout.N_COORDINATES], whole[layout.MODES]
+        if not iw[layout.CONSTANT_LOADS]:
+            evaluate(LOADS, 0, iw[layout.FLAGS], t, w, iw[layout.Y], iw[layout.LOAD])
+        for c in range(iw[layout.N_CONTACTS]):
+            closed = iw[iw[layout.REACTS] + c] or w[iw[layout.LOAD] + c] > 0.0
+            iw[iw[layout.OPEN] + c] = 0 if closed else 1
+        n, modes = iw[layout.N_COORDINATES], iw[layout.MODES]
         kept = dict(zip(self.slips, held, strict=True))
         for i in range(n):
             rate, side = y[n + i], state[2].get(n + i, 0)
-            whole[modes + i] = (
+            iw[modes + i] = (
                 layout.FORWARD if rate > 0.0 else layout.BACKWARD if rate < 0.0 else layout.FREE
             )
             if rate == 0.0 and side:
                 # Bent bristles have a friction of their own at rest, beside which there is no level
                 # to break.
                 level = self.break_away == "static" and not self._bends(i)
-                whole[modes + i] = side * (layout.PUSHED if level else layout.FORWARD)
+                iw[modes + i] = side * (layout.PUSHED if level else layout.FORWARD)
             if kept.get(n + i):
-                whole[modes + i] = layout.HELD_FAST
-            elif not rubs(i, whole):
-                whole[modes + i] = layout.FREE
+                iw[modes + i] = layout.HELD_FAST
+            elif not rubs(i, iw):
+                iw[modes + i] = layout.FREE
         # After modes: laws whose switches depend on the slip see its sign.
-        law_flags(t, w, whole, whole[layout.Y])
-        refresh(t, w, whole, whole[layout.Y])
+        law_flags(t, w, iw, iw[layout.Y])
+        refresh(t, w, iw, iw[layout.Y])
         limits = [name for name in self.model.limits if name != PAINLEVE]
         if limits:
-            put_motion(w, whole, whole[layout.Y])
+            put_motion(w, iw, iw[layout.Y])
             evaluate(
                 LIMITS,
                 0,
-                whole[layout.FLAGS],
+                iw[layout.FLAGS],
                 t,
                 w,
-                whole[layout.MOTION_POINT],
-                whole[layout.VALUES],
+                iw[layout.MOTION_POINT],
+                iw[layout.VALUES],
             )
-            check_within(dict(zip(limits, w[whole[layout.VALUES] :], strict=False)), t)
+            check_within(dict(zip(limits, w[iw[layout.VALUES] :], strict=False)), t)
         self.asked[:] = [y, *state]
-        return w, whole
+        return w, iw
 
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
         if not any(held):
@@ -668,10 +668,10 @@ class ContactDiagram(BlockDiagram):
 
     def _decided(self, t: float, y: Sequence[float]) -> tuple[tuple[bool, ...], dict[int, int]]:
         """Return which coordinates at rest stay there, and where others are pushed."""
-        whole = self.equations.whole
-        n, rigid = whole[layout.N_COORDINATES], whole[layout.RIGID]
+        iw = self.equations.iw
+        n, rigid = iw[layout.N_COORDINATES], iw[layout.RIGID]
         kept = tuple(
-            own or (y[slip] == 0.0 and bool(whole[rigid + slip - n]))
+            own or (y[slip] == 0.0 and bool(iw[rigid + slip - n]))
             for slip, own in zip(self.slips, self.stopped(y), strict=True)
         )
         pushed: dict[int, int] = {}
@@ -703,33 +703,33 @@ class ContactDiagram(BlockDiagram):
 
     def _bends(self, i: int) -> bool:
         """Whether bristles carry friction along a coordinate, whatever holds them at rest."""
-        whole = self.equations.whole
+        iw = self.equations.iw
         return any(
-            whole[whole[layout.SLIPS] + c] == i and whole[whole[layout.BRISTLES] + c] >= 0
-            for c in range(whole[layout.N_CONTACTS])
+            iw[iw[layout.SLIPS] + c] == i and iw[iw[layout.BRISTLES] + c] >= 0
+            for c in range(iw[layout.N_CONTACTS])
         )
 
     def _weakest(
         self, t: float, y: Sequence[float], held: tuple[bool, ...], pushed: Mapping[int, int]
     ) -> tuple[int, int]:
         """Return the held slip that exceeds its level most and where it is pushed, 0 if none."""
-        w, whole = self._at(t, y, held, pushed)
-        n, found, excess = whole[layout.N_COORDINATES], (0, 0), 0.0
+        w, iw = self._at(t, y, held, pushed)
+        n, result, excess = iw[layout.N_COORDINATES], (0, 0), 0.0
         for slip, slips in zip(self.slips, held, strict=True):
-            needed = float(w[whole[layout.NEEDED] + slip - n])
-            level = float(w[whole[layout.LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
+            needed = float(w[iw[layout.NEEDED] + slip - n])
+            level = float(w[iw[layout.LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
             # What no closed contact holds must not stay held by a level of 0 either.
             if not slips or (abs(needed) <= level and self._may_hold(slip - n, y)):
                 continue
             beyond = abs(needed) / level if level > 0.0 else math.inf
             if beyond > excess:
-                found, excess = (slip, 1 if needed > 0.0 else -1), beyond
-        return found
+                result, excess = (slip, 1 if needed > 0.0 else -1), beyond
+        return result
 
     def _may_hold(self, i: int, y: Sequence[float]) -> bool:
         """Whether a closed contact, or a stop at which it is, can hold a coordinate."""
         at_stop = any(wall.place == i and wall.margin(y) == 0.0 for wall in self.walls)
-        return at_stop or rubs(i, self.equations.whole)
+        return at_stop or rubs(i, self.equations.iw)
 
     @property
     def lost(self) -> float:
@@ -752,8 +752,8 @@ class ContactDiagram(BlockDiagram):
         for wall in (self.walls[k] for k in beyond):
             y[wall.place] = wall.position
         hits = [k for k in beyond if self.walls[k].side * y[n + self.walls[k].place] > 0.0]
-        w, whole = self._at(t, y, held)
-        pushes = {k: w[whole[layout.ACCELERATION] + self.walls[k].place] for k in hits}
+        w, iw = self._at(t, y, held)
+        pushes = {k: w[iw[layout.ACCELERATION] + self.walls[k].place] for k in hits}
         for k in hits:
             # The speed at the stop follows from that at the end of the step by the work of the
             # press over the depth.
@@ -766,11 +766,11 @@ class ContactDiagram(BlockDiagram):
             ends = (1.0 - e) * met <= GAINED * push * dt and e * met <= UNRESOLVED * push * dt
             # Restitution is told relative to the speed that kernels see, which is that at the end
             # of the step.
-            w[_row_of(k, whole) + 1] = 0.0 if ends else e * met / speed
+            w[_row_of(k, iw) + 1] = 0.0 if ends else e * met / speed
         if hits:
             before = self._energy(t)
-            strike_stops(whole[layout.FIRST_WALL] + hits[0], w, whole)
-            y = [float(x) for x in w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]]]
+            strike_stops(iw[layout.FIRST_WALL] + hits[0], w, iw)
+            y = [float(x) for x in w[iw[layout.Y] : iw[layout.Y] + iw[layout.N_STATES]]]
             self.asked.clear()
             self.losses.append(before - self._energy(t))
         stays = zip(self.slips, held, self.stopped(y), strict=True)
@@ -779,57 +779,57 @@ class ContactDiagram(BlockDiagram):
 
     def _energy(self, t: float) -> float:
         """Return the mechanical energy of the state at hand."""
-        w, whole = self.equations.w, self.equations.whole
-        evaluate(ENERGY, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.VALUES])
-        return float(w[whole[layout.VALUES]])
+        w, iw = self.equations.w, self.equations.iw
+        evaluate(ENERGY, 0, iw[layout.FLAGS], t, w, iw[layout.Y], iw[layout.VALUES])
+        return float(w[iw[layout.VALUES]])
 
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        w, whole = self._moving(t, y, held)
-        n, states = whole[layout.N_COORDINATES], whole[layout.N_STATES]
-        first, bristles = whole[layout.ACCELERATION], whole[layout.BRISTLE_RATES]
+        w, iw = self._moving(t, y, held)
+        n, states = iw[layout.N_COORDINATES], iw[layout.N_STATES]
+        first, bristles = iw[layout.ACCELERATION], iw[layout.BRISTLE_RATES]
         return [*y[n : 2 * n], *w[first : first + n], *w[bristles : bristles + states - 2 * n]]
 
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
-        w, whole = self._moving(t, y, held)
-        count, friction, load = whole[layout.N_CONTACTS], whole[layout.FRICTION], whole[layout.LOAD]
+        w, iw = self._moving(t, y, held)
+        count, friction, load = iw[layout.N_CONTACTS], iw[layout.FRICTION], iw[layout.LOAD]
         # What is open carries nothing, whatever its law would give.
-        is_open = [bool(whole[whole[layout.OPEN] + c]) for c in range(count)]
+        is_open = [bool(iw[iw[layout.OPEN] + c]) for c in range(count)]
         loads = [0.0 if is_open[c] else w[load + c] for c in range(count)]
         modes = []
         for c in range(count):
-            sticks = whole[whole[layout.MODES] + whole[whole[layout.SLIPS] + c]] == layout.HELD_FAST
-            v = 0.0 if sticks else slip_rate(c, w, whole, whole[layout.Y])
+            sticks = iw[iw[layout.MODES] + iw[iw[layout.SLIPS] + c]] == layout.HELD_FAST
+            v = 0.0 if sticks else slip_rate(c, w, iw, iw[layout.Y])
             modes.append(OPENED if is_open[c] else float((v > 0) - (v < 0)))
         forces = w[friction : friction + count]
         row = [float(x) for x in (*forces, *loads, *modes)]
         return [t, *self._turned(y, 1), *row]
 
     def lifts(self, row: Sequence[float]) -> bool:
-        whole, count = self.equations.whole, self.equations.whole[layout.N_CONTACTS]
-        loads = row[1 + whole[layout.N_STATES] + count :][:count]
-        return any(whole[whole[layout.REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
+        iw, count = self.equations.iw, self.equations.iw[layout.N_CONTACTS]
+        loads = row[1 + iw[layout.N_STATES] + count :][:count]
+        return any(iw[iw[layout.REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
 
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
-        w, whole = self._moving(t, y, held)
-        values, at = whole[layout.VALUES], whole[layout.Y]
+        w, iw = self._moving(t, y, held)
+        values, at = iw[layout.VALUES], iw[layout.Y]
         energy = self._energy(t)
-        supply(t, w, whole, at, values)
+        supply(t, w, iw, at, values)
         supplied = float(w[values])
         taken = [
-            float(w[whole[layout.FRICTION] + c] * slip_rate(c, w, whole, at))
-            for c in range(whole[layout.N_CONTACTS])
+            float(w[iw[layout.FRICTION] + c] * slip_rate(c, w, iw, at))
+            for c in range(iw[layout.N_CONTACTS])
         ]
         return energy, supplied, *taken
 
 
-def _row_of(wall: int, whole: Sequence[int]) -> int:
+def _row_of(wall: int, iw: Sequence[int]) -> int:
     """Return where position and restitution of a stop stand."""
-    return whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]
+    return iw[layout.WALLS] + wall * iw[layout.WALL_COLUMNS]
 
 
-def _numbers_of(wall: int, w: Sequence[Any], whole: Sequence[int]) -> tuple[float, float]:
+def _numbers_of(wall: int, w: Sequence[Any], iw: Sequence[int]) -> tuple[float, float]:
     """Return position and restitution of a stop."""
-    at = _row_of(wall, whole)
+    at = _row_of(wall, iw)
     return float(w[at]), float(w[at + 1])

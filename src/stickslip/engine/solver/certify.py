@@ -76,7 +76,7 @@ def passes(
 
 
 def certify(
-    playback: Playback, w: Sequence[float], whole: Sequence[int], tolerance: float
+    playback: Playback, w: Sequence[float], iw: Sequence[int], tolerance: float
 ) -> Certificate:
     """Check energy, guards, events and stick of a finished run."""
     books = _books(playback, w)
@@ -85,7 +85,7 @@ def certify(
     drift = _stick_drift(playback, w)
     energy_limit = energy_limit_at(tolerance)
     problems = []
-    if whole[layout.STATUS] not in (layout.END_TIME, layout.AT_REST):
+    if iw[layout.STATUS] not in (layout.END_TIME, layout.AT_REST):
         end = quantity(playback.span()[1], "s", 6)
         problems.append(f"the run ended at {end}, before the end that was asked for")
     if not energy_error <= energy_limit:  # NaN is above every limit
@@ -101,7 +101,7 @@ def certify(
         )
     if drift != 0:
         problems.append(f"a sticking body moved by {number(drift, 2)} m")
-    margins = _margins(playback, w, whole[layout.STATUS])
+    margins = _margins(playback, w, iw[layout.STATUS])
     return Certificate(
         **books,
         margins=margins,
@@ -111,17 +111,17 @@ def certify(
                 for name, share in margins.items()
                 if 0.0 < share < NEAR_LIMIT_SHARE
             ),
-            *_doubts(whole),
+            *_doubts(iw),
         ),
         work=_works(playback, w),
-        decisions=whole[layout.DECISIONS] if playback.model.contacts else 0,
-        ambiguous=whole[layout.AMBIGUOUS] if playback.model.contacts else 0,
+        decisions=iw[layout.DECISIONS] if playback.model.contacts else 0,
+        ambiguous=iw[layout.AMBIGUOUS] if playback.model.contacts else 0,
         indeterminate=_indeterminate(playback, w) if playback.model.contacts else (),
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
-        steps=whole[layout.STEPS],
-        rejected=whole[layout.REJECTED],
+        steps=iw[layout.STEPS],
+        rejected=iw[layout.REJECTED],
         problems=tuple(problems),
     )
 
@@ -135,17 +135,17 @@ def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, f
     # was.
     ends = {"lift-off": layout.LIFTED_OFF}
     ends |= {name: layout.LIMITED + i for i, name in enumerate(limits)}
-    found = {}
+    result = {}
     for name, guard in guards.items():
         least, size = (
             float(w[header[layout.LOWEST] + guard]),
             float(w[header[layout.REACHED] + guard]),
         )
         if status == ends[name]:
-            found[name] = 0.0
+            result[name] = 0.0
         elif math.isfinite(least) and size > 0.0:
-            found[name] = max(least, 0.0) / size
-    return found
+            result[name] = max(least, 0.0) / size
+    return result
 
 
 def _works(playback: Playback, w: Sequence[float]) -> dict[str, float]:
@@ -154,9 +154,9 @@ def _works(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     return {name: float(w[first + c]) for c, name in enumerate(playback.model.contacts)}
 
 
-def _doubts(whole: Sequence[int]) -> tuple[str, ...]:
+def _doubts(iw: Sequence[int]) -> tuple[str, ...]:
     """Return what the rigid model leaves open: which contacts hold at an instant."""
-    count = whole[layout.AMBIGUOUS]
+    count = iw[layout.AMBIGUOUS]
     if not count:
         return ()
     times = "instant" if count == 1 else "instants"
@@ -182,7 +182,7 @@ def driving(
     Without memory it is the work while friction is along the slip. Bristles give back what they
     took, so that theirs is what they gave beyond that.
     """
-    found = []
+    result = []
     for contact in mechanism.contacts():
         own = law_of(contact.name, law)
         if own is None or not may_drive(own):
@@ -195,11 +195,11 @@ def driving(
             where = f" at {contact.name}" if several else ""
             work = quantity(given, "J", 2)
             did = f"gave {work} more than it took" if own.states else f"did {work} of work on it"
-            found.append(
+            result.append(
                 f"friction drove the motion{where}: it {did}; the law {own.name} with these values"
                 " does not oppose slip at every speed"
             )
-    return tuple(found)
+    return tuple(result)
 
 
 def may_drive(law: FrictionLaw) -> bool:
@@ -260,15 +260,15 @@ def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
     equations = Equations(playback.model, playback.inputs)
     coordinates = playback.runner.header[layout.N_COORDINATES]
     still = [0.0] * coordinates
-    found = []
+    result = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
         if row[5] != equations.piece:
             equations.load(int(row[5]))
         moves = state[coordinates : 2 * coordinates] != still
         rest = [*state[:coordinates], *still, *state[2 * coordinates :]]
         own = [equations("energy", 0, int(row[4]), t, y)[0] for y in (state, rest)[: 1 + moves]]
-        found.append([float(own[0]), float(own[-1])])
-    return found
+        result.append([float(own[0]), float(own[-1])])
+    return result
 
 
 def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
@@ -324,7 +324,7 @@ def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, .
     every = np.vstack([np.eye(n), _closing_slips(playback, w)])
     width, count = playback.rows.shape[1], len(names)
     states = np.hstack([_modes(playback)[:, : len(every)], playback.rows[:, width - count :]])
-    found: dict[tuple[str, ...], None] = {}
+    result: dict[tuple[str, ...], None] = {}
     # Few states of contacts occur in a run: each is looked at once.
     for state in np.unique(states, axis=0):
         held = [
@@ -333,8 +333,8 @@ def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, .
             if holds[c] and not state[len(every) + c] and state[slips[c]] == layout.HELD_FAST
         ]
         for loop in _dependent(every[[slips[c] for c in held]]):
-            found[tuple(names[held[k]] for k in loop)] = None
-    return tuple(found)
+            result[tuple(names[held[k]] for k in loop)] = None
+    return tuple(result)
 
 
 def _dependent(rows: NDArray[np.float64]) -> list[list[int]]:
@@ -491,25 +491,25 @@ class Sensing:
         begun = 0.0 if runner.compiled else thread_time()
         runner.kernels.enter_sense(
             log,
-            record.whole[layout.STEPS],
+            record.iw[layout.STEPS],
             events,
-            record.whole[layout.EVENTS],
+            record.iw[layout.EVENTS],
             runner.flat(t[order]),
             runner.flat(self.inputs.table),
             runner.flat(along.table),
             runner.flat(along.own),
             along.quantities,
             working(runner, runner.working(self.inputs.p), along),
-            runner.whole(),
+            runner.iw(),
             out,
             0,
         )
         if not runner.compiled:
             work_of(model).add(thread_time() - begun)
         # Kernels answer in increasing times; users ask in any order.
-        found = np.empty((len(t), len(model.states), len(full)))
-        found[order] = np.reshape(out, found.shape)
-        return found
+        result = np.empty((len(t), len(model.states), len(full)))
+        result[order] = np.reshape(out, result.shape)
+        return result
 
     def _takes_code(self, model: Model) -> bool:
         """Whether machine code takes over from the tier of the run.

@@ -45,7 +45,7 @@ def lines_of(playback: Playback, state: int, breaks: Sequence[float], error: flo
 
     They are off it by an error at most; breaks are beginning, end, and events between them.
     """
-    found = [np.empty((0, 3))]
+    result = [np.empty((0, 3))]
     for a, b in itertools.pairwise(breaks):
         if not b - a > 4.0 * np.spacing(abs(b)):
             continue
@@ -68,8 +68,8 @@ def lines_of(playback: Playback, state: int, breaks: Sequence[float], error: flo
         nodes = np.unique(np.concatenate([shares[::2], near, 1.0 - near]))
         x = at(nodes)
         slopes = np.diff(x) / (np.diff(nodes) * (b - a))
-        found.append(np.column_stack([a + nodes[:-1] * (b - a), x[:-1], slopes]))
-    return np.concatenate(found)
+        result.append(np.column_stack([a + nodes[:-1] * (b - a), x[:-1], slopes]))
+    return np.concatenate(result)
 
 
 @dataclass
@@ -134,7 +134,7 @@ def run_delayed(
         past.add(start)
         past.lines[0][0, 0] = BEGINNING
     runner = runner_of(model, compiled=compiled)
-    w, whole = runner.working(p), runner.whole()
+    w, iw = runner.working(p), runner.iw()
     for i, value in enumerate(y0, runner.header[layout.Y]):
         w[i] = float(value)
     log = runner.zeros(FIRST_ROWS * runner.header[layout.ROW_COLUMNS])
@@ -167,15 +167,15 @@ def run_delayed(
         # what is not known yet may do anything, so no rest is for good
         bounds = runner.vector([math.inf] * (2 * len(drives) * len(rows[0])))
         log, events = runner.run(
-            w, whole, runner.flat(table), bounds, until, tolerance, time_scale / 6.0,
+            w, iw, runner.flat(table), bounds, until, tolerance, time_scale / 6.0,
             most, log, events,
         )  # fmt: skip
         reached = float(w[layout.TIME])
         if reached < until or until >= t_end:
             break
         inputs = Inputs(p, table, np.empty(0), time_scale)
-        playback = Playback.from_log(model, runner, inputs, log, int(whole[layout.STEPS]))
-        count = int(whole[layout.EVENTS])
+        playback = Playback.from_log(model, runner, inputs, log, int(iw[layout.STEPS]))
+        count = int(iw[layout.EVENTS])
         happened = np.asarray(events[: layout.EVENT_COLUMNS * count])[:: layout.EVENT_COLUMNS]
         sharp, seen = np.append(sharp, happened[seen:]), count
         late = [sharp + k * delay for delay in delays for k in range(3)]
@@ -187,4 +187,4 @@ def run_delayed(
             past.add(lines_of(playback, past.state, breaks.tolist(), PAST * past.size))
         t = until
     inputs = Inputs(p, table, np.full(2 * len(drives) * len(rows[0]), math.inf), time_scale)
-    return inputs, Record(runner, log, events, w, [int(x) for x in whole])
+    return inputs, Record(runner, log, events, w, [int(x) for x in iw])

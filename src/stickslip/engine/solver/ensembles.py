@@ -98,7 +98,7 @@ class IncrementalRun:
         # what is not told yet may do anything, so no rest is for good
         self._bounds = runner.vector([math.inf] * max(len(inputs.bounds), 1))
         self._cap = inputs.time_scale / 6.0
-        self._w, self._whole = runner.working(inputs.p), runner.whole()
+        self._w, self._iw = runner.working(inputs.p), runner.iw()
         self._log = runner.zeros(FIRST_ROWS * runner.header[layout.ROW_COLUMNS])
         self._events = runner.zeros(2 * runner.header[layout.MOST_EVENTS] * layout.EVENT_COLUMNS)
         for i, value in enumerate(within_stops(mechanism, y0), runner.header[layout.Y]):
@@ -115,7 +115,7 @@ class IncrementalRun:
         if not self._begun:  # until then they are in coordinates of the mechanism
             return [float(x) for x in self._w[first : first + len(self.model.states)]]
         states = range(len(self.model.states))
-        return [float(state_seen(first, i, self._w, self._whole)) for i in states]
+        return [float(state_seen(first, i, self._w, self._iw)) for i in states]
 
     def advance(self, until: float, lines: Sequence[tuple[float, float]]) -> bool:
         """Run on to a time, each drive along a line; return whether it was reached."""
@@ -131,7 +131,7 @@ class IncrementalRun:
         start = thread_time()
         self._log, self._events = self.runner.run(
             self._w,
-            self._whole,
+            self._iw,
             self._table,
             self._bounds,
             until,
@@ -149,12 +149,12 @@ class IncrementalRun:
         """Count the time of a stretch in plain Python; take machine code as soon as it pays."""
         self._work.add(seconds)
         self._spent += seconds
-        if self.solver.tier != "auto" or self._whole[layout.STEPS] < self._asks_at:
+        if self.solver.tier != "auto" or self._iw[layout.STEPS] < self._asks_at:
             return
         self._asks_at += STRETCH
         if self._work.is_enough(self._spent):
             self.runner = runner = runner_of(self.model, compiled=True)
-            self._w, self._whole = runner.taken_over(self._w), runner.wholes(self._whole)
+            self._w, self._iw = runner.taken_over(self._w), runner.int_vectors(self._iw)
             self._log, self._events, self._table, self._bounds = map(
                 runner.flat, (self._log, self._events, self._table, self._bounds)
             )
@@ -175,9 +175,9 @@ class IncrementalRun:
     def _recorded(self, mechanism: Mechanism) -> tuple[Inputs, Record]:
         """Return the numbers of the run, and what the kernels wrote down of it."""
         inputs = gather(mechanism, self.law, self.model, self.t_end)
-        whole = [int(x) for x in self._whole]
+        iw = [int(x) for x in self._iw]
         spent = self._spent if self.solver.tier == "auto" else None
-        return inputs, Record(self.runner, self._log, self._events, self._w, whole, spent)
+        return inputs, Record(self.runner, self._log, self._events, self._w, iw, spent)
 
 
 # Many runs of one mechanism that go on together, stretch by stretch, in machine code.
@@ -221,7 +221,7 @@ class IncrementalEnsemble:
         )
         self._kept = np.zeros((count, self._width))
         # sizes of those that have not begun count too: the kernels look at all rows
-        self._wholes = np.tile(np.array([*header], dtype=np.int64), (count, 1))
+        self._int_vectors = np.tile(np.array([*header], dtype=np.int64), (count, 1))
         self.leave(range(count))
         self._work()
 
@@ -259,26 +259,26 @@ class IncrementalEnsemble:
     @property
     def states(self) -> Array:
         """States of the runs (count, n) [SI]."""
-        found = self._kept[:, self._y : self._y + len(self.model.states)].copy()
+        result = self._kept[:, self._y : self._y + len(self.model.states)].copy()
         header = self.model.sizes.header
         if header[layout.IS_TURNED]:  # from the first stretch on, to coordinates of the equations
             n = header[layout.N_COORDINATES]
             first = layout.POLYNOMIAL + header[layout.TURN] - layout.NUMBERS + n * n
-            rows = self._wholes[:, layout.STATUS] != layout.RUNNING
+            rows = self._int_vectors[:, layout.STATUS] != layout.RUNNING
             back = self._kept[rows, first : first + n * n].reshape(-1, n, n)
-            moving = found[rows, : 2 * n].reshape(-1, 2, n)
-            found[rows, : 2 * n] = np.einsum("rij,rbj->rbi", back, moving).reshape(-1, 2 * n)
-        return found
+            moving = result[rows, : 2 * n].reshape(-1, 2, n)
+            result[rows, : 2 * n] = np.einsum("rij,rbj->rbi", back, moving).reshape(-1, 2 * n)
+        return result
 
     @property
     def running(self) -> NDArray[np.bool_]:
         """Whether each run can go on (count,)."""
-        codes = self._wholes[:, layout.STATUS]
+        codes = self._int_vectors[:, layout.STATUS]
         return np.isin(codes, (layout.RUNNING, layout.END_TIME))
 
     def status(self, row: int) -> Status:
         """Return how the last stretch of a run ended."""
-        return event_driven.status_of(int(self._wholes[row, layout.STATUS]), self.model)
+        return event_driven.status_of(int(self._int_vectors[row, layout.STATUS]), self.model)
 
     def begin(
         self,
@@ -294,7 +294,7 @@ class IncrementalEnsemble:
         placed = [within_stops(mechanism, state) for state in states]
         values = values_of(mechanism, law or self.law)
         self._kept[rows] = self._fresh
-        self._wholes[rows] = self._runner.header
+        self._int_vectors[rows] = self._runner.header
         for path, place in zip(self.model.parameter_paths, self.model.places, strict=True):
             self._kept[rows, layout.POLYNOMIAL + place - layout.NUMBERS] = values[path]
         self._kept[rows, self._y : self._y + len(self.model.states)] = placed
@@ -302,7 +302,7 @@ class IncrementalEnsemble:
     def leave(self, rows: Sequence[int] | NDArray[np.intp]) -> None:
         """Let some runs go no further until they begin anew."""
         # A status with which the kernels pass over a run.
-        self._wholes[rows, layout.STATUS] = layout.STEP_TOO_SMALL
+        self._int_vectors[rows, layout.STATUS] = layout.STEP_TOO_SMALL
 
     def advance(self, untils: Array, values: Array) -> None:
         """Go on with all runs that have not ended, the drives having constant values."""
@@ -312,7 +312,7 @@ class IncrementalEnsemble:
                 raise InputError(f"{name} must have the shape {shape}, got {given.shape}.")
         flat = self._runner.flat
         shared = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
-        runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory
+        runs = (self._kept.reshape(-1), self._int_vectors.reshape(-1))  # the same memory
         # This thread takes the first share itself.
         first, *others = self._shares
         waiting = [self._pool.submit(share.go_on, shared, runs) for share in others]
@@ -329,7 +329,7 @@ class _Share:
         self.runner, self.first, self.count = runner, first, count
         self._room = (
             runner.zeros(header[layout.SIZE]),
-            runner.wholes(header),
+            runner.int_vectors(header),
             runner.zeros(1 + 3 * header[layout.N_DRIVES]),
         )
         self._log = runner.zeros(FIRST_ROWS * header[layout.ROW_COLUMNS])
@@ -338,12 +338,12 @@ class _Share:
     def go_on(self, shared: tuple[Any, ...], runs: tuple[Any, ...]) -> None:
         """Go on with the runs by a stretch."""
         enter, row = self.runner.kernels.enter_stretches, self.first
-        whole = self._room[1]
+        iw = self._room[1]
         while True:
             row = enter(row, self.count, *shared, *runs, *self._room, self._log, self._events)
             if row == self.count:
                 return
-            self._log, self._events = self.runner.with_room(whole, self._log, self._events)
+            self._log, self._events = self.runner.with_room(iw, self._log, self._events)
 
 
 # Ensembles: parameters as arrays in, arrays of outputs out.
@@ -438,11 +438,11 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
         written.append(gradients)
     else:
         run = runner.kernels.enter_batch
-    *settings, whole, log, events = _settings(job, runner, along)
+    *settings, iw, log, events = _settings(job, runner, along)
     row, begun = 0, thread_time()
     # The kernels come back where rows or events find no room, and go on with the same run.
-    while (row := run(row, rows, *call, *settings, whole, log, events, *written)) < rows:
-        log, events = runner.with_room(whole, log, events)
+    while (row := run(row, rows, *call, *settings, iw, log, events, *written)) < rows:
+        log, events = runner.with_room(iw, log, events)
     # Processor time of a run, by which later ensembles of this model are cut into chunks.
     work_of(model).pace = (thread_time() - begun) / rows
     return Chunk(
@@ -456,15 +456,15 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
 
 def _settings(job: Job, runner: Runner, along: certify.Directions) -> list[Any]:
     """Return what the runs of a chunk are made with: end, limits, and room to work in."""
-    header, whole = runner.header, runner.whole()
+    header, iw = runner.header, runner.iw()
     # Sensitivities stand behind the vector of a run, which is longer then.
-    size = max(header[SIZE], sense_size(along.quantities, len(along.own), whole))
+    size = max(header[SIZE], sense_size(along.quantities, len(along.own), iw))
     return [
         job.t_end,
         job.solver.tolerance_for(job.law),
         int(job.solver.max_steps),
         runner.zeros(size),
-        whole,
+        iw,
         runner.zeros(FIRST_ROWS * header[ROW_COLUMNS]),
         runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
     ]

@@ -96,39 +96,39 @@ class _Rates:
 
     def __init__(self, model: Model, record: Record) -> None:
         runner = runner_of(model, compiled=False)
-        self.whole = list(record.whole)
+        self.iw = list(record.iw)
         self.w: list[Any] = runner.taken_over(record.w)
         self.places = runner.places
         self.n = len(model.states)
-        self.first, self.to = self.whole[layout.Y], len(self.w)
+        self.first, self.to = self.iw[layout.Y], len(self.w)
         self.w += [0.0] * self.n
         self.y = np.array(self.w[self.first : self.first + self.n])
-        reached = np.abs(self.w[self.whole[layout.SCALE] : self.whole[layout.SCALE] + self.n])
+        reached = np.abs(self.w[self.iw[layout.SCALE] : self.iw[layout.SCALE] + self.n])
         self.sizes = np.maximum(reached, np.abs(self.y))
         # What has never moved is given the largest size: its differences must not be divided by 0.
         self.sizes[self.sizes == 0.0] = self.sizes.max(initial=0.0) or 1.0
 
     def slip(self) -> None:
         """Let all that is held slip."""
-        if self.whole[layout.N_CONTACTS] == 0:
-            self.whole[layout.MODE] = self.whole[layout.MODE] or layout.FORWARD
+        if self.iw[layout.N_CONTACTS] == 0:
+            self.iw[layout.MODE] = self.iw[layout.MODE] or layout.FORWARD
             return
-        modes = self.whole[layout.MODES]
-        for i in range(modes, modes + self.whole[layout.N_DIRECTIONS]):
-            if self.whole[i] == layout.HELD_FAST:
-                self.whole[i] = layout.FORWARD
+        modes = self.iw[layout.MODES]
+        for i in range(modes, modes + self.iw[layout.N_DIRECTIONS]):
+            if self.iw[i] == layout.HELD_FAST:
+                self.iw[i] = layout.FORWARD
 
     def prepare(self) -> None:
         """Write what follows from the parameters and modes alone."""
-        put_constants(self.w, self.whole)
-        if self.whole[layout.N_CONTACTS] > 0:
-            ask_here(PREPARE, self.w, self.whole)
-            ask_here(RESTORE, self.w, self.whole)
+        put_constants(self.w, self.iw)
+        if self.iw[layout.N_CONTACTS] > 0:
+            ask_here(PREPARE, self.w, self.iw)
+            ask_here(RESTORE, self.w, self.iw)
 
     def at(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the rates (n,) at a state (n,)."""
         self.w[self.first : self.first + self.n] = y.tolist()
-        field(self.w[layout.TIME], self.w, self.whole, self.first, self.to)
+        field(self.w[layout.TIME], self.w, self.iw, self.first, self.to)
         return np.array(self.w[self.to : self.to + self.n])
 
     def along(self, direction: NDArray[Any]) -> NDArray[Any]:
@@ -148,17 +148,17 @@ class _Rates:
 def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotion | None:
     """Return the fastest motion of the equations at the end of a run, in its modes or slipping."""
     rates = _Rates(model, record)
-    found = _eigen(rates)
+    result = _eigen(rates)
     # what is held has no motion of its own; a step that lets it slip meets that of slipping
     rates.slip()
     slipping = _eigen(rates)
-    if found is None or (slipping is not None and abs(slipping[0]) > abs(found[0])):
-        found = slipping
+    if result is None or (slipping is not None and abs(slipping[0]) > abs(result[0])):
+        result = slipping
     else:
         rates = _Rates(model, record)  # powers are of the modes in which the eigenvalue is
-    if found is None:
+    if result is None:
         return None
-    value, right, left = found
+    value, right, left = result
     powers = []
     for path, place, number_ in zip(model.parameter_paths, rates.places, inputs.p, strict=True):
         power = _power(rates, place, number_, value, right, left)
@@ -224,7 +224,7 @@ def cause_of_step_limit(
 ) -> str:
     """Say what makes the steps of a run so short, and what to do."""
     steps, events, pieces = (
-        record.whole[place] for place in (layout.STEPS, layout.EVENTS, layout.PIECE)
+        record.iw[place] for place in (layout.STEPS, layout.EVENTS, layout.PIECE)
     )
     t = float(record.w[layout.TIME])
     taken = f"{steps} steps led to {quantity(t, 's', 4)}."
@@ -279,12 +279,12 @@ def cause_of_small_steps(
 
 def _has_negative_mass(model: Model, record: Record) -> bool:
     """Whether the mass matrix of several contacts, where a run ended, is not positive definite."""
-    if record.whole[layout.N_CONTACTS] == 0:
+    if record.iw[layout.N_CONTACTS] == 0:
         return False
     rates = _Rates(model, record)
     rates.prepare()
     rates.at(rates.y)
-    n, at = rates.whole[layout.N_COORDINATES], rates.whole[layout.MASS]
+    n, at = rates.iw[layout.N_COORDINATES], rates.iw[layout.MASS]
     masses = np.array(rates.w[at : at + n * n], dtype=float).reshape(n, n)
     return bool(np.isfinite(masses).all() and np.linalg.eigvalsh(masses)[0] <= 0.0)
 
@@ -600,7 +600,7 @@ class BareRun:
     def happened(self) -> bytes:
         """Return what happened, without its times: alike where the same came in the same order."""
         record = self.differentiate.record
-        rows = np.array(record.events[: layout.EVENT_COLUMNS * record.whole[layout.EVENTS]])
+        rows = np.array(record.events[: layout.EVENT_COLUMNS * record.iw[layout.EVENTS]])
         rows[0 :: layout.EVENT_COLUMNS] = rows[5 :: layout.EVENT_COLUMNS] = 0.0  # time and margin
         return rows.tobytes()
 
@@ -615,11 +615,11 @@ def bare_run(
     sloped: Model | None = None,
 ) -> BareRun:
     """Wrap what the kernels recorded, without a certificate."""
-    whole = record.whole
+    iw = record.iw
     return BareRun(
         states=model.states,
-        status=status_of(whole[layout.STATUS], model),
-        playback=Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS]),
+        status=status_of(iw[layout.STATUS], model),
+        playback=Playback.from_log(model, record.runner, inputs, record.log, iw[layout.STEPS]),
         differentiate=Sensing(mechanism, law, inputs, record, t_end, (), sloped),
     )
 
@@ -648,15 +648,15 @@ def trajectory_of(
     told: Sequence[str] = (),
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
-    pair, whole = _pair_of(mechanism, law), record.whole
-    playback = Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS])
-    status, cause = status_of(whole[layout.STATUS], model), ""
+    pair, iw = _pair_of(mechanism, law), record.iw
+    playback = Playback.from_log(model, record.runner, inputs, record.log, iw[layout.STEPS])
+    status, cause = status_of(iw[layout.STATUS], model), ""
     if status is Status.STEP_LIMIT:
         cause = cause_of_step_limit(mechanism, law, model, inputs, record, t_end)
     elif status is Status.STEP_TOO_SMALL:
         cause = _cause_of_vanishing_mass(mechanism, playback)
         cause = cause or cause_of_small_steps(mechanism, law, model, inputs, record)
-    certificate = certify(playback, record.w, whole, tolerance)
+    certificate = certify(playback, record.w, iw, tolerance)
     driven = driving(mechanism, law, playback, certificate) if pair.may_drive else ()
     if driven:
         certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
@@ -715,13 +715,13 @@ def _events(
     names: Sequence[str | None], contacts: Sequence[str], record: Record
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
-    events, whole = [], record.whole
-    rows = np.asarray(record.events[: layout.EVENT_COLUMNS * whole[layout.EVENTS]]).tolist()
-    for i in range(whole[layout.EVENTS]):
+    events, iw = [], record.iw
+    rows = np.asarray(record.events[: layout.EVENT_COLUMNS * iw[layout.EVENTS]]).tolist()
+    for i in range(iw[layout.EVENTS]):
         t, before, after, _, _, margin, contact = rows[
             layout.EVENT_COLUMNS * i : layout.EVENT_COLUMNS * (i + 1)
         ]
-        reason = names[happened(rows, i, whole)]
+        reason = names[happened(rows, i, iw)]
         if reason is not None:
             event = unchecked(
                 Event,

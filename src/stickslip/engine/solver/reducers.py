@@ -340,5 +340,5 @@ def asked(
 
 def value_of(results: Array, place: slice, output: Output) -> Any:
     """Return an output's numbers (n,), or (n, m) where it has several a run."""
-    found = results[:, place]
-    return found[:, 0] if output.is_single() else found
+    result = results[:, place]
+    return result[:, 0] if output.is_single() else result

@@ -218,7 +218,7 @@ class Record:
     """Rows of events one after the other."""
     w: Sequence[float]
     """The vector of the run at its end."""
-    whole: list[int]
+    iw: list[int]
     """(WHOLES,): the whole numbers of the run at its end."""
     spent: float | None = None
     """What it took in plain Python [s], where what is asked of it later may take machine code."""
@@ -227,18 +227,18 @@ class Record:
         """Pickle numbers only: the vector of a run has addresses in it, or functions."""
         numbers = list(self.w)
         numbers[layout.ADDRESS] = numbers[layout.SEVERAL] = 0.0
-        taken = self.whole[layout.STEPS] * self.runner.header[layout.ROW_COLUMNS]
+        taken = self.iw[layout.STEPS] * self.runner.header[layout.ROW_COLUMNS]
         log, events = (np.array(rows, dtype=np.float64) for rows in (self.log, self.events))
         rows = self.runner, log[:taken], events, np.array(numbers)
-        return _restored, (*rows, self.whole, self.spent)
+        return _restored, (*rows, self.iw, self.spent)
 
 
 def _restored(
-    runner: Runner, log: Any, events: Any, w: Any, whole: list[int], spent: float | None
+    runner: Runner, log: Any, events: Any, w: Any, iw: list[int], spent: float | None
 ) -> Record:
     """Return the record of a pickle, as its tier takes it."""
     rows = runner.flat(log), runner.flat(events), runner.taken_over(w)
-    return Record(runner, *rows, whole, spent)
+    return Record(runner, *rows, iw, spent)
 
 
 def execute(
@@ -255,7 +255,7 @@ def execute(
     work = work_of(model)
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and work.is_enough()))
     header = runner.header
-    w, whole = runner.working(inputs.p), runner.whole()
+    w, iw = runner.working(inputs.p), runner.iw()
     for i, value in enumerate(y0, header[layout.Y]):
         w[i] = float(value)
     given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
@@ -269,26 +269,24 @@ def execute(
     while True:
         # plain runs stop now and then to ask whether machine code would pay by now
         most = (
-            limit
-            if tier != "auto" or runner.compiled
-            else min(limit, whole[layout.STEPS] + STRETCH)
+            limit if tier != "auto" or runner.compiled else min(limit, iw[layout.STEPS] + STRETCH)
         )
         start = 0.0 if runner.compiled else thread_time()
         log, events = runner.run(
-            w, whole, table, bounds, t_end, tolerance, inputs.time_scale / 6.0, most, log, events
+            w, iw, table, bounds, t_end, tolerance, inputs.time_scale / 6.0, most, log, events
         )
         if not runner.compiled:
             taken = thread_time() - start
             work.add(taken)
             spent += taken
         if (
-            most >= limit or whole[layout.STATUS] != layout.STEP_LIMIT
+            most >= limit or iw[layout.STATUS] != layout.STEP_LIMIT
         ):  # of the run, not of the stretch
             known = spent if tier == "auto" else None
-            return Record(runner, log, events, w, np.asarray(whole).tolist(), known)
+            return Record(runner, log, events, w, np.asarray(iw).tolist(), known)
         if work.is_enough(spent):  # the rest in machine code, which gives the same bits
             runner = runner_of(model, compiled=True)
-            w, whole = runner.taken_over(w), runner.wholes(whole)
+            w, iw = runner.taken_over(w), runner.int_vectors(iw)
             log, events = runner.vector(log), runner.vector(events)
             table, bounds = map(runner.flat, given)
 

@@ -44,19 +44,19 @@ def starts_as_told(
     mechanism: Mechanism, columns: Mapping[str, Array], told: Sequence[str]
 ) -> dict[str, Array]:
     """Return what varies among runs, with the states that begin elsewhere because of it."""
-    found = dict(columns)
+    result = dict(columns)
     values = _told(mechanism, columns.get) if told else {}
     for state in told:
         if np.ndim(values[state]):
-            found[f"initial.{state}"] = np.asarray(values[state], dtype=np.float64)
-    return found
+            result[f"initial.{state}"] = np.asarray(values[state], dtype=np.float64)
+    return result
 
 
 def start_slopes(
     mechanism: Mechanism, columns: Mapping[str, Array], paths: Sequence[str], told: Sequence[str]
 ) -> dict[str, Array]:
     """Return how the states that a mechanism begins with change along paths, by state."""
-    found = {state: np.zeros(len(paths)) for state in told}
+    result = {state: np.zeros(len(paths)) for state in told}
     known = {path for path, _, _ in parameters(mechanism, "mechanism")} if told else set()
     for c, path in enumerate(paths):
         if path not in known:
@@ -77,8 +77,8 @@ def start_slopes(
                     f" run to run: give the initial value as initial.{state}, or compute the"
                     " sensitivities of each run separately."
                 )
-            found[state][c] = slopes[0]
-    return found
+            result[state][c] = slopes[0]
+    return result
 
 
 def within_stops(mechanism: Mechanism, y0: Sequence[float]) -> list[float]:
@@ -369,10 +369,10 @@ def schedule_slopes(
             table[0] = _met(table[0], begins)
     starts, apart = _moved_starts([table[0] for own in parts for table in own], begins)
     rows = [_merged(tables_of, starts) for tables_of in parts]
-    found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
+    result = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
     # Where pieces part there is no derivative: kernels carry the NaN on.
-    found[apart, 0] = np.nan
-    return np.asarray(found.reshape(runs, m, *found.shape[1:]).transpose(0, 2, 3, 1))
+    result[apart, 0] = np.nan
+    return np.asarray(result.reshape(runs, m, *result.shape[1:]).transpose(0, 2, 3, 1))
 
 
 def _moved(mechanism: Mechanism, values: Mapping[str, float], paths: Sequence[str]) -> bool:

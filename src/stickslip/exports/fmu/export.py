@@ -77,15 +77,15 @@ def told_from_outside(
     mechanism: mechanisms.Mechanism, law: Friction | PrintedForm, names: Sequence[str]
 ) -> tuple[mechanisms.Mechanism, tuple[str, ...]]:
     """Return a mechanism whose contact inputs that are told from outside are drives."""
-    found = list(names)
+    result = list(names)
     for contact, name in _from_outside(mechanism, law, names):
         field = mechanisms.input_field(contact, name)
         before = getattr(mechanism, field, 0.0)
         start = before.value(0.0) if isinstance(before, Drive) else float(before)
         held = {name: Sampled(times=(0.0,), values=(start,))}
         mechanism = mechanisms.given_inputs(mechanism, {contact: held} if contact else held)
-        found = [*(key for key in found if key != label_of(contact, name)), field]
-    return mechanism, tuple(found)
+        result = [*(key for key in result if key != label_of(contact, name)), field]
+    return mechanism, tuple(result)
 
 
 def label_of(contact: str, name: str) -> str:
@@ -125,13 +125,13 @@ def with_inputs(
     mechanism: mechanisms.Mechanism, names: Sequence[str]
 ) -> tuple[mechanisms.Mechanism, dict[str, Input]]:
     """Return a mechanism whose drives of some names are told from outside."""
-    found: dict[str, Input] = {}
+    result: dict[str, Input] = {}
     for given in names:
         mechanism, input_ = _with_input(mechanism, given)
-        if given in found or input_.drive in (other.drive for other in found.values()):
+        if given in result or input_.drive in (other.drive for other in result.values()):
             raise InputError(f"the input {given!r} is named twice.")
-        found[given] = input_
-    return mechanism, found
+        result[given] = input_
+    return mechanism, result
 
 
 def _with_input(mechanism: mechanisms.Mechanism, given: str) -> tuple[mechanisms.Mechanism, Input]:
@@ -195,11 +195,11 @@ def base_units(unit: str) -> dict[str, int]:
     >>> base_units("N m s/rad")
     {'kg': 1, 'm': 2, 's': -1, 'rad': -1}
     """
-    found = dict.fromkeys(BASES, 0)
+    result = dict.fromkeys(BASES, 0)
     for name, power in _factors(unit).items():
         for base, own in _NAMED[name].items():
-            found[base] += power * own
-    return {base: power for base, power in found.items() if power}
+            result[base] += power * own
+    return {base: power for base, power in result.items() if power}
 
 
 def per_second(unit: str) -> str:
@@ -228,7 +228,7 @@ def per_second(unit: str) -> str:
 
 def _factors(unit: str) -> dict[str, int]:
     """Return the powers of the units that stand in a unit, in their order."""
-    found: dict[str, int] = {}
+    result: dict[str, int] = {}
     above, *below = unit.split("/")
     sides = [(above, 1), *((key.removeprefix("(").removesuffix(")"), -1) for key in below)]
     for side, sign in sides:
@@ -239,8 +239,8 @@ def _factors(unit: str) -> dict[str, int]:
                     f"the unit {unit!r} has {factor!r}, which is no SI unit known here."
                 )
             name = parsed["name"]
-            found[name] = found.get(name, 0) + sign * int(parsed["power"] or 1)
-    return found
+            result[name] = result.get(name, 0) + sign * int(parsed["power"] or 1)
+    return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -291,9 +291,9 @@ def variables_of(
     inputs: Mapping[str, Input],
 ) -> tuple[Variable, ...]:
     """Return the variables of an FMU."""
-    found = [Variable(name="time", role="independent", unit="s", description="Time")]
+    result = [Variable(name="time", role="independent", unit="s", description="Time")]
     for name, (drive, start) in inputs.items():
-        found.append(
+        result.append(
             Variable(
                 name=name,
                 role="input",
@@ -306,13 +306,13 @@ def variables_of(
     units: dict[str, str] = column_units(
         mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns]
     )
-    found += _parameters(mechanism, law, model, len(found))
-    first_state = len(found)
-    inputs_of = [i for i, variable in enumerate(found) if variable.role == "input"]
+    result += _parameters(mechanism, law, model, len(result))
+    first_state = len(result)
+    inputs_of = [i for i, variable in enumerate(result) if variable.role == "input"]
     # Forces may depend on all states and inputs.
     every = (*inputs_of, *range(first_state, first_state + len(model.states)))
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
-        found.append(
+        result.append(
             Variable(
                 name=state,
                 role="state",
@@ -332,7 +332,7 @@ def variables_of(
             "normal_force": f"Normal force{where}",
             "mode": MODE.format(f"Mode{where}"),
         }
-        found.append(
+        result.append(
             Variable(
                 name=column,
                 role="column",
@@ -343,11 +343,11 @@ def variables_of(
             )
         )
     if not model.contacts:
-        found.append(
+        result.append(
             Variable(name="mode", role="contact_mode", unit="1", description=MODE.format("Mode"))
         )
     what = "Events so far: changes of mode and impacts"
-    found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
+    result.append(Variable(name="event_count", role="event_count", unit="1", description=what))
     n = len(mechanism.coordinates)
     # rates of slips that are sums are set to 0 where they are held, and so change those of all;
     # in a loop, one rate follows from others
@@ -355,7 +355,7 @@ def variables_of(
     loops = header[state_layout.N_DIRECTIONS] > header[state_layout.N_COORDINATES]
     direct = 0 if header[state_layout.IS_TURNED] or loops else n
     for index, state in enumerate(model.states):
-        found.append(
+        result.append(
             Variable(
                 name=f"der({state})",
                 role="derivative",
@@ -369,7 +369,7 @@ def variables_of(
     guards = list(_guards(mechanism, model))
     assert len(guards) == model.sizes.guards
     for index, (name, meaning) in enumerate(guards):
-        found.append(
+        result.append(
             Variable(
                 name=f"indicator.{name}",
                 role="indicator",
@@ -378,7 +378,7 @@ def variables_of(
                 depends_on=every,
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def _guards(mechanism: mechanisms.Mechanism, model: Model) -> Iterator[tuple[str, str]]:
@@ -626,22 +626,22 @@ def _add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 def _typed(variable: Variable) -> dict[str, str]:
     """Return what belongs to the type: unit, range, start value."""
-    found = {}
+    result = {}
     if variable.unit and not variable.whole:
-        found["unit"] = variable.unit
+        result["unit"] = variable.unit
     quantity = variable.quantity
     if variable.role in ("parameter", "constant"):
         # There is no attribute for an exclusive bound: the binary refuses the bound itself.
         low = max(quantity.low, -math.inf if quantity.above is None else quantity.above)
         if low > -math.inf:
-            found["min"] = repr(float(low))
+            result["min"] = repr(float(low))
         if quantity.high < math.inf:
-            found["max"] = repr(float(quantity.high))
+            result["max"] = repr(float(quantity.high))
     if variable.role in ("input", "parameter", "constant", "state"):
-        found["start"] = repr(float(variable.start))
+        result["start"] = repr(float(variable.start))
     if variable.nominal is not None:
-        found["nominal"] = repr(float(variable.nominal))
-    return found
+        result["nominal"] = repr(float(variable.nominal))
+    return result
 
 
 def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) -> None:
@@ -1004,14 +1004,14 @@ def export_fmu(
         )
     driven, drives = with_inputs(mechanism, inputs)
     labels = {field: label_of(*at) for field, at in told_fields(driven).items()}
-    found = {labels.get(name, name): drive for name, drive in drives.items()}
+    result = {labels.get(name, name): drive for name, drive in drives.items()}
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
     nominals = _nominals(driven, laws, solver, start, stop)
-    variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=found)
+    variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=result)
     names = [variable.name for variable in variables]
-    twice = [key for key in found if names.count(key) > 1]
+    twice = [key for key in result if names.count(key) > 1]
     if twice:
         raise InputError(
             f"the input {twice[0]!r} has the name of another variable: name the drive by its path."
@@ -1072,13 +1072,13 @@ def _nominals(
     run = brief.run(mechanism, law, y0=y0, t_end=stop)
     seen = run.at(np.linspace(*run.span, SAMPLES))
     moving = 2 * len(mechanism.coordinates)
-    found = []
+    result = []
     for index, state in enumerate(run.states):
         largest = float(np.abs(seen[state]).max(initial=0.0))
         usual = 1.0 if index < moving else USUAL_BRISTLE
         known = math.isfinite(largest) and largest > 0.0
-        found.append(10.0 ** math.floor(math.log10(largest)) if known else usual)
-    return found
+        result.append(10.0 ** math.floor(math.log10(largest)) if known else usual)
+    return result
 
 
 def _ends(mechanism: Mechanism) -> bool:
@@ -1098,9 +1098,11 @@ def _token(text: str, *contents: bytes) -> str:
     digest = hashlib.sha256("\n".join([version("stickslip"), text]).encode())
     for content in contents:
         digest.update(content)
-    found = digest.hexdigest()
+    result = digest.hexdigest()
     return (
-        "{" + "-".join(found[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32))) + "}"
+        "{"
+        + "-".join(result[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32)))
+        + "}"
     )
 
 

@@ -139,10 +139,10 @@ class Polynomial(base.Flow):
     @override
     def flow(self, p: base.Values, s: base.Slip) -> Scalar:
         # Horner's scheme from the highest power on; the last factor v has the sign.
-        found: Scalar = 0.0
+        result: Scalar = 0.0
         for name in reversed(self._names):
-            found = found * s.speed + getattr(p, name)
-        return found * s.along
+            result = result * s.speed + getattr(p, name)
+        return result * s.along
 
 
 def _coefficient(power: int) -> object:

@@ -466,7 +466,7 @@ def curves_beside(text: str, folder: Path) -> str:
     """
     return re.sub(
         r"""(\btable\s*\[\s*)(["'])([^\]"']*)\2""",
-        lambda found: f"{found[1]}{found[2]}{folder / found[3]}{found[2]}",
+        lambda item: f"{item[1]}{item[2]}{folder / item[3]}{item[2]}",
         text,
     )
 
@@ -494,10 +494,10 @@ def _text(points: Sequence[tuple[float, float]]) -> str:
 def _points(argument: str) -> tuple[tuple[float, float], ...]:
     """Return the points of a text, checked."""
     try:
-        found = [(float(x), float(y)) for x, y in re.findall(POINT, argument)]
+        result = [(float(x), float(y)) for x, y in re.findall(POINT, argument)]
     except ValueError:
         raise InputError(f"table[{argument}] has what is no number.") from None
-    return tuple(_checked(found, f"table[{argument[:40]}]"))
+    return tuple(_checked(result, f"table[{argument[:40]}]"))
 
 
 def _checked(points: list[tuple[float, float]], said: str) -> list[tuple[float, float]]:
@@ -560,20 +560,20 @@ def _read(name: str) -> list[tuple[float, float]]:
 def _scales(header: str, said: str) -> tuple[float, float]:
     """Return the factors of both columns to SI, from units in square brackets."""
     cells = re.split(r"[;,\t]|(?<=\])\s+(?=\w)", header)
-    found = []
+    result = []
     for cell, allowed in zip(cells, (SPEEDS, LEVELS), strict=False):
         named = re.search(r"\[([^\[\]]*+)\]", cell)
         unit = named[1].strip() if named else allowed[0]
         unit = "1" if unit == "-" else unit
         try:
             (target, *_) = [name for name in allowed if name == unit or is_of(unit, name)]
-            found.append(1.0 if target == unit else factor(unit, target))
+            result.append(1.0 if target == unit else factor(unit, target))
         except (StickslipError, ValueError):
             raise InputError(
                 f"{said}: a column in [{unit}] is no {'speed' if allowed is SPEEDS else 'level'};"
                 f" it must be in {', '.join(allowed)} or a multiple."
             ) from None
-    return found[0], (found[1] if len(found) > 1 else 1.0)
+    return result[0], (result[1] if len(result) > 1 else 1.0)
 
 
 def _written(x: float) -> str:

@@ -291,7 +291,7 @@ class GMS(Elements):
         self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
     ) -> tuple[Scalar, ...]:
         way, fades = sign(s.along), exp(-p.attraction * time / g)
-        found = []
+        result = []
         for share, bend in zip(shares(z), z, strict=True):
             limit = share * g / p.bristle_stiffness
             reached = bend * way + abs(s.along) * time - limit
@@ -299,8 +299,8 @@ class GMS(Elements):
             sticks = where(bend * way > limit, slips, pulled(bend, limit, s, time))
             # what slipped the other way sticks, and slips from where it reaches its level
             hold = where(bend * s.along > 0.0, 1.0, where(reached > 0.0, 0.0, -1.0))
-            found.append(where(hold > 0.0, latched(reached, hold, slips, sticks), sticks))
-        return tuple(found)
+            result.append(where(hold > 0.0, latched(reached, hold, slips, sticks), sticks))
+        return tuple(result)
 
 
 class Reset(Memory):
@@ -435,7 +435,7 @@ class Relaxing(Memory):
     @functools.cached_property
     @override
     def parameters(self) -> tuple[Parameter, ...]:
-        found = list(super().parameters)
+        result = list(super().parameters)
         for i in range(self.count):
             stiffness = Quantity(
                 f"k_{i + 1}", "1/m", low=0, scale="stiffness", bounds=(0.0, 1e3), start=1.0
@@ -451,8 +451,8 @@ class Relaxing(Memory):
                     float, time, Doc("Time in which its force falls to 1/e.")
                 ],
             }
-            found += [Parameter(name=k, hint=v, default=MISSING) for k, v in hints.items()]
-        return tuple(found)
+            result += [Parameter(name=k, hint=v, default=MISSING) for k, v in hints.items()]
+        return tuple(result)
 
     @property
     @override
@@ -476,7 +476,7 @@ class Relaxing(Memory):
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         springs = (getattr(p, f"relaxing_stiffness_{i + 1}") for i in range(self.count))
-        found = p.bristle_stiffness * z[0]
+        result = p.bristle_stiffness * z[0]
         for k, q in zip(springs, z[1:], strict=True):
-            found = found + k * q
-        return found
+            result = result + k * q
+        return result

@@ -95,7 +95,7 @@ def _why(
 ) -> str:
     """Return why a contact input is not known."""
     records = measurement.records()
-    some = sum(name in one.contact_inputs() for one in records)
+    some = sum(name in record.contact_inputs() for record in records)
     if name in input_names(mechanism, contact):
         why = f"{type(mechanism).__name__} tells it by a force or motion that was not measured"
         return f"{why}, or by what is fitted, {joined(fitted)}" if fitted else why
@@ -109,8 +109,8 @@ def _missing(
 ) -> str:
     """Return what a law lacks, and what there is."""
     records = measurement.records()
-    unused = dict.fromkeys(column for one in records for column in one.unused)
-    columns = [*measurement.quantities(), *(one for one in unused if one not in known)]
+    unused = dict.fromkeys(column for record in records for column in record.unused)
+    columns = [*measurement.quantities(), *(item for item in unused if item not in known)]
     return (
         f"{law.name} depends on the contact input {name!r}, and {why}. Known inputs:"
         f" {', '.join(known) or 'none'}; columns of the record: {', '.join(columns)}. Name the"
@@ -177,8 +177,8 @@ def _known(
         recorded = gear_inputs(recorded["motor"], recorded["external"]) | {**recorded}
     later = {*given_names(mechanism, contact), *(recorded if measured else ())}
     first = {name: own[name] for name in own if name not in later}
-    found = {**own, **recorded, **first}
-    columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
+    result = {**own, **recorded, **first}
+    columns = {name: np.asarray(x + 0.0 * time) for name, x in result.items()}
     return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}
 
 
@@ -201,14 +201,14 @@ def joint_inputs(
     drives = defaultdict(lambda: np.zeros_like(time), given)
     q, q_dot = (dict(zip(names, rows.T, strict=True)) for rows in (places, rates))
     told = mechanism.contact_inputs(time, q, q_dot, drives)
-    found = []
+    result = []
     for name, force in zip(names, applied.T, strict=True):
         contact = contacts.get(name, "")
         own = _known(mechanism, contact, told, recorded_inputs(record, time, name), time)
         computed = own.keys() - given_names(mechanism, contact)
         own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
-        found.append(own)
-    return found
+        result.append(own)
+    return result
 
 
 def recorded_inputs(record: Measurement, time: Array, joint: str = "") -> dict[str, Array]:
@@ -261,17 +261,21 @@ def _contacts_of(
     having = [
         joint
         for joint in (records[0].joints if records else ())
-        if all(joint in one.joints and one.joints[joint].inputs for one in records)
+        if all(joint in record.joints and record.joints[joint].inputs for record in records)
     ]
-    contacts = [(one.slip, one.name) for one in mechanism.contacts() if isinstance(one.slip, str)]
-    return (("", ""), *(one for one in contacts if one[0] in having))
+    contacts = [
+        (contact.slip, contact.name)
+        for contact in mechanism.contacts()
+        if isinstance(contact.slip, str)
+    ]
+    return (("", ""), *(contact for contact in contacts if contact[0] in having))
 
 
 def _asked(law: FrictionLaw | Laws) -> Sequence[str]:
     """Return the contact inputs of a law, or of those of several contacts."""
     if isinstance(law, FrictionLaw):
         return law.inputs
-    return tuple(dict.fromkeys(name for _, one in law.members for name in one.inputs))
+    return tuple(dict.fromkeys(name for _, item in law.members for name in item.inputs))
 
 
 def as_informed(
@@ -286,19 +290,21 @@ def as_informed(
     >>> as_informed(law, SpringBlock(mass=1.0), Measurement(travel=0.2))[1]
     ()
     """
-    found: dict[str, dict[str, float]] = {"": {}}
+    result: dict[str, dict[str, float]] = {"": {}}
     said = []
     records = measurement.records()
     for joint, contact in _contacts_of(mechanism, records):
         own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
         for name in _asked(law):
-            held = [(one.joints[joint] if joint else one).contact_inputs() for one in records]
-            parts = [one.get(name) for one in held]
+            held = [
+                (record.joints[joint] if joint else record).contact_inputs() for record in records
+            ]
+            parts = [item.get(name) for item in held]
             if name in own or any(part is None for part in parts):
                 continue
             values = np.concatenate([np.atleast_1d(np.asarray(x, dtype=float)) for x in parts])
             middle, low, high = (float(of(values)) for of in (np.median, np.min, np.max))
-            found.setdefault(contact, {})[name] = middle
+            result.setdefault(contact, {})[name] = middle
             if high > low:
                 unit = unit_of_input(name, turning=measurement.turning)
                 what = f"The {name} of the {joint}" if joint else f"The {name}"
@@ -306,7 +312,7 @@ def as_informed(
                     f"{what} was measured and varies, {span(low, high, unit)}: in runs of this fit"
                     f" it is the median, {quantity(middle, unit)}."
                 )
-    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(dict.fromkeys(said))
+    return given_inputs(mechanism, {**result.pop(""), **result}), tuple(dict.fromkeys(said))
 
 
 def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
@@ -320,12 +326,12 @@ def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> 
     >>> unvaried(warm, [{"temperature": np.array([20.0, 20.0])}])
     ('The temperature is constant in this record: its effect cannot be told.',)
     """
-    found = []
+    result = []
     for name in _asked(law):
-        values = np.concatenate([one[name] for one in inputs if name in one] or [np.zeros(0)])
+        values = np.concatenate([item[name] for item in inputs if name in item] or [np.zeros(0)])
         if len(values) and np.ptp(values) <= ROUNDING * float(np.max(np.abs(values))):
-            found.append(f"The {name} is constant in this record: its effect cannot be told.")
-    return tuple(found)
+            result.append(f"The {name} is constant in this record: its effect cannot be told.")
+    return tuple(result)
 
 
 def typical_inputs(
@@ -362,8 +368,8 @@ def typical_inputs(
         for name, values in inputs_along(set_up, record, time, **signals).items():
             if name in every:
                 every[name].append(values)
-    found = usual_values({name: values for name, values in every.items() if values})
-    return {name: found.get(name, CONTACT_INPUTS[name].size) for name in every}
+    result = usual_values({name: values for name, values in every.items() if values})
+    return {name: result.get(name, CONTACT_INPUTS[name].size) for name in every}
 
 
 def usual_values(inputs: Mapping[str, Sequence[Array]]) -> dict[str, float]:
@@ -378,7 +384,7 @@ def usual_values(inputs: Mapping[str, Sequence[Array]]) -> dict[str, float]:
     {'motor': 4.0, 'external': -4.0}
     """
     whole = {name: np.concatenate(values) for name, values in inputs.items()}
-    found = {
+    result = {
         name: float(np.median(np.abs(x) if CONTACT_INPUTS[name].scale else x))
         for name, x in whole.items()
     }
@@ -386,8 +392,8 @@ def usual_values(inputs: Mapping[str, Sequence[Array]]) -> dict[str, float]:
     if motor is not None and external is not None and len(motor) == len(external):
         through = np.abs(motor - external)
         middle = np.argsort(through)[len(through) // 2]
-        found |= {"motor": float(motor[middle]), "external": float(external[middle])}
-    return found
+        result |= {"motor": float(motor[middle]), "external": float(external[middle])}
+    return result
 
 
 def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
@@ -463,13 +469,13 @@ def measured_loads(measurement: Measurement) -> Array:
     >>> measured_loads(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.4], load=[4.9, 5.1]))
     array([4.9, 5.1])
     """
-    found = [np.zeros(0)]
-    for one in measurement.records():
-        if "load" in one.quantities():
-            found.append(np.atleast_1d(np.asarray(one.values("load"), dtype=float)))
-        elif LOAD in one.overrides:
-            found.append(np.array([one.overrides[LOAD]]))
-    return np.concatenate(found)
+    result = [np.zeros(0)]
+    for record in measurement.records():
+        if "load" in record.quantities():
+            result.append(np.atleast_1d(np.asarray(record.values("load"), dtype=float)))
+        elif LOAD in record.overrides:
+            result.append(np.array([record.overrides[LOAD]]))
+    return np.concatenate(result)
 
 
 def _with_load(mechanism: Mechanism, record: Measurement) -> Measurement:

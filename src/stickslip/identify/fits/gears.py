@@ -46,9 +46,9 @@ def transmitted_along(mechanism: Mechanism, measurement: Measurement) -> list[Ar
         return None
     if "friction" in measurement.quantities() or not varies_load(mechanism, measurement):
         return None
-    found = [_transmitted(mechanism, record) for record in measurement.records()]
-    size = np.abs(np.concatenate(found))
-    return found if np.ptp(size) > VARIES * np.median(size) else None
+    result = [_transmitted(mechanism, record) for record in measurement.records()]
+    size = np.abs(np.concatenate(result))
+    return result if np.ptp(size) > VARIES * np.median(size) else None
 
 
 def varies_load(mechanism: Mechanism, measurement: Measurement) -> bool:
@@ -84,7 +84,7 @@ def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
     mass, still = known_forces(given, x, v, 0.0 * x)
     force = still if applied is None else known_forces(given, x, v, applied)[1]
     drives = mean_force(force - still, joined=goes_straight(record, "zero"))
-    found = np.zeros_like(x)
+    result = np.zeros_like(x)
     for piece in between_gaps(record):
         time = np.asarray(piece.time, dtype=float)
         if len(time) < LEAST:
@@ -102,8 +102,8 @@ def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
             within=told["motor"][rows],
             weighs=weighs,
         )
-        found[rows] = torques["transmitted"]
-    return found
+        result[rows] = torques["transmitted"]
+    return result
 
 
 # Torques through a gear along a motion, without the friction that was measured with them.

@@ -38,11 +38,11 @@ class LowPass:
         Beyond their ends they go on point-mirrored, and before these as a constant.
         """
         n = 3 * (ORDER + 1)
-        found = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
+        result = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
         settled = self.settled.reshape(*self.settled.shape, *(1,) * (x.ndim - 1))
         for _ in ("forward", "backward"):
-            found = sosfilt(self.sections, found, axis=0, zi=settled * found[0])[0][::-1]
-        return np.asarray(found[n:-n])
+            result = sosfilt(self.sections, result, axis=0, zi=settled * result[0])[0][::-1]
+        return np.asarray(result[n:-n])
 
 
 def low_pass(h: float, fc: float, most: float = 0.9) -> LowPass:
@@ -56,14 +56,14 @@ def play(path: Array, reach: float) -> Array:
 
     Chatter of less than the reach is gone: noise at rest must not relax a bristle.
     """
-    found, at = [], float(path[0])
+    result, at = [], float(path[0])
     for x in path.tolist():  # comparisons, as `min` and `max` take thrice as long
         if at < x - reach:
             at = x - reach
         elif at > x + reach:
             at = x + reach
-        found.append(at)
-    return np.array(found)
+        result.append(at)
+    return np.array(result)
 
 
 QUIET = 0.005
@@ -232,10 +232,10 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     There a body accelerates, while friction at rest is what balances forces without acceleration.
     """
     runs = np.flatnonzero(np.diff(resting, prepend=False, append=False)).reshape(-1, 2)
-    found = np.zeros(len(resting), dtype=bool)
+    result = np.zeros(len(resting), dtype=bool)
     for first, end in runs[runs[:, 1] - runs[:, 0] > least].tolist():
-        found[first:end] = True
-    return found
+        result[first:end] = True
+    return result
 
 
 def reach_of(position: Array, noise: float) -> float:

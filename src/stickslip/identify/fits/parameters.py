@@ -322,15 +322,15 @@ class FreeParameters:
 
     def values(self, coordinates: Array) -> Array:
         """Return parameter values (p,) for coordinates."""
-        found = np.array(
+        result = np.array(
             [
                 math.exp(min(c, 700.0)) if item.log else c
                 for item, c in zip(self.items, coordinates, strict=True)
             ]
         )
         for i, item in enumerate(self.items):
-            found[i] += self._base(item, found)
-        return found
+            result[i] += self._base(item, result)
+        return result
 
     def slopes(self, coordinates: Array) -> Array:
         """Return the derivatives of the values by the coordinates (p, p)."""

@@ -209,7 +209,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     @property
     def shown(self) -> tuple[Estimate, ...]:
         """The estimates that reports list: all but those of nuisances."""
-        return tuple(one for one in self.estimates if not one.quantity.nuisance)
+        return tuple(item for item in self.estimates if not item.quantity.nuisance)
 
     @final
     def to_law(self) -> AnyLaw_co:
@@ -220,7 +220,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     def estimate(self, name: str) -> Estimate:
         """Return the estimate of a parameter, by its path or its last name."""
         known = {estimate.path: estimate for estimate in self.estimates}
-        return known[full_path(name, {path: one.quantity for path, one in known.items()})]
+        return known[full_path(name, {path: item.quantity for path, item in known.items()})]
 
     @final
     def to_toml(self) -> str:
@@ -320,7 +320,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the fit as plain numbers and strings."""
-        return {"law": self.law.name, "estimates": [one.to_dict() for one in self.estimates]}
+        return {"law": self.law.name, "estimates": [item.to_dict() for item in self.estimates]}
 
 
 def far_above_dry(fit: Fit) -> tuple[str, ...]:
@@ -335,15 +335,15 @@ def far_above_dry(fit: Fit) -> tuple[str, ...]:
     """
     if levels_at(fit.mechanism) != "per load":
         return ()
-    found = [
+    result = [
         e
         for e in fit.estimates
         if e.path.startswith(FRICTION) and e.quantity.symbol.startswith("mu_") and e.value > DRY
     ]
-    if not found:
+    if not result:
         return ()
-    said = joined([f"${e.quantity.symbol}$ = {number(e.value)}" for e in found])
-    are = "is" if len(found) == 1 else "are"
+    said = joined([f"${e.quantity.symbol}$ = {number(e.value)}" for e in result])
+    are = "is" if len(result) == 1 else "are"
     return (
         f"{said} {are} far above what dry contacts have (below about {number(DRY)}): check the"
         " units of mass, stiffness and travels or forces.",

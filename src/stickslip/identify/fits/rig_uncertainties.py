@@ -48,21 +48,21 @@ def uncertainties_of(
     records = measurement.records()
     common = _doubts(mechanism, measurement.parameter_uncertainties) if measurement.trials else {}
     anew = {path for record in records for path in record.overrides}
-    by_hand = {path: one for path, one in common.items() if path in anew}
-    found = []
+    by_hand = {path: item for path, item in common.items() if path in anew}
+    result = []
     for record in records:
         varied = vary(mechanism, "mechanism", record.overrides)
         own = {**by_hand, **_doubts(varied, record.parameter_uncertainties)}
-        shared = {path: one for path, one in common.items() if path not in own}
-        found.append((own, shared))
-    return found
+        shared = {path: item for path, item in common.items() if path not in own}
+        result.append((own, shared))
+    return result
 
 
 def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
     """Return uncertainties by full path, of parameters that have a value."""
     known = {path: (quantity, v) for path, quantity, v in parameters(mechanism, "mechanism")}
-    found = {canonical_path(mechanism, path): doubt for path, doubt in given.items()}
-    for path, doubt in found.items():
+    result = {canonical_path(mechanism, path): doubt for path, doubt in given.items()}
+    for path, doubt in result.items():
         if path not in known:
             raise InputError(
                 f"an uncertainty was stated for {path}, but {type(mechanism).__name__} has no"
@@ -73,7 +73,7 @@ def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float
             check_uncertainty(doubt, value, quantity)
         except ParameterError as error:
             raise ParameterError(f"parameter_uncertainties: {path} {error}") from None
-    return found
+    return result
 
 
 def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float]:

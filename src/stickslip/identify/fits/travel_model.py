@@ -131,7 +131,7 @@ def driven_on(mechanism: Mechanism) -> bool:
     >>> driven_on(capsule), driven_on(SpringBlock(mass=1.0, drive=push))
     (True, False)
     """
-    parts = (getattr(mechanism, one.name) for one in dataclasses.fields(mechanism))
+    parts = (getattr(mechanism, item.name) for item in dataclasses.fields(mechanism))
     carried = any(isinstance(part, Motor) for part in parts)
     return repeats(mechanism) or (carried and bool(mechanism.drives()))
 
@@ -243,7 +243,7 @@ def durations(trials: Sequence[Trial], t_end: float) -> Array:
     >>> durations([trial], 10.0)
     array([1.])
     """
-    return np.array([1.0 if one.cycles is None else one.until(t_end) for one in trials])
+    return np.array([1.0 if trial.cycles is None else trial.until(t_end) for trial in trials])
 
 
 @dataclass
@@ -284,18 +284,18 @@ class TravelModel:
 
     def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
         """Return the travel of each trial [m] (n,); trials of one setting are one run."""
-        found: dict[Hashable, float] = {}
+        result: dict[Hashable, float] = {}
         for trial in trials:
-            if trial.run not in found:
-                found[trial.run] = self.travel(trial, values)
-        return np.array([found[trial.run] for trial in trials])
+            if trial.run not in result:
+                result[trial.run] = self.travel(trial, values)
+        return np.array([result[trial.run] for trial in trials])
 
     def table(self, trials: Sequence[Trial], rows: Array) -> Array:
         """Return the travels of each trial for many values at once, by ensembles."""
         if any(map(is_rig, self.free)) and any(trial.cycles is not None for trial in trials):
             # when a run ends may depend on what is fitted
             return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
-        found: dict[Hashable, Array] = {}
+        result: dict[Hashable, Array] = {}
         for alike in self._alike(trials):
             end = alike[0].until(self.t_end)
             ends = self._together(alike, rows, (0.0, end), end)
@@ -303,8 +303,8 @@ class TravelModel:
             if self.watch is not None:
                 self.watch(self.runs)
             made = ends[:, :, 1] - ends[:, :, 0]
-            found |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
-        return np.stack([found[trial.run] for trial in trials], axis=1)
+            result |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
+        return np.stack([result[trial.run] for trial in trials], axis=1)
 
     def _alike(self, trials: Sequence[Trial]) -> list[list[Trial]]:
         """Return trials whose runs can be one ensemble, one of each run."""
@@ -349,8 +349,8 @@ class TravelModel:
             solver=SOLVER,
         )
         complete = np.array([status.complete for status in runs.status])
-        found: Array = np.where(complete[:, None], runs[slip], math.nan)
-        return found.reshape(len(trials), count, len(times))
+        result: Array = np.where(complete[:, None], runs[slip], math.nan)
+        return result.reshape(len(trials), count, len(times))
 
     def _travels_or_nan(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
         try:

@@ -182,21 +182,21 @@ def varied_paths(
     names: Sequence[str], known: Collection[str], fixed: Collection[str], kept: Collection[str]
 ) -> list[str]:
     """Return the full paths of what is varied, each once."""
-    found: list[str] = []
+    result: list[str] = []
     for name in names:
         if name in kept:
-            found.append(name)
+            result.append(name)
         elif is_pattern(name):
             hits = [path for path in known if covers(name, path)]
             if not hits:
                 raise UnknownNameError("parameter in vary", name, known)
-            found += [path for path in hits if path not in fixed]
+            result += [path for path in hits if path not in fixed]
         else:
             path = full_path(name, known, "parameter in vary")
             if path in fixed:
                 raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
-            found.append(path)
-    return list(dict.fromkeys(found))
+            result.append(path)
+    return list(dict.fromkeys(result))
 
 
 def is_pattern(name: str) -> bool:
@@ -280,7 +280,7 @@ def names_of(given: str | Sequence[str]) -> tuple[str, ...]:
     (('inertia',), ('inertia', 'offset'))
     """
     names = (given,) if isinstance(given, str) else given
-    if not isinstance(names, list | tuple) or not all(isinstance(one, str) for one in names):
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
         raise InputError(f"vary takes a name or a list of names, such as 'inertia', got {given!r}.")
     return tuple(names)
 

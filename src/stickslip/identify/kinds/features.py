@@ -119,7 +119,10 @@ class FeatureKind(SimulatedKind):
 
     # what is measured
     def laws(self, laws: SeveralLaws | None) -> Mapping[str, Any]:
-        return {one.name: one.law for one in specifications(USUAL if laws is None else laws)}
+        return {
+            specification.name: specification.law
+            for specification in specifications(USUAL if laws is None else laws)
+        }
 
     def refused(self, law: FrictionLaw | type[FrictionLaw]) -> str:
         known = fields_of(law if isinstance(law, type) else type(law))
@@ -135,11 +138,11 @@ class FeatureKind(SimulatedKind):
         fixed: Mapping[str, float] | None,
     ) -> StickSlip:
         towed(mechanism)
-        block, found, doubts = laws_to_run(
+        block, result, doubts = laws_to_run(
             mechanism, laws, measurement, vary, fixed, start=_start, doubts=DOUBTS
         )
         block = replace(towed(block), load=block.steady_load)
-        return StickSlip(block, settings_of(block, measurement), found, doubts)
+        return StickSlip(block, settings_of(block, measurement), result, doubts)
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         block = replace(fit.problem.mechanism, load=_block(fit).steady_load)
@@ -215,14 +218,14 @@ class FeatureKind(SimulatedKind):
                 "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
                 " 'friction.*,mass'. The nominal mass cannot oscillate as fast as measured."
             )
-        for one in advised[:1]:
+        for item in advised[:1]:
             titles = {each.name: in_sentence(each.law.title) for each in (fit, *others)}
-            said = [f"{titles[name]} predicts {motion(x)}" for name, x in one.predicted.items()]
+            said = [f"{titles[name]} predicts {motion(x)}" for name, x in item.predicted.items()]
             asked = "which law holds" if others else "its parameters"
             yield (
-                f"Pull again at a {one.name} of {quantity(one.value, UNITS[one.name])}, and give"
+                f"Pull again at a {item.name} of {quantity(item.value, UNITS[item.name])}, and give"
                 f" both records as trials: of what is not known of {asked},"
-                f" {significant(100.0 * one.expected_width, 2)} % is expected to be left. There"
+                f" {significant(100.0 * item.expected_width, 2)} % is expected to be left. There"
                 f" {'; '.join(said)}."
             )
         if free:
@@ -271,7 +274,7 @@ def _frees_mass(fit: AnyFit) -> bool:
 
 def settings_of(block: TowedBlock, measurement: Measurement) -> list[Setting]:
     """Return the records with the block as it was set."""
-    found = []
+    result = []
     for record in measurement.records():
         own = towed(with_values(block, "mechanism", record.overrides))
         features = features_of(record, mechanism=own)
@@ -281,16 +284,16 @@ def settings_of(block: TowedBlock, measurement: Measurement) -> list[Setting]:
                 " 0: count force and speed positive in the direction of the pull, with a gain such"
                 ' as gain={"spring_force": -1}, or correct the offset of the force.'
             )
-        found.append(Setting(block=own, features=features))
-    if all(one.slides for one in found):
-        features = found[0].features
+        result.append(Setting(block=own, features=features))
+    if all(item.slides for item in result):
+        features = result[0].features
         raise InputError(
             "the force is that of steady sliding: its standard deviation is"
             f" {percent(features.standard_deviation / features.mean)} of its mean, so there is"
             f" no stick-slip to compare. Its mean is friction at {quantity(block.speed, 'm/s')}:"
             " pull at several speeds, and give velocity and friction as a table."
         )
-    return found
+    return result
 
 
 def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionLaw:
@@ -302,12 +305,12 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
     damping = math.sqrt(stiffness * block.mass / load)
     sizes = {"stiffness": stiffness, "damping": damping, "slope": 0.0}
     known = fields_of(type(start))
-    for name, one in known.items():
-        base, size = one.at_least, sizes.get(one.scale)
-        if base is not None and not stands_on_top(known, one):
+    for name, item in known.items():
+        base, size = item.at_least, sizes.get(item.scale)
+        if base is not None and not stands_on_top(known, item):
             if getattr(start, name) is None:
                 changes[f"friction.{name}"] = 1.2 * getattr(start, base)
-        elif isinstance(law, type) and size is not None and one.allows(size):
+        elif isinstance(law, type) and size is not None and item.allows(size):
             changes[f"friction.{name}"] = size
     return with_values(start, "friction", changes) if changes else start
 
@@ -330,29 +333,29 @@ def other_settings(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
         for factor in factors:
             value = factor * float(getattr(first.block, name))
             block: TowedBlock = with_values(first.block, "mechanism", {f"mechanism.{name}": value})
-            if all(block != one.block for one in problem.settings):
+            if all(block != setting.block for setting in problem.settings):
                 asked.append((name, value))
                 blocks.append(block)
-    every = [draws_of(one, blocks, int(ENOUGH)) for one in fits]
+    every = [draws_of(fit, blocks, int(ENOUGH)) for fit in fits]
     chosen = np.linspace(0, len(fits[0].family.points) - 1, int(ENOUGH)).astype(np.intp)
     own = fits[0].family.points[chosen, : len(problem.laws[fits[0].name].free)]
-    found = []
+    result = []
     for k, (name, value) in enumerate(asked):
         rows = [features[:, k] for features in every]
-        works = [np.isfinite(one).all(axis=1) for one in rows]
-        if not min(float(np.mean(one[:, 0] > 0.0)) for one in rows) > 0.8:  # NaN is no cycle
+        works = [np.isfinite(row).all(axis=1) for row in rows]
+        if not min(float(np.mean(row[:, 0] > 0.0)) for row in rows) > 0.8:  # NaN is no cycle
             continue  # a record of steady sliding has no features
         predicted = {
-            fit.name: dict(zip(COMPARED, np.median(one[ok], axis=0).tolist(), strict=True))
-            for fit, one, ok in zip(fits, rows, works, strict=True)
+            fit.name: dict(zip(COMPARED, np.median(row[ok], axis=0).tolist(), strict=True))
+            for fit, row, ok in zip(fits, rows, works, strict=True)
         }
-        seen = np.concatenate([one[ok] for one, ok in zip(rows, works, strict=True)])
+        seen = np.concatenate([row[ok] for row, ok in zip(rows, works, strict=True)])
         label = np.repeat(np.arange(len(fits)), [int(ok.sum()) for ok in works])
         of = (label[:, None] == np.arange(1, len(fits))).astype(float)
         q = of if len(fits) > 1 else own[works[0]]
         left = _left(q, np.log(np.maximum(seen, READ * first.features.compared)))
-        found.append(OtherSetting(name, value, predicted, left))
-    return tuple(sorted(found, key=lambda one: one.expected_width))
+        result.append(OtherSetting(name, value, predicted, left))
+    return tuple(sorted(result, key=lambda item: item.expected_width))
 
 
 def _left(q: Array, seen: Array) -> float:

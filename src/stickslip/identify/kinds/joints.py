@@ -38,7 +38,11 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
         return law, vary
 
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
-        own = {name: 0 for one in mechanism.contacts() for name in input_names(mechanism, one.name)}
+        own = {
+            name: 0
+            for contact in mechanism.contacts()
+            for name in input_names(mechanism, contact.name)
+        }
         return (*own, *measurement.input_names())  # fits ask for those of each contact
 
     def fit(self, request: Request) -> JointLawFit:
@@ -67,15 +71,15 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
         rows = [
             [
                 name,
-                one.title,
-                str(one.count),
-                percent(one.distance),
-                own.scale.error(one.left),
-                probability_text(one.share),
-                one.outcome,
+                candidate.title,
+                str(candidate.count),
+                percent(candidate.distance),
+                own.scale.error(candidate.left),
+                probability_text(candidate.share),
+                candidate.outcome,
             ]
             for name, own in verdict.joints.items()
-            for one in own.candidates
+            for candidate in own.candidates
         ]
         fit = verdict.closest.fit
         return Comparison(
@@ -100,7 +104,7 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
         return FitSummary(
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
-            second={name: one.error for name, one in second.items()} or None,
+            second={name: item.error for name, item in second.items()} or None,
         )
 
     def sections(

@@ -106,8 +106,10 @@ def data_row(columns: Columns[C], one: C) -> dict[str, Any]:
 
 def terminal_table(columns: Columns[C], rows: Sequence[C]) -> tuple[list[str], list[list[str]]]:
     """Return headings and cells of a table on a terminal."""
-    shown = [one for one in columns if one.title and _is_shown(one, rows)]
-    return [one.title for one in shown], [[one.on_terminal(row) for one in shown] for row in rows]
+    shown = [column for column in columns if column.title and _is_shown(column, rows)]
+    return [item.title for item in shown], [
+        [item.on_terminal(row) for item in shown] for row in rows
+    ]
 
 
 def page_table(
@@ -127,16 +129,16 @@ def page_table(
     usual one.
     """
     errors = [(_number(row.score), _number(row.score_error)) for row in rows]
-    axis = axis or error_axis([one for one, _ in errors], scale, [error for _, error in errors])
+    axis = axis or error_axis([item for item, _ in errors], scale, [error for _, error in errors])
 
     made: list[tuple[PageColumn, Callable[[C], Cell]]] = []
-    for one in columns:
-        if not one.page or not _is_shown(one, rows):
+    for entry in columns:
+        if not entry.page or not _is_shown(entry, rows):
             continue
-        head = f"{one.page}\n{one.unit}" if one.unit else one.page
-        column = PageColumn(head=head, numeric=one.numeric, phone=one.phone, label=one.label)
-        made.append((column, cells.get(one.page, one.on_page)))
-        if one.plotted and axis is not None:
+        head = f"{entry.page}\n{entry.unit}" if entry.unit else entry.page
+        column = PageColumn(head=head, numeric=entry.numeric, phone=entry.phone, label=entry.label)
+        made.append((column, cells.get(entry.page, entry.on_page)))
+        if entry.plotted and axis is not None:
             made.append((PageColumn(head="", axis=axis), partial(_plotted, scale, colour, axis)))
     return Table(
         columns=tuple(column for column, _ in made),
@@ -331,11 +333,11 @@ class Kind(ABC, Generic[F, V]):
 
     def owner(self, law: Law) -> AnyLaw:
         """Return the law or the type whose parameters a law has that may be given by its name."""
-        found: AnyLaw = law
+        result: AnyLaw = law
         if isinstance(law, str):
             other: Any = self.fits
-            found = specification(law).law if other is FrictionLaw else other
-        return found
+            result = specification(law).law if other is FrictionLaw else other
+        return result
 
     def law_and_parameters(
         self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
@@ -346,12 +348,14 @@ class Kind(ABC, Generic[F, V]):
         """
         if not isinstance(law, str) or self.fits is not FrictionLaw:
             return law, vary
-        found = specification(law)
-        if found.free is None:
-            return found.law, vary
-        own = [f"friction.{one}" for one in found.free if not {one, f"friction.{one}"} & {*fixed}]
+        result = specification(law)
+        if result.free is None:
+            return result.law, vary
+        own = [
+            f"friction.{item}" for item in result.free if not {item, f"friction.{item}"} & {*fixed}
+        ]
         names = [LAW] if vary is None else names_of(vary)
-        return found.law, [path for one in names for path in (own if one == LAW else [one])]
+        return result.law, [path for name in names for path in (own if name == LAW else [name])]
 
     @abstractmethod
     def fit(self, request: Request) -> F:

@@ -261,20 +261,20 @@ class Plan(Tabular):
     def sentence(self) -> str:
         """What to measure and what it tells, in two sentences."""
         unit, factor = unit_of(self.settings[0].unit)
-        values = joined([number(factor * one.value) for one in self.settings])
+        values = joined([number(factor * setting.value) for setting in self.settings])
         said = (
             f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each: {len(self.runs())}"
             f" travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
         ).replace(" °", "°")
         if self.tellings:
-            known = sum(one.repeats is not None for one in self.tellings)
+            known = sum(telling.repeats is not None for telling in self.tellings)
             said += f" They distinguish {known} of {count(len(self.tellings), 'pair')} of laws."
         return said
 
     @property
     def widest(self) -> Separation:
         """The setting at which the band of the travel is widest: a run there narrows it most."""
-        return max(self.settings, key=lambda one: one.half)
+        return max(self.settings, key=lambda setting: setting.half)
 
     @property
     def band_sentence(self) -> str:
@@ -297,21 +297,21 @@ class Plan(Tabular):
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(["name", f"{self.settings[0].path} [{unit}]", TRAVEL_COLUMN])
         writer.writerows(
-            [name, f"{factor * one.value:.10g}", ""] for name, one in self.runs().items()
+            [name, f"{factor * run.value:.10g}", ""] for name, run in self.runs().items()
         )
         return text.getvalue()
 
     def runs(self) -> Mapping[str, Separation]:
         """Return the runs by name, in the order in which to make them."""
         ways = (self.settings, self.settings[::-1])
-        order = [one for repeat in range(self.repeats) for one in ways[repeat % 2]]
-        return {f"run {i}": one for i, one in enumerate(order, 1)}
+        order = [item for repeat in range(self.repeats) for item in ways[repeat % 2]]
+        return {f"run {i}": item for i, item in enumerate(order, 1)}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the settings and the travels that each law predicts, as a pandas DataFrame."""
         import pandas as pd
 
-        rows = [{one.path: one.value, **one.predicted} for one in self.settings]
+        rows = [{setting.path: setting.value, **setting.predicted} for setting in self.settings]
         return pd.DataFrame(rows)
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -328,13 +328,13 @@ class Plan(Tabular):
                 name: {p: v for p, v in vars(law).items() if v is not None}
                 for name, law in self.laws.items()
             },
-            "settings": [one.to_dict() for one in self.settings],
-            "prepare": [one.to_dict() for one in self.preparations],
+            "settings": [setting.to_dict() for setting in self.settings],
+            "prepare": [preparation.to_dict() for preparation in self.preparations],
             "measure_otherwise": {
                 head.replace("$", ""): text.replace("$", "") for head, text in self.rest.items()
             },
-            "tells_apart": [one.to_dict() for one in self.tellings],
-            "expected": [one.to_dict() for one in self.expectations],
+            "tells_apart": [telling.to_dict() for telling in self.tellings],
+            "expected": [expectation.to_dict() for expectation in self.expectations],
             "remarks": [line.replace("$", "") for line in self.remarks],
             "sheet": self.csv(),
         }
@@ -428,15 +428,18 @@ def _before(plan: Plan) -> Section:
     rows = [
         Row(
             cells=(
-                f"{one.name} ${one.quantity.symbol}$",
-                quantity(one.value, one.quantity.unit, 4, degrees=True),
-                quantity(one.needed, one.quantity.unit, 2, degrees=True),
-                one.verdict,
+                f"{preparation.name} ${preparation.quantity.symbol}$",
+                quantity(preparation.value, preparation.quantity.unit, 4, degrees=True),
+                quantity(preparation.needed, preparation.quantity.unit, 2, degrees=True),
+                preparation.verdict,
             )
         )
-        for one in plan.preparations
+        for preparation in plan.preparations
     ]
-    how = {capital(one.name): f"{one.how} {one.rough}".rstrip() for one in plan.preparations}
+    how = {
+        capital(preparation.name): f"{preparation.how} {preparation.rough}".rstrip()
+        for preparation in plan.preparations
+    }
     caption = (
         "Uncertainties are standard uncertainties. A parameter with the needed uncertainty"
         f" contributes half as much as the {len(plan.runs())} readings to the uncertainty of the"
@@ -470,7 +473,7 @@ def _settings(plan: Plan) -> Section:
     tables = []
     for i in range(0, len(plan.settings), size):
         block = plan.settings[i : i + size]
-        travels = {name: [one.predicted[name] for one in block] for name in plan.laws}
+        travels = {name: [item.predicted[name] for item in block] for name in plan.laws}
         rows = [
             Row(
                 cells=(
@@ -482,14 +485,14 @@ def _settings(plan: Plan) -> Section:
             for name, values in travels.items()
         ]
         halves = {
-            "± now": [one.half for one in block],
-            "± expected": [one.expected for one in block],
+            "± now": [item.half for item in block],
+            "± expected": [item.expected for item in block],
         }
         rows += [
             Row(cells=(head, *(fixed(1e3 * x, decimals) for x in values)))
             for head, values in halves.items()
         ]
-        heads = ("law", *(number(factor * one.value) for one in block))
+        heads = ("law", *(number(factor * item.value) for item in block))
         labels = ("", *(f"at {head} {unit}".replace(" °", "°") for head in heads[1:]))
         last = block[-1] is plan.settings[-1]
         tables.append(_table(heads, rows, caption if last else "", labels))
@@ -513,21 +516,21 @@ def _apart(plan: Plan) -> Section:
     rows = [
         Row(
             cells=(
-                titles[one.holds],
-                titles[one.rival],
-                number(1e3 * one.gap, 2),
-                number(factor * one.setting.value),
-                f"{one.repeats}",
+                titles[telling.holds],
+                titles[telling.rival],
+                number(1e3 * telling.gap, 2),
+                number(factor * telling.setting.value),
+                f"{telling.repeats}",
             )
         )
-        for one in plan.tellings
-        if one.repeats is not None
+        for telling in plan.tellings
+        if telling.repeats is not None
     ]
     open_: dict[str, dict[str, list[str]]] = {}
-    for one in plan.tellings:
-        if one.repeats is None:
-            pairs = open_.setdefault(one.obstacle, {})
-            pairs.setdefault(titles[one.holds], []).append(titles[one.rival])
+    for item in plan.tellings:
+        if item.repeats is None:
+            pairs = open_.setdefault(item.obstacle, {})
+            pairs.setdefault(titles[item.holds], []).append(titles[item.rival])
     lines = {
         said: f"{'; '.join(f'{law} from {joined(rivals)}' for law, rivals in pairs.items())}."
         for said, pairs in open_.items()
@@ -552,15 +555,15 @@ def _apart(plan: Plan) -> Section:
 def _values(plan: Plan) -> Section:
     """Return what the runs will tell of each parameter, and below it what tells the others."""
     rows, advice = [], dict[str, str]()
-    for one in plan.expectations:
-        asked = one.estimate.quantity
+    for expectation in plan.expectations:
+        asked = expectation.estimate.quantity
         unit = "" if asked.unit == "1" else f" [{asked.unit}]"
-        interval = one.estimate.range if one.identified else "not identified"
-        value = significant(one.estimate.value, 3)
-        cells = (plan.laws[one.law].title, f"${asked.symbol}${unit}", value, interval)
-        rows.append(Row(cells=cells, muted=not one.identified))
-        if one.advice:
-            advice.setdefault(f"To identify ${asked.symbol}$", one.advice)
+        interval = expectation.estimate.range if expectation.identified else "not identified"
+        value = significant(expectation.estimate.value, 3)
+        cells = (plan.laws[expectation.law].title, f"${asked.symbol}${unit}", value, interval)
+        rows.append(Row(cells=cells, muted=not expectation.identified))
+        if expectation.advice:
+            advice.setdefault(f"To identify ${asked.symbol}$", expectation.advice)
     caption = (
         "The interval that `stickslip select` will state if the law is true with this value and the"
         " rig has the stated (otherwise the needed) uncertainties. Not identified: the travels"
@@ -588,7 +591,7 @@ def _runs(plan: Plan, save_as: str) -> Section:
     )  # fmt: skip
     blank = Blank(what="travel"), Blank(what="remarks")
     rows = tuple(
-        Row(cells=(name, number(factor * one.value), *blank)) for name, one in plan.runs().items()
+        Row(cells=(name, number(factor * run.value), *blank)) for name, run in plan.runs().items()
     )
     head, first, *_ = plan.csv().splitlines()
     text = (

@@ -222,7 +222,9 @@ class RecordKind(BandKind):
         for law in (request.law, LuGre):
             with suppress(InputError, ConvergenceError):
                 fit = self._fit(replace(plain, law=law, vary=_of_mechanism(request.vary)))
-                values = {one.path: one.value for one in fit.estimates if one.bounded}
+                values = {
+                    estimate.path: estimate.value for estimate in fit.estimates if estimate.bounded
+                }
                 judgement = fit.judgement
                 if isinstance(judgement.problem, RecordProblem):
                     return values, judgement.problem.lateness(judgement.draws)
@@ -292,7 +294,7 @@ def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:
     """Return what is varied of a mechanism, with all of a law."""
     if vary is None:
         return None
-    return [LAW, *(one for one in names_of(vary) if one.startswith("mechanism."))]
+    return [LAW, *(item for item in names_of(vary) if item.startswith("mechanism."))]
 
 
 def _unused(verb: str, other: str, kind: Kind[Any, Any]) -> str:

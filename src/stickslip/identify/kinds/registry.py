@@ -41,15 +41,15 @@ def kinds() -> tuple[AnyKind, ...]:
     >>> {"travels", "velocity steps", "tables of friction"} <= {one.measured for one in kinds()}
     True
     """
-    found: list[AnyKind] = []
+    result: list[AnyKind] = []
     taken = {name for kind in OWN for name in kind.routes}
     base: type[Any] = Kind
     for where, kind in plugins("stickslip.kinds", base):
         if known := sorted(taken.intersection(kind.routes)):
             raise name_taken(where, joined(known))
         taken.update(kind.routes)
-        found.append(kind())
-    return (*found, *OWN)
+        result.append(kind())
+    return (*result, *OWN)
 
 
 def kind_of_route(name: str) -> AnyKind:
@@ -84,14 +84,14 @@ def kind_of(measurement: Measurement, asked: str | None = None) -> AnyKind:
         return usual
     if asked in usual.routes:
         return usual
-    found = kind_of_route(asked)
-    if found.reads(measurement):
-        return found
-    if "route" in usual.uses and "route" not in found.uses:
+    result = kind_of_route(asked)
+    if result.reads(measurement):
+        return result
+    if "route" in usual.uses and "route" not in result.uses:
         raise InputError(
-            f"route {asked!r} applies to {found.measured}, not to this measurement: leave it out."
+            f"route {asked!r} applies to {result.measured}, not to this measurement: leave it out."
         )
-    return found if "route" in usual.uses else usual
+    return result if "route" in usual.uses else usual
 
 
 def as_judged(measurement: Measurement, asked: str | None = None) -> Measurement:
@@ -124,7 +124,7 @@ def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> 
             continue
         why = kind.why_unused(name, request)
         if not why and name not in kind.uses | kind.settings:
-            users = [one for one in kinds() if name in one.uses | one.settings]
+            users = [item for item in kinds() if name in item.uses | item.settings]
             why = unused_text(kind, users)
         if why:
             raise InputError(f"{called_} {why}")
@@ -138,7 +138,7 @@ def unused_text(kind: AnyKind, users: Iterable[AnyKind]) -> str:
     >>> unused_text(kind_of_route("travel"), [kind_of_route("features")])
     'applies to the force of a spring; it has no effect on travels: leave it out.'
     """
-    others = joined([*dict.fromkeys(one.measured for one in users)])
+    others = joined([*dict.fromkeys(user.measured for user in users)])
     return f"applies to {others}; it has no effect on {kind.measured}: leave it out."
 
 
@@ -155,7 +155,7 @@ def refuse_foreign(kind: AnyKind, laws: Iterable[object]) -> None:
     for law in laws:
         given = law if isinstance(law, type) else type(law)
         if not issubclass(given, (str, kind.fits)):
-            fitting = (one.measured for one in kinds() if issubclass(given, one.fits))
+            fitting = (item.measured for item in kinds() if issubclass(given, item.fits))
             others = joined([*dict.fromkeys(fitting)])
             use = f", which is for {others}" if others else ""
             raise InputError(
@@ -169,9 +169,9 @@ def refuse_uninformed(
 ) -> None:
     """Refuse laws that ask for contact inputs which nothing tells, before anything runs."""
     known = kind.known_inputs(mechanism, measurement)
-    for one in laws:
-        law = one
-        if isinstance(one, str):
+    for item in laws:
+        law = item
+        if isinstance(item, str):
             with suppress(InputError):
-                law = law_type(one)
+                law = law_type(item)
         check_inputs(law, mechanism, measurement, known)

@@ -51,8 +51,8 @@ def verdict_page(
     ('Friction model selection: Block', 'verdict', 'reproduce')
     """
     first, *others = kind_of_route(verdict.route).sections(verdict, origin, remark)
-    before = [one for one in others if one.func.__name__ not in LAST]
-    after = [one for one in others if one.func.__name__ in LAST]
+    before = [other for other in others if other.func.__name__ not in LAST]
+    after = [other for other in others if other.func.__name__ in LAST]
     return Page(
         title=f"Friction model selection: {origin.title}",
         subject=origin.file or origin.title,
@@ -194,13 +194,13 @@ def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
     drawn = verdict.sample(DRAWS)
     known = laws()
     if any(
-        not isinstance(one, MeasuredCurve | MeasuredCurves)
-        and one.composition is None
-        and one.name not in known
-        for one in drawn
+        not isinstance(item, MeasuredCurve | MeasuredCurves)
+        and item.composition is None
+        and item.name not in known
+        for item in drawn
     ):
         return None  # of a class of somebody, which no file names
-    rows = [_row(one) for one in drawn]
+    rows = [_row(item) for item in drawn]
     error = None
     if isinstance(verdict, TravelVerdict) and all(t.cycles is not None for t in verdict.trials):
         error = verdict.prediction_error
@@ -211,22 +211,22 @@ def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
 def _row(law: FrictionLaw) -> dict[str, Any]:
     if isinstance(law, MeasuredCurve | MeasuredCurves):
         both = [law] if isinstance(law, MeasuredCurve) else [law.forward, law.backward]
-        return {"law": law.name, "points": [[astuple(x) for x in one.points] for one in both]}
+        return {"law": law.name, "points": [[astuple(x) for x in item.points] for item in both]}
     name = law.name if law.name in laws() else str(law.composition)
-    return {"law": name} | {one.name: getattr(law, one.name) for one in fields(law)}
+    return {"law": name} | {field.name: getattr(law, field.name) for field in fields(law)}
 
 
 def _law(row: dict[str, Any]) -> FrictionLaw:
     name, values = row["law"], {key: value for key, value in row.items() if key != "law"}
     if name in (MeasuredCurve.name, MeasuredCurves.name):
-        keys = [one.name for one in fields(CurvePoint)]
+        keys = [field.name for field in fields(CurvePoint)]
         ahead, *back = (
-            MeasuredCurve(points=tuple(CurvePoint(**dict(zip(keys, x, strict=True))) for x in one))
-            for one in values["points"]
+            MeasuredCurve(points=tuple(CurvePoint(**dict(zip(keys, x, strict=True))) for x in item))
+            for item in values["points"]
         )
         return MeasuredCurves(forward=ahead, backward=back[0]) if back else ahead
-    found: FrictionLaw = law_type(name)(**values)
-    return found
+    result: FrictionLaw = law_type(name)(**values)
+    return result
 
 
 def drawn_laws(law_file: str | Path) -> tuple[list[FrictionLaw], float] | None:
@@ -251,7 +251,7 @@ def drawn_laws(law_file: str | Path) -> tuple[list[FrictionLaw], float] | None:
     file = Path(law_file).with_name(DRAWS_FILE)
     if not file.is_file():
         return None
-    found = json.loads(file.read_text(encoding="utf-8"))
-    if found["law_file"] != sha256_of(Path(law_file)):
+    result = json.loads(file.read_text(encoding="utf-8"))
+    if result["law_file"] != sha256_of(Path(law_file)):
         return None
-    return [_law(row) for row in found["laws"]], found["velocity_error"] or 0.0
+    return [_law(row) for row in result["laws"]], result["velocity_error"] or 0.0

@@ -114,10 +114,10 @@ class SimulatedFit(JudgedFit[AnyLaw_co]):
     @cached_property
     def draws(self) -> Mapping[str, Array]:
         """Draws (k,) of parameters, SI, by path."""
-        found: Mapping[str, Array] = self.problem.read(
+        result: Mapping[str, Array] = self.problem.read(
             self.name, self.family.points, self.family.coefficients
         )
-        return found
+        return result
 
     @cached_property
     def rms(self) -> float:
@@ -140,7 +140,7 @@ class SimulatedFit(JudgedFit[AnyLaw_co]):
         return self.kind.errors(self, measurement)
 
     def law_estimates(self) -> LawEstimates:
-        table = correlation_of(np.array([self.draws[one.path] for one in self.estimates]))
+        table = correlation_of(np.array([self.draws[estimate.path] for estimate in self.estimates]))
         np.fill_diagonal(table, 1.0)
         return estimates_for(
             self.law,
@@ -235,12 +235,16 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
     @property
     def fits(self) -> tuple[AnyFit, ...]:
         """Fits of the laws that are near, the named one first."""
-        return tuple(one.fit for one in self.candidates if one.fit and one.name in self.near)
+        return tuple(
+            candidate.fit
+            for candidate in self.candidates
+            if candidate.fit and candidate.name in self.near
+        )
 
     @property
     def stated(self) -> Sequence[tuple[Estimate, Estimate]]:
         fit = self.fits[0]
-        derived = [(one, self.kind.over_all(self.fits, one)) for one in fit.derived]
+        derived = [(item, self.kind.over_all(self.fits, item)) for item in fit.derived]
         return [*zip(fit.estimates, self.intervals, strict=True), *derived]
 
     def predict(self, setting: Any) -> PredictionBand:
@@ -259,8 +263,8 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
             block may slide steadily.
         """
         rows = [
-            np.nanquantile(self.kind.foreseen(one, setting), (ENDS[0], 0.5, ENDS[1]), axis=0)
-            for one in self.fits
+            np.nanquantile(self.kind.foreseen(fit, setting), (ENDS[0], 0.5, ENDS[1]), axis=0)
+            for fit in self.fits
         ]
         low, high = np.min([x[0] for x in rows], axis=0), np.max([x[2] for x in rows], axis=0)
         return PredictionBand(low=low, median=rows[0][1], high=high)
@@ -273,7 +277,7 @@ class SimulatedVerdict(Verdict[SimulatedCandidate]):
                 for own, every in self.stated for over in [every.to_dict()]
             ],
             "checks": self.checks.to_dict(),
-            "next_measurements": [one._asdict() for one in self.advised],
+            "next_measurements": [item._asdict() for item in self.advised],
         }  # fmt: skip
 
 
@@ -283,19 +287,19 @@ def estimated(
     """Return parameters of a law, by path: their values at the mode, and quantiles of draws."""
     draws = problem.read(name, family.points, family.coefficients)
     mode = problem.read(name, family.mode[None], family.usual[None])
-    found = []
+    result = []
     for path, quantity in sought.items():
         value, (low, high) = float(mode[path][0]), np.quantile(draws[path], problem.ends).tolist()
         low, high = min(low, value), max(high, value)
-        found.append(
+        result.append(
             Estimate(path=path, quantity=quantity, value=value, low=low, high=high, interval="95 %")
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def pooled(fits: Sequence[AnyFit], path: str) -> tuple[float, float]:
     """Return between which values a parameter lies, over the laws that have it."""
-    ends = [np.quantile(one.draws[path], ENDS) for one in fits if path in one.draws]
+    ends = [np.quantile(fit.draws[path], ENDS) for fit in fits if path in fit.draws]
     return min(float(low) for low, _ in ends), max(float(high) for _, high in ends)
 
 
@@ -314,32 +318,32 @@ def _second(one: SimulatedCandidate) -> float | None:
 COLUMNS: Final[Columns[SimulatedCandidate]] = (
     Column(
         key="law", title="law", page="law", numeric=False,
-        value=lambda one: one.name, text=lambda one: one.title,
+        value=lambda item: item.name, text=lambda item: item.title,
     ),
     Column(
         key="parameters", title="parameters", page="parameters", phone="label",
-        value=lambda one: one.parameters,
-        text=lambda one: str(one.parameters) if one.fit else None,
+        value=lambda item: item.parameters,
+        text=lambda item: str(item.parameters) if item.fit else None,
     ),
     Column(
         key="leaves", title="leaves", page="leaves", phone="label",
-        value=lambda one: one.score, text=lambda one: score_text(PLAIN, one.score).value,
+        value=lambda item: item.score, text=lambda item: score_text(PLAIN, item.score).value,
     ),
     Column(
         key="share", title="probability", page="probability", phone="label",
-        value=lambda one: one.share,
-        text=lambda one: probability_text(one.probability) if one.fit else None,
+        value=lambda item: item.share,
+        text=lambda item: probability_text(item.probability) if item.fit else None,
     ),
 )  # fmt: skip
 """What tables say of each law of any kind, ..."""
 LAST: Final[Columns[SimulatedCandidate]] = (
     Column(
         title="second record", page="second record", phone="label", optional=True,
-        value=_second, text=lambda one: score_text(PLAIN, _second(one)).value,
+        value=_second, text=lambda item: score_text(PLAIN, _second(item)).value,
     ),
     Column(
         key="outcome", page="outcome", numeric=False, phone="label",
-        value=lambda one: plain(one.outcome), text=lambda one: one.outcome,
+        value=lambda item: plain(item.outcome), text=lambda item: item.outcome,
     ),
 )  # fmt: skip
 """... after what they say of some."""
@@ -498,9 +502,9 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             SimulatedCandidate(kind=self, name=name, title=laws[name].title, fit=None, dropped=why)
             for name, why in refused.items()
         ]
-        if all(one.fit is None for one in every):
-            raise ConvergenceError(self._none({one.title: one.dropped for one in every}))
-        ordered = sorted(every, key=lambda one: (one.fit is None, -one.probability))
+        if all(item.fit is None for item in every):
+            raise ConvergenceError(self._none({item.title: item.dropped for item in every}))
+        ordered = sorted(every, key=lambda item: (item.fit is None, -item.probability))
         return self._judged(ordered, request, checks)
 
     def _none(self, why: Mapping[str, str]) -> str:
@@ -546,10 +550,14 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         """Return the verdict on candidates, the most probable first, in words."""
         closest, *others = ordered
         assert closest.fit is not None
-        near = [one for one in others if one.fit and one.probability * RIVAL > closest.probability]
+        near = [
+            other
+            for other in others
+            if other.fit and other.probability * RIVAL > closest.probability
+        ]
         contains = closest.fit.problem.contains
-        rivals = [one for one in near if not contains(one.name, closest.name)]
-        fits = [closest.fit, *(one.fit for one in near if one.fit)]
+        rivals = [item for item in near if not contains(item.name, closest.name)]
+        fits = [closest.fit, *(item.fit for item in near if item.fit)]
         fault = self.fault(closest.fit)
 
         def outcome(one: SimulatedCandidate) -> str:
@@ -561,9 +569,9 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
                 return NOT_DISTINGUISHED if one in rivals else "contains the named law"
             return f"{probability_text(one.probability)} probable"
 
-        told = [replace(one, outcome=outcome(one)) for one in ordered]
+        told = [replace(item, outcome=outcome(item)) for item in ordered]
         advised = tuple(self.advised(fits))
-        intervals = tuple(self.over_all(fits, one) for one in closest.fit.estimates)
+        intervals = tuple(self.over_all(fits, estimate) for estimate in closest.fit.estimates)
         return self.verdict_class(
             kind=self,
             mechanism=request.mechanism,
@@ -574,8 +582,8 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             ranked=bool(others) and not rivals,
             checks=checks,
             intervals=intervals,
-            near=tuple(one.name for one in fits),
-            rivals=tuple(one.name for one in rivals),
+            near=tuple(item.name for item in fits),
+            rivals=tuple(rival.name for rival in rivals),
             advised=advised,
         )
 
@@ -591,25 +599,29 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     ) -> Wording:
         fit = closest.fit
         assert fit is not None
-        alike = [one.fit for one in (closest, *rivals) if one.fit]
+        alike = [rival.fit for rival in (closest, *rivals) if rival.fit]
         phrase, fault, doubt = self.called(fit), self.fault(fit), self.doubt(fit)
         if fault:
             verdict = f"No law compared explains {self.these}; the closest, {phrase}, {fault}."
         else:
             verdict = f"{capital(phrase)} is closest, but {doubt}" if doubt else f"Use {phrase}"
-            names = [self.called(one) for one in alike[1:]]
+            names = [self.called(item) for item in alike[1:]]
             verdict += f"; {not_distinguished(names, self.these)}." if names else "."
-        fits = [fit, *(one.fit for one in near if one.fit)]
+        fits = [fit, *(item.fit for item in near if item.fit)]
         pairs = [*zip(fit.estimates, intervals, strict=True)]
-        pairs += [(one, self.over_all(fits, one)) for one in fit.derived]
+        pairs += [(item, self.over_all(fits, item)) for item in fit.derived]
         shares = [
-            f"{self.called(one.fit)} is {probability_text(one.probability)} probable"
-            for one in near if one.fit
+            f"{self.called(item.fit)} is {probability_text(item.probability)} probable"
+            for item in near if item.fit
         ]  # fmt: skip
         which = "Which law" if rivals else "Whether there is more"
         cannot = [f"{which}: {joined(shares)}."] if shares else []
         cannot += fit.family.few_draws
-        cannot += [f"${one.quantity.symbol}$: {one.reason}." for one in fit.estimates if one.reason]
+        cannot += [
+            f"${estimate.quantity.symbol}$: {estimate.reason}."
+            for estimate in fit.estimates
+            if estimate.reason
+        ]
         cannot += self.untold(fit)
         if fit.cancelled:
             cannot.append("Whether there is a better fit: the search was stopped before its end.")
@@ -640,7 +652,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         return Comparison(
             heads=heads,
             rows=rows,
-            notes=[f"{one.title}: {one.outcome}" for one in verdict.candidates],
+            notes=[f"{candidate.title}: {candidate.outcome}" for candidate in verdict.candidates],
             checks=verdict.checks,
             fitted=(f"{closest.title}, if it holds", values) if values else None,
         )
@@ -673,9 +685,9 @@ def figure_section(verdict: SimulatedVerdict) -> Section | None:
     from stickslip.show.plots import Piece, draw_pieces, inline_svg, piece_sizes
 
     fit = verdict.fits[0]
-    others = [one.fit for one in verdict.candidates[1:] if one.fit is not None]
-    others.sort(key=lambda one: one.name not in verdict.rivals)
-    pieces = [Piece(*one) for one in verdict.kind.pieces(fit, others[:1])]
+    others = [candidate.fit for candidate in verdict.candidates[1:] if candidate.fit is not None]
+    others.sort(key=lambda item: item.name not in verdict.rivals)
+    pieces = [Piece(*piece) for piece in verdict.kind.pieces(fit, others[:1])]
     if not pieces:
         return None
     (what, unit), titles = verdict.kind.drawn, [*pieces[0].predicted]
@@ -699,8 +711,8 @@ def laws_section(verdict: SimulatedVerdict) -> Section:
         verdict.candidates,
         cells={},
         scale=PLAIN,
-        colour=lambda one: "c1" if one is verdict.best else "muted",
-        chosen=lambda one: one is verdict.best,
+        colour=lambda all_column: "c1" if all_column is verdict.best else "muted",
+        chosen=lambda all_column: all_column is verdict.best,
         caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
         " all values of their parameters, of what is not known of the mechanism, and of what no law"
         " has. Leaves: root mean square of the residuals. Draws of the closest law, weighed by"

@@ -145,7 +145,7 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
             f"{'less' if along > 0.0 else 'plus'} {quantity(abs(along), 'N')} of weight along the"
             f" track, over the normal force of {quantity(pressed, 'N')}"
         )
-    found = {
+    result = {
         "$mu_s$ by tilt": (
             "Raise the track until the block just slides: $mu_s$ is the tangent of the angle, about"
             f" {number(math.degrees(math.atan(level)), 2)}° for {number(level, 2)}. Read it to"
@@ -159,11 +159,11 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
     stiffness = known.get("mechanism.stiffness", 0.0)
     if stiffness > 0.0 and known.get("mechanism.compression", 0.0) and pull > 0.0:
         said = "the force of a slow pull over $k$" if slope else "$mu_s$ $m$ $g$ / $k$"
-        found["$mu_s$ by the spring"] = (
+        result["$mu_s$ by the spring"] = (
             f"The least compression that starts the block is {said}, about"
             f" {quantity(pull / stiffness, 'm', 2)}."
         )
-    return found
+    return result
 
 
 Array: TypeAlias = NDArray[np.float64]
@@ -299,7 +299,7 @@ def plan(
     remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
     asked_knob = next(q for path, q, _ in parameters(mechanism, "mechanism") if path == knob)
     unit = asked_knob.unit
-    places = np.array([rounded_setting(one, unit) for one in np.linspace(*ends, count)])
+    places = np.array([rounded_setting(item, unit) for item in np.linspace(*ends, count)])
     typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
     kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
     named = _first(kept)
@@ -318,15 +318,15 @@ def plan(
         after = {name: bench.judged(name, repeats) for name in kept}
     band = band_of(now.travels(places))
     # the widest that any law leaves
-    ends_after = [band_of(one.travels(places)) for one in after.values()]
-    expected = 0.5 * np.max([one.high - one.low for one in ends_after], axis=0)
+    ends_after = [band_of(item.travels(places)) for item in after.values()]
+    expected = 0.5 * np.max([item.high - item.low for item in ends_after], axis=0)
     rows = tuple(
         Separation(
             path=knob,
             symbol=asked_knob.symbol,
             unit=unit,
             value=float(place),
-            predicted={name: float(one[i]) for name, one in travels.items()},
+            predicted={name: float(travel[i]) for name, travel in travels.items()},
             low=float(band.low[i]),
             high=float(band.high[i]),
             expected=float(expected[i]),
@@ -369,11 +369,11 @@ class _Bench:
         """Return the planned trials as they are if a law holds."""
         path, shared = self._knob, dict(doubts)
         by_hand = {path: shared.pop(path)} if path in shared else {}
-        found = []
-        for one, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
-            made = _trial(one.mechanism, float(travel), self.error, doubts=by_hand, shared=shared)
-            found += [made] * repeats
-        return tuple(found)
+        result = []
+        for item, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
+            made = _trial(item.mechanism, float(travel), self.error, doubts=by_hand, shared=shared)
+            result += [made] * repeats
+        return tuple(result)
 
     def judged(self, name: str, repeats: int) -> TravelJudgement:
         """Return what `select` makes of the planned trials if a law holds."""
@@ -408,10 +408,10 @@ class _Bench:
         slope = (ends[1] - ends[0]) / (2.0 * step)
         gain = slope / float(slope @ slope)
         alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
-        found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
-        found |= {path: abs(float(gain @ one)) for path, one in shared.items()}
+        result = {path: float(np.linalg.norm(gain * item)) for path, item in alone.items()}
+        result |= {path: abs(float(gain @ item)) for path, item in shared.items()}
         size = {READINGS: self.error * float(np.linalg.norm(gain))}
-        return size | {path: found[path] / unit for path, unit in units.items()}
+        return size | {path: result[path] / unit for path, unit in units.items()}
 
     def _part(self, path: str, doubt: float, repeats: int) -> float:
         """Return the part of a source: what differs from run to run averages out."""
@@ -434,7 +434,9 @@ class _Bench:
         }
         half = HALF * self._part(READINGS, 1.0, repeats)
         return {
-            p: half / one for p, one in parts.items() if one * abs(known[p]) > THRESHOLDS.rounding
+            p: half / part
+            for p, part in parts.items()
+            if part * abs(known[p]) > THRESHOLDS.rounding
         }
 
     def share(self, repeats: int, **changed: float) -> float:
@@ -452,14 +454,14 @@ class _Bench:
         largest = float(np.max(np.abs(moved)))
         symbol = level.quantity.symbol
         wide = level.half_width / level.value / self.share(repeats)
-        found = []
+        result = []
         for path, needed in self.needed(repeats).items():
             size = float(np.max(np.abs(self.places))) if path == self._knob else known[path][1]
             rough, rest = ROUGH * abs(size), ""
             if needed < rough:
                 wanted, got = (
-                    percent(wide * one)
-                    for one in (self.share(repeats), self.share(repeats, **{path: rough}))
+                    percent(wide * item)
+                    for item in (self.share(repeats), self.share(repeats, **{path: rough}))
                 )
                 rest = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
                 if got == wanted:  # as it is stated to 1 %, say
@@ -470,8 +472,8 @@ class _Bench:
                 path=path, quantity=known[path][0], value=known[path][1], needed=needed, rough=rest,
                 stated=self.stated.get(path), how=how_to(mechanism, path, needed, largest),
             )  # fmt: skip
-            found.append(made)
-        return tuple(found)
+            result.append(made)
+        return tuple(result)
 
 
 def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
@@ -523,7 +525,7 @@ def _first(laws: Mapping[str, FrictionLaw]) -> str:
 
 
 def _has_level(law: FrictionLaw) -> bool:
-    return any(one.scale == "level" for _, one, _ in parameters(law, "friction"))
+    return any(item.scale == "level" for _, item, _ in parameters(law, "friction"))
 
 
 def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None) -> Trial:
@@ -634,7 +636,7 @@ def _range(
             f"{'The trials and the rig have' if done else 'The rig has'} one {word}: the settings"
             f" span {number(ALONE[0])} to 1 times that value"
         )
-    low, high = (min(max(sign * one, asked.low), asked.high) for one in (low, high))
+    low, high = (min(max(sign * item, asked.low), asked.high) for item in (low, high))
     shown = f"{number(factor * low)} to {number(factor * high)} {unit}".replace(" °", "°")
     return (low, high), f"{source}, {shown}. Use --between (Python: between) for another range."
 
@@ -652,7 +654,7 @@ def _stopping(
     The distance of a body that still moves is that of an arbitrary time, and a hard stop ends the
     travels of all laws in one place.
     """
-    found, remarks = {}, []
+    result, remarks = {}, []
     unit = _unit(mechanism, path)
     rigs = [vary(mechanism, "mechanism", {path: value}) for value in settings]
     for name, law in laws.items():
@@ -665,14 +667,14 @@ def _stopping(
             if (said := _why_none(rig, law, t_end, size))
         }
         if not reasons:
-            found[name] = law
+            result[name] = law
             continue
         value, said = reasons.popitem()
         at = quantity(value, unit, degrees=True)
         remarks.append(f"{law.title} friction was left out: with {words_of(path)} {at}, {said}")
-    if not found:
+    if not result:
         raise InputError(f"no law can be planned for. {' '.join(remarks)}")
-    return found, remarks
+    return result, remarks
 
 
 def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Array, list[str]]:
@@ -683,13 +685,13 @@ def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Arra
     travels = np.abs(_travels(law, now.at(places), now.t_end))
     moves = travels > THRESHOLDS.material * np.max(travels)
     if moves.sum() < 2:
-        ends = " to ".join(quantity(one, unit, degrees=True) for one in (places[0], places[-1]))
+        ends = " to ".join(quantity(item, unit, degrees=True) for item in (places[0], places[-1]))
         raise InputError(
             f"the body moves at {moves.sum()} of {len(places)} settings of the {words_of(path)}"
             f" from {ends}: raise the setting of the rig, or give a higher range with --between"
             " (Python: between)."
         )
-    idle = [setting_text(one, unit) for one in places[~moves].tolist()]
+    idle = [setting_text(item, unit) for item in places[~moves].tolist()]
     said = f"At {joined(idle)} the body hardly moves, so no runs are planned there."
     return places[moves], [said] if idle else []
 
@@ -698,7 +700,7 @@ def _checked(error: float | None, longest: float) -> float:
     """Return the standard uncertainty of a reading that is counted on [m]."""
     size = SCATTER * longest if error is None else error
     if not LEAST_ERROR * longest <= size <= longest:
-        least, most, got = (quantity(one, "m") for one in (LEAST_ERROR * longest, longest, size))
+        least, most, got = (quantity(item, "m") for item in (LEAST_ERROR * longest, longest, size))
         raise InputError(
             f"the uncertainty of a travel (u_s) must be from {least} (the accuracy of the"
             f" simulation) to {most} (the longest planned travel), got {got}: give it with"
@@ -719,7 +721,7 @@ def _error(given: float | None, done: Sequence[Trial]) -> tuple[float | None, in
     settings: dict[Hashable, list[float]] = {}
     for trial in done:
         settings.setdefault(trial.run, []).append(trial.travel)
-    squares = sum(float(np.var(one)) * len(one) for one in settings.values())
+    squares = sum(float(np.var(setting)) * len(setting) for setting in settings.values())
     freedom = len(done) - len(settings)
     scatter = math.sqrt(squares / freedom) if freedom >= LEAST - 1 else 0.0
     if scatter > float(errors.max()):
@@ -757,7 +759,7 @@ def _pairs(
             if pair not in chosen or gained < chosen[pair][0]:
                 chosen[pair] = gained, holds, rival
     many = dict[str, TravelJudgement]()
-    found, repeats = list[tuple[str, str, int | None]](), LEAST
+    result, repeats = list[tuple[str, str, int | None]](), LEAST
     for gained, holds, rival in sorted(chosen.values(), reverse=True):
         needed: int | None = LEAST
         if gained < SURE:
@@ -767,8 +769,8 @@ def _pairs(
             share = (SURE - gained) / (most - gained) if most >= SURE else math.inf
             needed = LEAST + math.ceil(share * (MOST - LEAST)) if share <= 1.0 else None
         repeats = max(repeats, needed or 0)
-        found.append((holds, rival, needed))
-    return found, repeats
+        result.append((holds, rival, needed))
+    return result, repeats
 
 
 def _gained(judgement: TravelJudgement, holds: str, rival: str) -> float:
@@ -813,7 +815,7 @@ def _expected(
     after: Mapping[str, TravelJudgement], laws: Mapping[str, FrictionLaw]
 ) -> list[Expectation]:
     """Return the intervals to expect, and which parameters have none."""
-    found = []
+    result = []
     for name, law in laws.items():
         every = after[name].law_of(name).model.free
         estimates = [*expected_estimates(after[name], name, every)]
@@ -825,13 +827,15 @@ def _expected(
                         interval="95 %", reason=INSENSITIVE,
                     )
                 )  # fmt: skip
-        for one in estimates:
-            last = one.path.rpartition(".")[2]
+        for estimate in estimates:
+            last = estimate.path.rpartition(".")[2]
             # off its limit, as `select` asks it to be
-            settled = one.bounded and one.low > limit_of(law, last)
+            settled = estimate.bounded and estimate.low > limit_of(law, last)
             advice = "" if settled else ADVICE.get(last, "")
-            found.append(Expectation(law=name, estimate=one, identified=settled, advice=advice))
-    return found
+            result.append(
+                Expectation(law=name, estimate=estimate, identified=settled, advice=advice)
+            )
+    return result
 
 
 def limit_of(law: FrictionLaw, name: str) -> float:

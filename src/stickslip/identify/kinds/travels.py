@@ -188,8 +188,8 @@ class JudgedTravels(Readable):
             mode=nothing, effective=0.0, points=nothing, coefficients=nothing, usual=nothing,
             rms=math.inf,
         )  # fmt: skip
-        found = {name: self.family(name) for name in self.judgement.evidence}
-        return found | dict.fromkeys(self.judgement.dropped, failed)
+        results = {name: self.family(name) for name in self.judgement.evidence}
+        return results | dict.fromkeys(self.judgement.dropped, failed)
 
     def family(self, name: str) -> FamilyDraws:
         """Return the draws of a law."""
@@ -249,27 +249,27 @@ class JudgedTravels(Readable):
         alone = ""
         if not judgement.stated and len(self.trials) == 1:
             alone = "no uncertainty of the reading was stated"
-        found = []
-        for i, one in enumerate(estimates):
-            named, asked = one.path in self.named, one.quantity
-            if not named and i > 0 and (one.path in untold or i >= coefficients):
+        results = []
+        for i, estimate in enumerate(estimates):
+            named, asked = estimate.path in self.named, estimate.quantity
+            if not named and i > 0 and (estimate.path in untold or i >= coefficients):
                 continue
-            low = 0.0 if one.path in zero and not is_rig(one.path) else one.low
+            low = 0.0 if estimate.path in zero and not is_rig(estimate.path) else estimate.low
             limit = max(asked.low, -np.inf if asked.above is None else asked.above)
-            low = min(max(low, limit), one.value)
-            reason = INSENSITIVE if one.path in untold else alone
-            if is_rig(one.path) and one.high - one.low > abs(one.value):
+            low = min(max(low, limit), estimate.value)
+            reason = INSENSITIVE if estimate.path in untold else alone
+            if is_rig(estimate.path) and estimate.high - estimate.low > abs(estimate.value):
                 reason = reason or WIDER
-            found.append(
+            results.append(
                 replace(
-                    one,
+                    estimate,
                     low=-np.inf if reason else low,
-                    high=np.inf if reason else one.high,
+                    high=np.inf if reason else estimate.high,
                     reason=reason,
                     sources=sources[i] if sources and not reason and i < len(sources) else {},
                 )
             )
-        return found
+        return results
 
     # the band, and what narrows it
     @cached_property
@@ -305,12 +305,12 @@ class JudgedTravels(Readable):
             return (), 1.0
         travels = judgement.drawn_travels(settings)
         lasts = durations(judgement.at(settings), judgement.t_end)
-        found = propose(
+        results = propose(
             travels, travels, judgement.noise(settings), taken=len(self.trials),
             rest=(judgement.discrepancy * lasts) ** 2,
         )  # fmt: skip
-        places = sorted(rounded_setting(float(settings[k]), self.unit) for k in found.places)
-        return tuple(places), found.shrinks
+        places = sorted(rounded_setting(float(settings[k]), self.unit) for k in results.places)
+        return tuple(places), results.shrinks
 
     @property
     def knob(self) -> str:
@@ -345,8 +345,8 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     @property
     def judgement(self) -> TravelJudgement:
         """What the fit is read from."""
-        found: TravelJudgement = self.problem.judgement
-        return found
+        result: TravelJudgement = self.problem.judgement
+        return result
 
     @cached_property
     def trials(self) -> tuple[Trial, ...]:
@@ -390,7 +390,7 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     @property
     def correlation(self) -> tuple[tuple[float, ...], ...]:
         """Of the estimates (p, p); 0 with what the travels do not tell."""
-        table = correlation_of(np.array([self.draws[one.path] for one in self.estimates]))
+        table = correlation_of(np.array([self.draws[estimate.path] for estimate in self.estimates]))
         np.fill_diagonal(table, 1.0)
         return tuple(map(tuple, table.tolist()))
 
@@ -402,7 +402,7 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     @property
     def scatter(self) -> float:
         """Root mean square of the residuals [m]."""
-        return math.sqrt(sum(one**2 for one in self.residuals) / len(self.residuals))
+        return math.sqrt(sum(residual**2 for residual in self.residuals) / len(self.residuals))
 
     @property
     def freedom(self) -> int:
@@ -417,11 +417,11 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     @property
     def chi_square(self) -> float:
         """Sum of the squares of `standardised`."""
-        return sum(one**2 for one in self.standardised)
+        return sum(item**2 for item in self.standardised)
 
     @property
     def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
-        return [(one.mechanism, {**one.shared, **one.doubts}) for one in self.trials]
+        return [(trial.mechanism, {**trial.shared, **trial.doubts}) for trial in self.trials]
 
     @property
     def settings(self) -> int:
@@ -511,8 +511,8 @@ class TravelVerdict(SimulatedVerdict):
     def problem(self) -> JudgedTravels:
         """The travels as they are judged."""
         assert self.closest.fit is not None
-        found: JudgedTravels = self.closest.fit.problem
-        return found
+        result: JudgedTravels = self.closest.fit.problem
+        return result
 
     @property
     def judgement(self) -> TravelJudgement:
@@ -569,9 +569,9 @@ class TravelVerdict(SimulatedVerdict):
     def laws_drawn(self) -> Mapping[str, int]:
         """How many different laws the band holds, by name; the measured curve is none."""
         return {
-            one.law.name: len(np.unique(one.unknowns, axis=0))
-            for one in self.judgement.draws
-            if one.smooth is None
+            draw.law.name: len(np.unique(draw.unknowns, axis=0))
+            for draw in self.judgement.draws
+            if draw.smooth is None
         }
 
     @property
@@ -752,7 +752,7 @@ class TravelVerdict(SimulatedVerdict):
         rows = super()._details()["parameters"]
         return {
             "explained": self.explained,
-            "set": [list(one) for one in self.set],
+            "set": [list(item) for item in self.set],
             "curve_share": self.curve_share,
             "units": {"setting": self.problem.unit, "travel": "m"},
             "band": None if band is None else {
@@ -810,30 +810,30 @@ TRAVEL_COLUMNS: Final[Columns[Any]] = (
     COLUMNS[0],
     Column(
         key="parameters", title="fitted", page="fitted", numeric=False, why_empty="no value fits",
-        value=lambda one: ", ".join(
-            f"{e.quantity.symbol} = {number(e.value)}" for e in _estimates(one)
+        value=lambda item: ", ".join(
+            f"{e.quantity.symbol} = {number(e.value)}" for e in _estimates(item)
         ),
         text=_fitted,
     ),
     Column(
         key="range", title="95 % if it holds", page="95 %,\nif it holds", numeric=False,
-        phone="label", value=_ranges, text=lambda one: _ranges(one) or None,
+        phone="label", value=_ranges, text=lambda item: _ranges(item) or None,
     ),
     Column(
         key="travel", title="travel", page="travel", phone="hide", value=_travel,
-        text=lambda one: quantity(_travel(one), "m", 3) if one.criteria else None,
+        text=lambda item: quantity(_travel(item), "m", 3) if item.criteria else None,
     ),
     Column(title="as read", optional=True, value=_as_read, text=_as_read),
     Column(title="velocity never < 0", page="velocity\nnever < 0", phone="label", text=_forward),
     Column(
         key="score", title="held-out error", page="held-out error", phone="label", optional=True,
-        value=lambda one: one.score,
-        text=lambda one: None if one.score is None else quantity(one.score, "m", 3),
+        value=lambda item: item.score,
+        text=lambda item: None if item.score is None else quantity(item.score, "m", 3),
     ),
     COLUMNS[3],
     Column(
         title="share of the band", page="share of\nthe band", phone="label",
-        text=lambda one: percent(one.share) if one.share >= 0.005 else None,
+        text=lambda item: percent(item.share) if item.share >= 0.005 else None,
     ),
     LAST[1],
 )  # fmt: skip
@@ -867,7 +867,7 @@ class TravelKind(SimulatedKind):
         return ""
 
     def candidates(self, laws: Any, measurement: Measurement) -> list[str]:
-        return [one if isinstance(one, str) else one.name for one in laws or USUAL_LAWS]
+        return [law if isinstance(law, str) else law.name for law in laws or USUAL_LAWS]
 
     def owner(self, law: Law) -> AnyLaw:
         return law_type(law) if isinstance(law, str) else law
@@ -884,10 +884,10 @@ class TravelKind(SimulatedKind):
             return {}
         if isinstance(laws, Mapping):
             return dict(laws)
-        kinds = [law_type(one) if isinstance(one, str) else one for one in laws]
+        kinds = [law_type(law) if isinstance(law, str) else law for law in laws]
         check_any(kinds)
-        check_apart([one.name for one in kinds])
-        return {one.name: one for one in kinds}
+        check_apart([kind.name for kind in kinds])
+        return {kind.name: kind for kind in kinds}
 
     def fit(self, request: Request) -> Any:
         return super().fit(_read(request))
@@ -910,12 +910,12 @@ class TravelKind(SimulatedKind):
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> tuple[Readable, Weighed]:
         assert request.t_end is not None
-        found = (
+        result = (
             self._compared(request, laws)
             if request.law is None
             else self._fitted(request, *laws.values())
         )
-        return found, found
+        return result, result
 
     def _compared(self, request: Request, laws: Mapping[str, Any]) -> JudgedTravels:
         t_end = request.t_end or T_END
@@ -1064,7 +1064,7 @@ class TravelKind(SimulatedKind):
                 f" {in_sentence(fit.law.title)} is named, as it fits with fewer or more usual"
                 " parts."
             )
-        known, paths = fields_of(type(fit.law)), {one.path for one in fit.estimates}
+        known, paths = fields_of(type(fit.law)), {estimate.path for estimate in fit.estimates}
         symbols = [
             f"${known[name].symbol}$"
             for name in judgement.law_of(fit.name).names
@@ -1107,10 +1107,10 @@ class TravelKind(SimulatedKind):
         }
 
     def comparison(self, verdict: Any) -> Comparison:
-        found = super().comparison(verdict)
+        result = super().comparison(verdict)
         if not any(trial.cycles is not None for trial in verdict.trials):
-            return found
-        return replace(found, notes=[*found.notes, *_trial_lines(verdict)])
+            return result
+        return replace(result, notes=[*result.notes, *_trial_lines(verdict)])
 
     def summary(
         self, fit: Any, validate: Measurement | None = None, horizon: float | None = None
@@ -1125,7 +1125,7 @@ class TravelKind(SimulatedKind):
 
     def sections(self, verdict: Any, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
         middle = (band_section, laws_section, trials_section)
-        return sections_of(verdict, origin, remark, *(partial(one, verdict) for one in middle))
+        return sections_of(verdict, origin, remark, *(partial(item, verdict) for item in middle))
 
 
 def _read(request: Request) -> Request:
@@ -1158,7 +1158,7 @@ def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
             f" least {len(rig) + 2} different settings. Measure more, or vary fewer."
         )
     rigs = [
-        {path: (one, value) for path, one, value in parameters(trial.mechanism, "mechanism")}
+        {path: (item, value) for path, item, value in parameters(trial.mechanism, "mechanism")}
         for trial in trials
     ]
     for path in rig:

@@ -190,9 +190,13 @@ class TrialComparison(InPanels, Tabular):
         for trial in self.trials:
             row: dict[str, Any] = {"trial": trial.name}
             row |= {name: trial.conditions.get(name) for name in self.conditions}
-            for one in trial.estimates:
-                symbol = one.quantity.symbol
-                row |= {symbol: one.value, f"{symbol} low": one.low, f"{symbol} high": one.high}
+            for estimate in trial.estimates:
+                symbol = estimate.quantity.symbol
+                row |= {
+                    symbol: estimate.value,
+                    f"{symbol} low": estimate.low,
+                    f"{symbol} high": estimate.high,
+                }
             rows.append({**row, "leaves": trial.left})
         return pd.DataFrame(rows)
 
@@ -210,7 +214,7 @@ class TrialComparison(InPanels, Tabular):
                 {
                     "name": trial.name,
                     "conditions": dict(trial.conditions),
-                    "estimates": [one.to_dict() for one in trial.estimates],
+                    "estimates": [estimate.to_dict() for estimate in trial.estimates],
                     "leaves": trial.left,
                 }
                 for trial in self.trials
@@ -273,7 +277,11 @@ def comparison_of(
     joint: LawFit, refit: Refit, settings: RecordSettings | None = None
 ) -> TrialComparison:
     """Compare the trials of a fit: each is fitted alone, with what is beside the law as found."""
-    own = [one for one in joint.estimates if one.path.startswith("friction.") and one.bounded]
+    own = [
+        estimate
+        for estimate in joint.estimates
+        if estimate.path.startswith("friction.") and estimate.bounded
+    ]
     if not own:
         raise InputError("trials cannot be compared by a law without fitted parameters.")
     trials, failed = [], dict[str, str]()
@@ -289,10 +297,10 @@ def comparison_of(
         raise InputError(
             f"fewer than two trials could be fitted alone: {joined([*failed.values()])}"
         )
-    found = _Differences.of(trials)
+    result = _Differences.of(trials)
     return TrialComparison(
-        fit=joint, trials=tuple(trials), probability=found.probability, spread=found.spread,
-        lines=found.lines, sentences=tuple(_sentences(trials, found, failed)), failed=failed,
+        fit=joint, trials=tuple(trials), probability=result.probability, spread=result.spread,
+        lines=result.lines, sentences=tuple(_sentences(trials, result, failed)), failed=failed,
     )  # fmt: skip
 
 
@@ -309,26 +317,29 @@ def _alone(
     # what all trials share makes no difference between them
     doubts, _ = uncertainties_of(joint.mechanism, joint.measurement)[index]
     mechanism = vary(joint.mechanism, "mechanism", record.overrides)
-    looked = any(one.path == "mechanism.offset" for one in joint.estimates)
+    looked = any(estimate.path == "mechanism.offset" for estimate in joint.estimates)
     timed = record.time is not None and "friction" not in record.quantities()
     alone = refit(
         mechanism,
         joint.law,
         replace(record, overrides={}, parameter_uncertainties=doubts),
-        vary=[one.path for one in own],
+        vary=[item.path for item in own],
         fixed={"offset": getattr(mechanism, "offset", 0.0)} if looked and timed else None,
         settings=settings,
     )
     assert isinstance(alone, LawFit)
     assert alone.verdict is not None
-    drawn, known = alone.judgement.named_values, {one.path: one for one in alone.estimates}
-    lost = [one.path for one in own if one.path not in drawn or one.path not in known]
+    drawn, known = (
+        alone.judgement.named_values,
+        {estimate.path: estimate for estimate in alone.estimates},
+    )
+    lost = [item.path for item in own if item.path not in drawn or item.path not in known]
     if lost:
         raise InputError(f"it does not tell {lost[0].rpartition('.')[2]}.")
-    values = np.array([drawn[one.path] for one in own])
+    values = np.array([drawn[item.path] for item in own])
     return TrialEstimates(
         name=name, number=index, conditions=record.conditions, law=alone.law,
-        estimates=tuple(known[one.path] for one in own), values=values.mean(axis=1),
+        estimates=tuple(known[item.path] for item in own), values=values.mean(axis=1),
         covariance=np.atleast_2d(np.cov(values)), left=alone.verdict.closest.left,
     )  # fmt: skip
 
@@ -346,13 +357,13 @@ class _Differences:
     @classmethod
     def of(cls, trials: Sequence[TrialEstimates]) -> "_Differences":
         """Return the posterior over sizes of differences, and what it says."""
-        y = np.concatenate([one.values for one in trials])
+        y = np.concatenate([trial.values for trial in trials])
         count, width = len(trials), len(trials[0].values)
-        weights = np.array([1.0 / np.diag(one.covariance) for one in trials])
+        weights = np.array([1.0 / np.diag(trial.covariance) for trial in trials])
         middle = np.sum(weights * y.reshape(count, width), axis=0) / weights.sum(axis=0)
         size = np.maximum(np.abs(middle), np.min(np.sqrt(1.0 / weights), axis=0))
         columns = _columns(trials)
-        noise = block_diag(*(one.covariance for one in trials))
+        noise = block_diag(*(trial.covariance for trial in trials))
         mean: Array = np.kron(np.ones((count, 1)), np.diag(BROAD * size)).astype(float)
         effects: dict[str, Array] = {
             name: np.kron(x, np.diag(size)).astype(float) for name, x in columns.items()
@@ -413,12 +424,12 @@ class _Differences:
 
 def _columns(trials: Sequence[TrialEstimates]) -> dict[str, Array]:
     """Return the columns (k, c) of conditions that differ: a number over its range, or texts."""
-    found = dict[str, Array]()
+    result = dict[str, Array]()
     for name in _conditions(trials):
-        values = [one.conditions.get(name) for one in trials]
+        values = [trial.conditions.get(name) for trial in trials]
         if any(x is None for x in values) or len({type(x) for x in values}) > 1:
             continue
-        if len({*values}) < 2 or len(found) == MOST_CONDITIONS:
+        if len({*values}) < 2 or len(result) == MOST_CONDITIONS:
             continue
         if isinstance(values[0], str):
             words = [*dict.fromkeys(values)]
@@ -426,12 +437,12 @@ def _columns(trials: Sequence[TrialEstimates]) -> dict[str, Array]:
         else:
             z = np.array(values, dtype=float)
             x = ((z - z.mean()) / np.ptp(z))[:, None]
-        found[name] = x
-    return found
+        result[name] = x
+    return result
 
 
 def _conditions(trials: Sequence[TrialEstimates]) -> list[str]:
-    return [*dict.fromkeys(name for one in trials for name in one.conditions)]
+    return [*dict.fromkeys(name for trial in trials for name in trial.conditions)]
 
 
 def _lines(
@@ -439,17 +450,17 @@ def _lines(
 ) -> Iterator[ConditionLine]:
     """Yield each parameter as a line over each numeric condition."""
     for name, (probability, drawn) in effects.items():
-        values = [one.conditions[name] for one in trials]
+        values = [trial.conditions[name] for trial in trials]
         if isinstance(values[0], str):
             continue
         z = np.array(values, dtype=float)
-        for k, one in enumerate(trials[0].estimates):
+        for k, estimate in enumerate(trials[0].estimates):
             own = drawn[:, k] / np.ptp(z)
             low, slope, high = np.quantile(own, (0.025, 0.5, 0.975)).tolist()
             first, last = float(z.min()), float(z.max())
             start, end = (float(middle[k] + slope * (x - z.mean())) for x in (first, last))
             yield ConditionLine(
-                path=one.path, quantity=one.quantity, condition=name, ends=(first, last),
+                path=estimate.path, quantity=estimate.quantity, condition=name, ends=(first, last),
                 values=(start, end), slope=slope, low=low, high=high, probability=probability,
             )  # fmt: skip
 
@@ -459,22 +470,25 @@ def _texts(
 ) -> Iterator[tuple[float, str]]:
     """Yield what differs between trials with different texts for a condition, if it is clear."""
     for name, (probability, drawn) in effects.items():
-        values = [one.conditions[name] for one in trials]
+        values = [trial.conditions[name] for trial in trials]
         if not isinstance(values[0], str):
             continue
         words = [*dict.fromkeys(values)]
         width = len(trials[0].estimates)
         each = drawn.reshape(len(drawn), len(words), width)
-        for k, one in enumerate(trials[0].estimates):
+        for k, estimate in enumerate(trials[0].estimates):
             ends = np.quantile(each[:, :, k] - each[:, :1, k], (0.025, 0.975), axis=0)[:, 1:]
             if not np.any((ends[0] > 0.0) | (ends[1] < 0.0)):
                 continue
             means = middle[k] + np.median(each[:, :, k], axis=0)
             parts = [
-                f"{with_unit(number(x), one.quantity.unit)} for {w!r}"
+                f"{with_unit(number(x), estimate.quantity.unit)} for {w!r}"
                 for w, x in zip(words, means.tolist(), strict=True)
             ]
-            yield probability, f"{one.quantity.symbol} is {joined(parts)} ({condition_name(name)})"
+            yield (
+                probability,
+                f"{estimate.quantity.symbol} is {joined(parts)} ({condition_name(name)})",
+            )
 
 
 # What is said.
@@ -488,7 +502,7 @@ def _sentences(
     trials: Sequence[TrialEstimates], found: _Differences, failed: Mapping[str, str]
 ) -> Iterator[str]:
     """Yield what a comparison says; whether the trials share the law first."""
-    clear = sorted((one for one in found.lines if one.clear), key=_width)[:MOST]
+    clear = sorted((item for item in found.lines if item.clear), key=_width)[:MOST]
     differ = _odds(found.probability) >= ASSERTED
     median, low, high = (percent(x) for x in found.spread)
     symbol = trials[0].estimates[0].quantity.symbol
@@ -549,16 +563,16 @@ def _slope(line: ConditionLine) -> str:
 def _range(trials: Sequence[TrialEstimates]) -> Iterator[str]:
     """Yield the range of the parameter that differs most between trials, over its errors."""
     best = (0.0, "")
-    for k, one in enumerate(trials[0].estimates):
+    for k, estimate in enumerate(trials[0].estimates):
         least, most = (f(trials, key=lambda t: float(t.values[k])) for f in (min, max))
         errors = math.hypot(*(math.sqrt(t.covariance[k, k]) for t in (least, most)))
         apart = float(most.values[k] - least.values[k]) / max(errors, 1e-300)
         if apart > best[0]:
             low, high = (
-                f"{with_unit(number(t.estimates[k].value), one.quantity.unit)} in {t.name}"
+                f"{with_unit(number(t.estimates[k].value), estimate.quantity.unit)} in {t.name}"
                 for t in (least, most)
             )
-            best = apart, f"{one.quantity.symbol} ranges from {low} to {high}"
+            best = apart, f"{estimate.quantity.symbol} ranges from {low} to {high}"
     if best[1]:
         yield best[1]
 
@@ -567,7 +581,7 @@ def _cause(lines: Sequence[ConditionLine]) -> str:
     """Return which condition may be the cause, as the end of a sentence."""
     if not lines:
         return ""
-    best = max(lines, key=lambda one: (one.probability, -_width(one)))
+    best = max(lines, key=lambda line: (line.probability, -_width(line)))
     name = condition_name(best.condition)
     if best.probability < 0.5:
         return ", which no condition explains"
@@ -595,10 +609,10 @@ def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:
             yield f"All trials have {said}: its effect cannot be determined."
         else:
             differing[condition] = have
-    for one, other in itertools.combinations(differing, 2):
-        if _together(differing[one], differing[other]):
+    for item, other in itertools.combinations(differing, 2):
+        if _together(differing[item], differing[other]):
             yield (
-                f"{condition_name(one)} and {condition_name(other)} vary together: their effects"
+                f"{condition_name(item)} and {condition_name(other)} vary together: their effects"
                 " cannot be separated."
             )
 
@@ -624,4 +638,4 @@ def rests(record: Measurement) -> bool:
     """
     if record.time is None or record.joints:
         return False
-    return any(one.kind == "constant" for one in faults(record))
+    return any(fault.kind == "constant" for fault in faults(record))

@@ -101,7 +101,7 @@ class VelocityStepKind(SimulatedKind):
     own_columns = (
         Column(
             key="a_minus_b", title="a − b", page="a − b\n95 % interval", phone="label",
-            value=lambda one: getattr(_rate_of(one), "value", None),
+            value=lambda item: getattr(_rate_of(item), "value", None),
             text=_rate_text,
         ),
     )  # fmt: skip
@@ -125,7 +125,7 @@ class VelocityStepKind(SimulatedKind):
         pairs = (
             list(given.items())
             if isinstance(given, Mapping)
-            else [(names[form_of(one).title], one) for one in given]
+            else [(names[form_of(item).title], item) for item in given]
         )
         check_any(pairs)
         check_apart([name for name, _ in pairs])
@@ -141,12 +141,12 @@ class VelocityStepKind(SimulatedKind):
         vary: str | Sequence[str] | None,
         fixed: Mapping[str, float] | None,
     ) -> VelocitySteps:
-        found, references = dict[str, SteppedLaw](), list[float | None]()
+        result, references = dict[str, SteppedLaw](), list[float | None]()
         for name, law in laws.items():
             kind = RateState if isinstance(law, str) else law
             chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
             block, doubt = _pulled(chosen.mechanism), _doubt(chosen, measurement)
-            found[name], reference = _stepped(form_of(law), chosen, doubt)
+            result[name], reference = _stepped(form_of(law), chosen, doubt)
             references.append(reference)
         record = record_of(measurement, block.steady_load).within(self.before, self.after)
         if not len(record.path.steps) or len(record.time) < FEWEST:
@@ -159,7 +159,7 @@ class VelocityStepKind(SimulatedKind):
             )
         return VelocitySteps(
             record,
-            found,
+            result,
             block=block,
             doubt=doubt,
             reference=record.speed if references[0] is None else references[0],
@@ -223,15 +223,15 @@ class VelocityStepKind(SimulatedKind):
         return text
 
     def untold(self, fit: AnyFit) -> Iterator[str]:
-        found, path = {one.path for one in fit.estimates}, fit.problem.record.path
-        if {path_of_parameter(DIRECT), path_of_parameter(EVOLVED)} <= found:
+        result, path = {estimate.path for estimate in fit.estimates}, fit.problem.record.path
+        if {path_of_parameter(DIRECT), path_of_parameter(EVOLVED)} <= result:
             correlation = fixed(fit.details["correlation_a_b"], 2)
             if not fit.details["separable"]:
                 yield (
                     "$a$ and $b$: larger and smaller ones of the same difference fit as well"
                     f" (correlation {correlation})."
                 )
-        if path_of_parameter(STIFFNESS) in found and fit.family.is_prior(STIFFNESS):
+        if path_of_parameter(STIFFNESS) in result and fit.family.is_prior(STIFFNESS):
             yield "The stiffness of the machine: its interval is that of what was stated."
         if len(path.steps) == 1:
             yield "How well the law predicts another step: there is only one."
@@ -249,7 +249,7 @@ class VelocityStepKind(SimulatedKind):
 
     def _steps(self, fit: AnyFit, others: Sequence[AnyFit]) -> Iterator[str]:
         law, path = fit.law, fit.problem.record.path
-        tried = {one.form.title for one in fit.problem.laws.values()}
+        tried = {item.form.title for item in fit.problem.laws.values()}
         rest = [name for name, form in RATE_STATE_FORMS.items() if form.title not in tried]
         if rest and misses(fit):
             yield f"First compare the forms that were not tried, {joined(rest)}, by naming them."
@@ -279,11 +279,13 @@ class VelocityStepKind(SimulatedKind):
 
     # further numbers and figures
     def details(self, fit: AnyFit) -> Mapping[str, Any]:
-        found = {one.path: one for one in fit.estimates}
-        both = [found[path] for path in map(path_of_parameter, (DIRECT, EVOLVED)) if path in found]
+        result = {estimate.path: estimate for estimate in fit.estimates}
+        both = [
+            result[path] for path in map(path_of_parameter, (DIRECT, EVOLVED)) if path in result
+        ]
         correlation = 0.0
         if len(both) == 2 and {DIRECT, EVOLVED} <= {*fit.family.unknowns.names}:
-            correlation = float(np.corrcoef([fit.draws[one.path] for one in both])[0, 1])
+            correlation = float(np.corrcoef([fit.draws[item.path] for item in both])[0, 1])
         drifts, way = _drifts(fit), float(fit.problem.record.path.position[-1])
         return {
             "evolution": fit.law.evolution,
@@ -294,7 +296,7 @@ class VelocityStepKind(SimulatedKind):
             "drift": _change(fit)[1] / way if drifts else 0.0,
             "correlation_a_b": correlation,
             "separable": len(both) == 2
-            and all(one.half_width < SEPARATE * abs(one.value) for one in both),
+            and all(item.half_width < SEPARATE * abs(item.value) for item in both),
             "samples": len(fit.problem.record.time),
         }
 
@@ -315,7 +317,7 @@ class VelocityStepKind(SimulatedKind):
         every[f"about the step at {quantity(step, 's')}"] = near
         return [
             (name, t[rows], problem.measured[rows],
-             {one.law.title: one.family.band[1][rows] for one in (fit, *others)})
+             {other.law.title: other.family.band[1][rows] for other in (fit, *others)})
             for name, rows in every.items()
         ]  # fmt: skip
 

@@ -163,14 +163,14 @@ def fit(
     )
     refuse_unused(kind, {name: name for name in request.given}, request)
     several = isinstance(law, Mapping) and kind.by_contact
-    given = [one for one in law.values() if one is not None] if several else [law]
+    given = [item for item in law.values() if item is not None] if several else [law]
     refuse_foreign(kind, given)
     refuse_uninformed(kind, given, mechanism, measurement)
     law, vary = kind.law_and_parameters(law, vary, fixed or ())
     threads()  # refuses what the environment says before the work begins
     with _one_thread():
-        found: Fit[Any] = kind.fit(_chosen(kind, replace(request, law=law, vary=vary)))
-    return found
+        result: Fit[Any] = kind.fit(_chosen(kind, replace(request, law=law, vary=vary)))
+    return result
 
 
 def select(
@@ -279,9 +279,9 @@ def select(
     refuse_unused(kind, {name: name for name in request.given}, request)
     given = several.values() if isinstance(several, Mapping) else several or ()
     refuse_foreign(kind, given)
-    for one in (measurement, request.validate):
-        if one is not None:
-            refuse_uninformed(kind, given, mechanism, one)
+    for item in (measurement, request.validate):
+        if item is not None:
+            refuse_uninformed(kind, given, mechanism, item)
     with _one_thread():
         verdict: Verdict = kind.select(_chosen(kind, request))
     return verdict

@@ -75,14 +75,17 @@ def free_form(records: Sequence[Record]) -> str:
 
     It goes on where it turns back by little of its way.
     """
-    if any(np.any(one.force != -one.constant) or one.friction or one.driven for one in records):
+    if any(
+        np.any(record.force != -record.constant) or record.friction or record.driven
+        for record in records
+    ):
         return ""
     return "momentum" if goes_on(records) else "work"
 
 
 def goes_on(records: Sequence[Record]) -> bool:
     """Return whether motions turn back by no more than little of their way."""
-    ways = [(one.position, float(np.ptp(one.position)) + 1e-300) for one in records]
+    ways = [(record.position, float(np.ptp(record.position)) + 1e-300) for record in records]
     back = [
         min(float(np.max(np.maximum.accumulate(q) - q)) for q in (x, -x)) / size for x, size in ways
     ]
@@ -185,7 +188,7 @@ class FreeRecord:
         if self.is_at_turns:
             return np.asarray(x[self.turns[0]])
         parts = np.array_split(x, min(PARTS_OF_RECORD, len(x) // 4))
-        return np.array([float(np.mean(one)) for one in parts])
+        return np.array([float(np.mean(part)) for part in parts])
 
     @cached_property
     def response(self) -> Array:
@@ -243,17 +246,17 @@ class FreeBalance:
     """The balances of all records of a free motion, with the families that they weigh."""
 
     def __init__(self, records: Sequence[Record], form: str) -> None:
-        self.each = [FreeRecord(one, form) for one in records]
-        self.speed = np.abs(np.concatenate([one.velocity for one in self.each]))
+        self.each = [FreeRecord(record, form) for record in records]
+        self.speed = np.abs(np.concatenate([item.velocity for item in self.each]))
         self.goes_on = form == "momentum"
         slowest, fastest = self.passed(np.array(SEEN)).tolist()
         self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
         self.dim = self.slowest / (KNOWN_SPEED if self.goes_on else 1.0)
         self.refuse_gain()
-        self.y = np.concatenate([one.response / one.noise for one in self.each])
-        ones = [1.0 / one.noise for one in self.each]
+        self.y = np.concatenate([item.response / item.noise for item in self.each])
+        ones = [1.0 / item.noise for item in self.each]
         zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]
-        self.base = np.hstack([block_diag(*(one[:, None] for one in x)) for x in (ones, zeros)])
+        self.base = np.hstack([block_diag(*(item[:, None] for item in x)) for x in (ones, zeros)])
 
     def passed(self, parts: Array) -> Array:
         """Return the speeds (n,) below which friction does parts of its work, or acts, (n,)."""
@@ -263,8 +266,8 @@ class FreeBalance:
 
     def column(self, name: str) -> Array:
         """Return what a part of a law takes until the rows, over their noise."""
-        curves = [PARTS[name].curve(np.abs(one.velocity), ()) for one in self.each]
-        taken = [one.taken(c) / one.noise for one, c in zip(self.each, curves, strict=True)]
+        curves = [PARTS[name].curve(np.abs(item.velocity), ()) for item in self.each]
+        taken = [item.taken(c) / item.noise for item, c in zip(self.each, curves, strict=True)]
         return np.concatenate(taken)
 
     @cached_property
@@ -285,16 +288,16 @@ class FreeBalance:
     @property
     def _least(self) -> float:
         """Friction that takes no more than the noise of a row in all of the record [N]."""
-        ways = [float(np.ptp(one.taken(np.ones_like(one.velocity)))) for one in self.each]
+        ways = [float(np.ptp(item.taken(np.ones_like(item.velocity)))) for item in self.each]
         return float(np.median(self.each[0].noise)) / max(*ways, 1e-300)
 
     def refuse_gain(self) -> None:
         """Refuse motions that gain energy, or momentum, which friction only takes."""
-        for one in self.each:
-            gained = float(one.response[0] - one.response[-1])
-            if one.is_at_turns and not np.any(one.slope):
+        for item in self.each:
+            gained = float(item.response[0] - item.response[-1])
+            if item.is_at_turns and not np.any(item.slope):
                 why = "turns back although no spring and no weight of the mechanism pulls it back"
-            elif gained > GAINED * math.hypot(one.noise[0], one.noise[-1]):
+            elif gained > GAINED * math.hypot(item.noise[0], item.noise[-1]):
                 what = "momentum" if self.goes_on else "energy"
                 why = f"gains {what}, which friction only takes"
             else:
@@ -307,7 +310,7 @@ class FreeBalance:
     @cached_property
     def size(self) -> float:
         """Root mean square of the friction along the records [N]."""
-        friction = sum(one.at(self.speed) for one in self.fixed)
+        friction = sum(item.at(self.speed) for item in self.fixed)
         return math.sqrt(float(np.mean(friction**2)))
 
     @cached_property
@@ -318,12 +321,12 @@ class FreeBalance:
     @property
     def motions(self) -> list[Motion]:
         """The records as runs follow them."""
-        return [motion_of(one) for one in self.each]
+        return [motion_of(item) for item in self.each]
 
     @cached_property
     def side(self) -> float:
         """Sign of the velocity; 1 where it has both."""
-        middle = float(np.median(np.concatenate([one.velocity for one in self.each])))
+        middle = float(np.median(np.concatenate([item.velocity for item in self.each])))
         return -1.0 if self.goes_on and middle < 0.0 else 1.0
 
     def motion(self, unseen: Sequence[Unseen], load: float) -> FreeMotion:
@@ -350,17 +353,17 @@ def unseen_of(
     that the mechanism has.
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    found = [Unseen(path=path, value=values[path], deviation=SOUGHT) for path in sought]
-    found += [
+    result = [Unseen(path=path, value=values[path], deviation=SOUGHT) for path in sought]
+    result += [
         Unseen(path=path, value=values[path], deviation=x / abs(values[path]))
         for path, x in deviations.items()
         if values.get(path)
     ]
-    known = {one.path for one in found}
+    known = {item.path for item in result}
     usual = [f"mechanism.{name}" for name in UNSEEN if values.get(f"mechanism.{name}", 0.0) > 0.0]
     if usual and not known & {*usual} and not sought:
-        found.append(Unseen(path=usual[0], value=values[usual[0]]))
-    return found
+        result.append(Unseen(path=usual[0], value=values[usual[0]]))
+    return result
 
 
 def balanced(records: Sequence[Record], form: str, inertia: str) -> dict[str, float]:
@@ -370,23 +373,23 @@ def balanced(records: Sequence[Record], form: str, inertia: str) -> dict[str, fl
     is the path of that which is an inertia and nothing else.
     """
     rows, left = list[Array](), list[Array]()
-    for one in records:
-        own = FreeRecord(one, form)
+    for record in records:
+        own = FreeRecord(record, form)
         v = own.velocity
         a = np.gradient(v, own.step)
-        known = 0.0 * v if one.mechanism is None else one.mechanism
-        columns = [np.sign(v), v, *(x.inertia * a - x.force for x in one.unknown.values())]
-        if one.inertia is None:
+        known = 0.0 * v if record.mechanism is None else record.mechanism
+        columns = [np.sign(v), v, *(x.inertia * a - x.force for x in record.unknown.values())]
+        if record.inertia is None:
             columns.append(a)
         inside = slice(len(v) // 50 + 2, -len(v) // 50 - 2)
         rows.append(np.column_stack(columns)[inside])
-        left.append((one.force + known - (one.inertia or 0.0) * a)[inside])
+        left.append((record.force + known - (record.inertia or 0.0) * a)[inside])
     x, y = np.concatenate(rows), np.concatenate(left)
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     c = np.linalg.lstsq(x / size, y, rcond=1e-9)[0] / size
-    found = {path: one.given for path, one in records[0].unknown.items()}
-    changes = dict(zip([*found, inertia], c[2:].tolist(), strict=False))
-    return {path: found.get(path, 0.0) + change for path, change in changes.items()}
+    result = {path: item.given for path, item in records[0].unknown.items()}
+    changes = dict(zip([*result, inertia], c[2:].tolist(), strict=False))
+    return {path: result.get(path, 0.0) + change for path, change in changes.items()}
 
 
 def undriven(mechanism: Mechanism) -> Mechanism:

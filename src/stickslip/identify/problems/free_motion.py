@@ -86,7 +86,7 @@ class OtherMotions:
     @property
     def response(self) -> Array:
         """Positions [m], or velocities (n,)."""
-        return np.concatenate([one.values for one in self.motions])
+        return np.concatenate([motion.values for motion in self.motions])
 
 
 @dataclass(eq=False)
@@ -122,36 +122,36 @@ class FreeMotionProblem(Problem):
             known = [(), *dict.fromkeys(map(parts_of, self.families))]
         self.restricted = known is not None
         self.runs = len(self.records)
-        own = [before_rest(one) for one in self.records]
+        own = [before_rest(record) for record in self.records]
         form = free_form(own)
         if self.sought:
             inertia = next((x for x in self.sought if x not in own[0].unknown), "")
-            found = balanced(own, form, inertia)
+            result = balanced(own, form, inertia)
             try:
-                own = [replace(x, rig=vary(x.rig, "mechanism", found)) for x in own if x.rig]
+                own = [replace(x, rig=vary(x.rig, "mechanism", result)) for x in own if x.rig]
             except InputError as error:
                 raise InputError(f"{NOT_FREE} The closest balance says: {error}") from None
         self.balance = FreeBalance(own, form)
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen, self.normal)
-        laws = [tuple(one.split()) for one in FAMILIES] if known is None else known
+        laws = [tuple(item.split()) for item in FAMILIES] if known is None else known
         near = followed(motion)
         self.posterior = judged(near, self.balance.grid, laws)
-        self._families = [family_of(one) for one in self.posterior.structures]
+        self._families = [family_of(structure) for structure in self.posterior.structures]
         self.size, self.load = motion.size, self.normal
         self.side = self.balance.side
 
     def with_laws(
         self, own: Sequence[Structure], families: Sequence[Family]
     ) -> "FreeMotionProblem":
-        found = copy.copy(self)
-        found.families, found.restricted = (*families, *map(family_of, own)), True
+        result = copy.copy(self)
+        result.families, result.restricted = (*families, *map(family_of, own)), True
         known, model = [*dict.fromkeys(map(parts_of, families))], self.model
         model = RunModel(model.runs, model.linear, model, own)
-        found.posterior = judged(model, self.balance.grid, known)
-        found._families = [family_of(one) for one in found.posterior.structures]
-        return found
+        result.posterior = judged(model, self.balance.grid, known)
+        result._families = [family_of(structure) for structure in result.posterior.structures]
+        return result
 
     def slips(self, rows: SteadyRows) -> Slips:
         return Slips(velocity=rows.velocity, load=rows.load, inputs={})
@@ -206,7 +206,7 @@ class FreeMotionProblem(Problem):
         """
         motion = self.model.motion
         knots = self.at(self.side * np.exp(motion.knots))
-        fixed = np.sum([one.at(np.abs(knots.velocity)) for one in motion.fixed], axis=0)
+        fixed = np.sum([item.at(np.abs(knots.velocity)) for item in motion.fixed], axis=0)
         unseen = self.model.beside(draws)[self.model.runs.ratio].T
         told = np.hstack([self.side * self.steady(knots, draws) / fixed, unseen])
         curves, told = (x - x.mean(axis=0) for x in (self.steady(self.asked(), draws), told))
@@ -229,7 +229,7 @@ class FreeMotionProblem(Problem):
         motion = self.model.motion
         order = np.argsort(motion.knots)
         speed = np.exp(motion.knots[order])
-        fixed = np.sum([one.at(speed) for one in motion.fixed], axis=0)
+        fixed = np.sum([item.at(speed) for item in motion.fixed], axis=0)
         values, vectors = np.linalg.eigh(self.model.told[np.ix_(order, order)])
         told = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T / fixed
         there = np.abs(places.velocity)
@@ -257,21 +257,21 @@ class FreeMotionProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(one.split()) for one in FAMILIES]
+        known = [tuple(item.split()) for item in FAMILIES]
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
         laws: dict[Family, list[Structure]] = {}
-        for family, shapes, _ in self.balance.grid.families([one for one in known if one]):
+        for family, shapes, _ in self.balance.grid.families([item for item in known if item]):
             laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
-        laws |= {family_of(one): [one] for one in self.model.own}
+        laws |= {family_of(item): [item] for item in self.model.own}
         return [
             Candidates(
-                family=one,
+                family=item,
                 structures=structures,
-                parameters=parameters_of(one)
-                + sum(is_slope(name) and name.place >= 0 for name in one),
+                parameters=parameters_of(item)
+                + sum(is_slope(name) and name.place >= 0 for name in item),
             )
-            for one, structures in laws.items()
+            for item, structures in laws.items()
         ]
 
     def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
@@ -303,7 +303,7 @@ class FreeMotionProblem(Problem):
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
         """Return the normal forces (k, 1) of draws, or that in the middle of all."""
         own = self.posterior.draws(DRAWS, seed=13) if draws is None else draws
-        normal = np.full(sum(one.random.shape[1] for one in own), self.normal)
+        normal = np.full(sum(item.random.shape[1] for item in own), self.normal)
         rig = self.rig(own)
         for path, (slope, given) in (self.load_slopes or {}).items():
             normal = normal + slope * (rig.get(path, given) - given)
@@ -324,14 +324,14 @@ class FreeMotionProblem(Problem):
         """Return the probability of each family, and that with little that no law says."""
         every, adequate = dict[Family, float](), dict[Family, float]()
         small = self.posterior.weights[self._small(tolerance)].sum(axis=0)
-        for one, share, own in zip(self._families, self.posterior.shares, small, strict=True):
-            every[one] = every.get(one, 0.0) + float(share)
-            adequate[one] = adequate.get(one, 0.0) + float(own)
+        for family, share, own in zip(self._families, self.posterior.shares, small, strict=True):
+            every[family] = every.get(family, 0.0) + float(share)
+            adequate[family] = adequate.get(family, 0.0) + float(own)
         return every, adequate
 
     def holds(self, family: Family) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) of the posterior at which a family holds."""
-        same = np.array([one == family for one in self._families])
+        same = np.array([item == family for item in self._families])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
     def nothing(self) -> "NDArray[np.bool_]":
@@ -347,9 +347,9 @@ class FreeMotionProblem(Problem):
         random = self.model.beside(draws)[:KNOTS]
         curves = (side[:, None] * self.model.motion.beside(speed) @ random).T
         laws = []
-        for one in draws:
-            own = np.zeros((one.random.shape[1], len(speed)))
-            for column, c in zip(one.structure, one.law, strict=True):
+        for draw in draws:
+            own = np.zeros((draw.random.shape[1], len(speed)))
+            for column, c in zip(draw.structure, draw.law, strict=True):
                 own += np.outer(c, self.columns(column, rows)[0])
             laws.append(own)
         return np.asarray(side * np.maximum(side * (curves + np.vstack(laws)), 0.0))
@@ -365,7 +365,7 @@ class FreeMotionProblem(Problem):
 
     def like(self, records: Sequence[Record]) -> OtherMotions:
         """Return the readings of other records, which are another run."""
-        own = [before_rest(one) for one in records]
+        own = [before_rest(record) for record in records]
         return OtherMotions(motions=FreeBalance(own, free_form(own)).motions)
 
     def readings(self, rows: SteadyRows | OtherMotions, draws: Sequence[Draws]) -> Array:
@@ -380,8 +380,8 @@ class FreeMotionProblem(Problem):
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what no balance sees of the mechanism (k,) in draws, by path."""
         motion = self.model.motion
-        found = motion.values(self.model.beside(draws)[self.model.runs.ratio].T)
-        return dict(zip(motion.paths, found.T, strict=True))
+        result = motion.values(self.model.beside(draws)[self.model.runs.ratio].T)
+        return dict(zip(motion.paths, result.T, strict=True))
 
     def followed(self, rung: Rung) -> Followed:
         """Return how closely a run of the law of a rung follows the readings.
@@ -399,12 +399,12 @@ class FreeMotionProblem(Problem):
     def _between(self) -> tuple[Array, Array]:
         """Speeds and friction (n,) in the mean of stretches, by the balance."""
         speeds, frictions = list[Array](), list[Array]()
-        for one in self.balance.each:
-            v = np.abs(one.velocity)
-            every = max(len(one.response) // ASKED, 1)
+        for item in self.balance.each:
+            v = np.abs(item.velocity)
+            every = max(len(item.response) // ASKED, 1)
             way, path, lost = (
                 np.diff(x[::every])
-                for x in (one.taken(np.ones_like(v)), one.taken(v), one.response)
+                for x in (item.taken(np.ones_like(v)), item.taken(v), item.response)
             )
             speeds.append(path / way)
             frictions.append(lost / way)

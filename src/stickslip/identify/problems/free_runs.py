@@ -134,7 +134,7 @@ class Term(Parametrised):
 
     def at(self, speed: Scalar) -> Scalar:
         """Return its friction at a speed."""
-        return self.coefficient * PARTS[self.part].curve(speed, [one.value for one in self.shape])
+        return self.coefficient * PARTS[self.part].curve(speed, [item.value for item in self.shape])
 
 
 def leja(count: int) -> Array:
@@ -148,11 +148,11 @@ def leja(count: int) -> Array:
     [1.732, 1.732, 0.0]
     """
     left = [*(2.0 * np.cos(math.pi * (np.arange(count)[::-1] + 0.5) / count))]
-    found = [left.pop(0)]
+    result = [left.pop(0)]
     while left:
-        far = [math.prod(abs(x - one) for one in found) for x in left]
-        found.append(left.pop(int(np.argmax(far))))
-    return np.array(found)
+        far = [math.prod(abs(x - item) for item in result) for x in left]
+        result.append(left.pop(int(np.argmax(far))))
+    return np.array(result)
 
 
 POINTS = leja(KNOTS)
@@ -166,10 +166,10 @@ def _place(speed: Scalar, slowest: Scalar, fastest: Scalar) -> Scalar:
 
 def _newton(x: Array) -> Array:
     """Return Newton's polynomials at places (n, k)."""
-    found = np.ones((len(x), KNOTS))
+    result = np.ones((len(x), KNOTS))
     for k, at in enumerate(POINTS[:-1]):
-        found[:, k + 1] = found[:, k] * (x - at)
-    return found
+        result[:, k + 1] = result[:, k] * (x - at)
+    return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,14 +192,14 @@ class RunLaw(SetValuedLaw):
     fastest: Annotated[float, Quantity("v", above=0)]
 
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
-        friction = sum(one.at(speed) for one in self.terms)
+        friction = sum(term.at(speed) for term in self.terms)
         if not self.waves:
             return friction
         x = _place(speed, self.slowest, self.fastest)
         share = self.waves[-1].value + 0.0 * x
-        for one, at in zip(self.waves[-2::-1], POINTS[-2::-1], strict=True):
-            share = one.value + (x - at) * share
-        return friction + share * sum(one.at(speed) for one in self.fixed)
+        for wave, at in zip(self.waves[-2::-1], POINTS[-2::-1], strict=True):
+            share = wave.value + (x - at) * share
+        return friction + share * sum(item.at(speed) for item in self.fixed)
 
     def break_away(self, load: Scalar) -> Scalar:
         at_rest = self.sliding(0.0, load)
@@ -299,11 +299,11 @@ class FreeMotion:
     @property
     def paths(self) -> list[str]:
         """Paths of what no balance sees of the mechanism."""
-        return [one.path for one in self.unseen]
+        return [item.path for item in self.unseen]
 
     def values(self, logs: Array, motion: Motion | None = None) -> Array:
         """Return it for logarithms of it over its given values (..., p), as it is in a motion."""
-        given = [one.value for one in self.unseen]
+        given = [item.value for item in self.unseen]
         if motion is not None:
             known = {path: x for path, _, x in parameters(motion.mechanism, "mechanism")}
             given = [known[path] for path in self.paths]
@@ -331,7 +331,7 @@ class FreeMotion:
     def share(self, column: Column) -> Array:
         """Return a term of a law at the knots, over the fixed curve (k,)."""
         speed = np.exp(self.knots)
-        return np.asarray(self.term(column, speed) / sum(one.at(speed) for one in self.fixed))
+        return np.asarray(self.term(column, speed) / sum(item.at(speed) for item in self.fixed))
 
     def term(self, column: Column, speed: Array) -> Array:
         """Return a term of a law at speeds (n,)."""
@@ -343,11 +343,11 @@ class FreeMotion:
     def curve(self, candidate: Candidate) -> Array:
         """Return a law at the knots, over the fixed curve (k,)."""
         pairs = zip(candidate.structure, candidate.coefficients, strict=True)
-        return np.asarray(sum((c * self.share(one) for one, c in pairs), np.zeros(KNOTS)))
+        return np.asarray(sum((c * self.share(item) for item, c in pairs), np.zeros(KNOTS)))
 
     def beside(self, speed: Array) -> Array:
         """Return friction at speeds for values of 1 at each knot alone (n, k)."""
-        fixed = sum(one.at(speed) for one in self.fixed)
+        fixed = sum(item.at(speed) for item in self.fixed)
         table = _newton(_place(speed, self.slowest, self.fastest)) @ self.waves
         return np.asarray(table * np.reshape(fixed, (-1, 1)))
 
@@ -373,30 +373,32 @@ class Runs:
         """Return means and standard deviations of the unknowns; those of the knots are 0 and 1."""
         motion = self.motion
         mean, deviations = np.zeros(self.starts.stop), np.ones(self.starts.stop)
-        deviations[self.ratio] = [one.deviation for one in motion.unseen]
-        for k, one in enumerate(motion.motions):
+        deviations[self.ratio] = [item.deviation for item in motion.unseen]
+        for k, entry in enumerate(motion.motions):
             at = self.starts.start + OF_MOTION * k
-            rate = START * one.range / max(float(one.time[-1]), 1e-300) * (len(one.turns) + 1.0)
-            speed, place = max(abs(one.start[1]), rate), max(abs(one.start[0]), one.range)
-            mean[at : at + 2] = one.start
+            rate = (
+                START * entry.range / max(float(entry.time[-1]), 1e-300) * (len(entry.turns) + 1.0)
+            )
+            speed, place = max(abs(entry.start[1]), rate), max(abs(entry.start[0]), entry.range)
+            mean[at : at + 2] = entry.start
             deviations[at : at + 4] = (
                 START * place,
                 START * speed,
-                ZERO * one.range,
-                (DRIFT * one.range),
+                ZERO * entry.range,
+                (DRIFT * entry.range),
             )
-            if not one.located:
-                deviations[at : at + 2] = START * place, START * one.range
+            if not entry.located:
+                deviations[at : at + 2] = START * place, START * entry.range
         return mean, deviations
 
     @cached_property
     def precision(self) -> Array:
         """Precision (m, m) with which a run that follows is looked for."""
-        found = np.diag(self.deviations**-2.0)
+        result = np.diag(self.deviations**-2.0)
         k, slow = FOLLOWING
         root = np.linalg.inv(self.motion.root(SIZES[k], SLOW_SIZES[slow]))
-        found[self.knots, self.knots] = root.T @ root
-        return found
+        result[self.knots, self.knots] = root.T @ root
+        return result
 
     def _law(self, x: Array) -> RunLaw:
         return RunLaw(
@@ -419,20 +421,20 @@ class Runs:
             return None
         law = self._law(x)
         try:
-            for one, (q, v, zero, drift) in zip(
+            for item, (q, v, zero, drift) in zip(
                 motion.motions, x[self.starts].reshape(-1, OF_MOTION), strict=True
             ):
-                mechanism = one.mechanism
+                mechanism = item.mechanism
                 if motion.unseen:
-                    values = motion.values(x[self.ratio], one).tolist()
+                    values = motion.values(x[self.ratio], item).tolist()
                     own = dict(zip(motion.paths, values, strict=True))
                     mechanism = vary(mechanism, "mechanism", own)
-                rows = one.first(turns)
-                run = SOLVER.bare(mechanism, law, y0=[q, v], t_end=float(one.time[rows - 1]))
+                rows = item.first(turns)
+                run = SOLVER.bare(mechanism, law, y0=[q, v], t_end=float(item.time[rows - 1]))
                 if not run.status.complete:
                     return None
-                there = run.at(one.time[:rows])[:, 1 - one.located]
-                left.append(one.values[:rows] - there - zero - drift * one.late[:rows])
+                there = run.at(item.time[:rows])[:, 1 - item.located]
+                left.append(item.values[:rows] - there - zero - drift * item.late[:rows])
                 runs.append(run)
         except InputError:  # a value out of its range
             return None
@@ -452,23 +454,23 @@ class Runs:
 
     def _slopes(self, x: Array, runs: "Sequence[BareRun]", turns: int | None) -> Array:
         """Return the slopes of the runs by the unknowns (n, m)."""
-        motion, found = self.motion, list[Array]()
-        for k, (one, run) in enumerate(zip(motion.motions, runs, strict=True)):
-            rows = one.first(turns)
-            table = run.differentiate(one.time[:rows], self._paths)[:, 1 - one.located, :]
+        motion, result = self.motion, list[Array]()
+        for k, (item, run) in enumerate(zip(motion.motions, runs, strict=True)):
+            rows = item.first(turns)
+            table = run.differentiate(item.time[:rows], self._paths)[:, 1 - item.located, :]
             # what a run has no slope by stays where it is
             table = np.where(np.isfinite(table).all(axis=0), table, 0.0)
             own = np.zeros((rows, len(x)))
             count = self.waved.stop
             own[:, self.knots] = table[:, :count] @ motion.waves[self.waved]
             unseen = slice(count, count + len(motion.unseen))
-            own[:, self.ratio] = table[:, unseen] * motion.values(x[self.ratio], one)
+            own[:, self.ratio] = table[:, unseen] * motion.values(x[self.ratio], item)
             at = self.starts.start + OF_MOTION * k
             own[:, at : at + 2] = table[:, unseen.stop :]
-            own[:, at + 2] = 1.0 * one.located
-            own[:, at + 3] = one.late[:rows]
-            found.append(own)
-        return np.vstack(found)
+            own[:, at + 2] = 1.0 * item.located
+            own[:, at + 3] = item.late[:rows]
+            result.append(own)
+        return np.vstack(result)
 
     def linear(self, x: Array, turns: int | None = None) -> Linear | None:
         """Return runs linearised about some unknowns; None where none can be made."""
@@ -533,19 +535,19 @@ class Runs:
         return linear
 
     def _has(self, turns: int) -> bool:
-        return any(len(one.turns) > turns for one in self.motion.motions)
+        return any(len(motion.turns) > turns for motion in self.motion.motions)
 
     @property
     def noise(self) -> float:
         """Standard deviation of the noise of readings, by third differences."""
-        return math.sqrt(float(np.mean([one.noise**2 for one in self.motion.motions])))
+        return math.sqrt(float(np.mean([motion.noise**2 for motion in self.motion.motions])))
 
     def scatter(self, linear: Linear) -> float:
         """Return the standard deviation of what runs leave of the readings."""
         gram = self.noise**-2.0 * linear.slopes.T @ linear.slopes
         told = float(np.trace(inverse(gram + self.precision) @ gram))
         freedom = max(len(linear.residual) - told, 1.0)
-        least = max(0.1 * self.noise, CLOSEST * max(one.range for one in self.motion.motions))
+        least = max(0.1 * self.noise, CLOSEST * max(motion.range for motion in self.motion.motions))
         return max(math.sqrt(float(linear.residual @ linear.residual) / freedom), least)
 
 
@@ -600,13 +602,13 @@ class RunModel(Model):
         return self.motion.root(SIZES[node[0]], SLOW_SIZES[node[1]])
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
-        sizes = np.array([self.size(one) for one in columns])
+        sizes = np.array([self.size(column) for column in columns])
         m, p = len(self.runs.mean), len(columns)
         turn = np.zeros((m + 1, m + p + 1))
         turn[:KNOTS, :KNOTS] = self.root(node)
         turn[range(KNOTS, m), range(KNOTS, m)] = 1.0
         if columns:
-            shares = np.column_stack([self.motion.share(one) for one in columns])
+            shares = np.column_stack([self.motion.share(column) for column in columns])
             turn[:KNOTS, m : m + p] = shares * sizes
         turn[m, m + p] = 1.0
         return System(
@@ -625,12 +627,12 @@ class RunModel(Model):
 
     def beside(self, draws: Sequence[Draws]) -> Array:
         """Return what no law says at the knots, and the unknowns behind it, of draws (m, k)."""
-        found = []
-        for one in draws:
-            x = one.random.copy()
-            x[:KNOTS] = self.root(one.node) @ one.random[:KNOTS]
-            found.append(x)
-        return np.hstack(found)
+        result = []
+        for draw in draws:
+            x = draw.random.copy()
+            x[:KNOTS] = self.root(draw.node) @ draw.random[:KNOTS]
+            result.append(x)
+        return np.hstack(result)
 
     @property
     def told(self) -> Array:
@@ -670,15 +672,15 @@ class RunModel(Model):
         Each begins as it fits them best, and its friction differs as that of another run does.
         """
         rng, runs = np.random.default_rng(11), Runs(replace(self.motion, motions=motions))
-        values = np.concatenate([one.values for one in motions])
+        values = np.concatenate([motion.values for motion in motions])
         base: Linear | None = None
-        found, free = [], np.zeros(runs.starts.stop, dtype=bool)
+        result, free = [], np.zeros(runs.starts.stop, dtype=bool)
         free[runs.starts] = True
-        for one in draws:
-            for law, random in zip(one.law.T, one.random.T, strict=True):
+        for draw in draws:
+            for law, random in zip(draw.law.T, draw.random.T, strict=True):
                 factor = 1.0 + rng.choice(RUNS, p=RUN_PRIOR) * rng.normal()
                 x = runs.mean.copy()
-                known = self.unknowns(one.node, one.structure, law, random)
+                known = self.unknowns(draw.node, draw.structure, law, random)
                 x[: runs.starts.start] = known[: runs.starts.start]
                 x[:KNOTS] *= factor
                 if base is None:
@@ -693,10 +695,10 @@ class RunModel(Model):
                         x[runs.starts] += slopes @ made[0]
                 made = runs.run(x)
                 if made is not None:
-                    found.append(values - made[0] + self.sigma * rng.normal(size=len(values)))
-        if not found:
+                    result.append(values - made[0] + self.sigma * rng.normal(size=len(values)))
+        if not result:
             raise InputError("no run of a law follows the second record: check what it is of.")
-        return np.array(found)
+        return np.array(result)
 
 
 def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:
@@ -769,14 +771,14 @@ def _refined(
     for k in order:
         best.setdefault(family_of(posterior.structures[k]), k)
     near = [k for k in order[:KEPT_LAWS] if value[k] > value[order[0]] - BEHIND]
-    found: dict[Structure, float] = {}
+    result: dict[Structure, float] = {}
     for k in dict.fromkeys([*near, *best.values()]):
         law = posterior.structures[k]
         many = [*grid.finer(family_of(law), [shape for _, shape in law], part)]
         for shapes in many:
             one = tuple(zip(family_of(law), map(tuple, shapes), strict=True))
-            found.setdefault(one, laws[law] - math.log(len(many)))
-    return found
+            result.setdefault(one, laws[law] - math.log(len(many)))
+    return result
 
 
 def worth(slopes: Array, residual: Array, precision: Array) -> float:

@@ -69,7 +69,7 @@ def contacts_along(mechanism: Mechanism) -> dict[str, Contact]:
             " give the torque of each joint, and leave the motor out; of a robot, its rotor is part"
             " of the armature."
         )
-    found: dict[str, Contact] = {}
+    result: dict[str, Contact] = {}
     for contact in mechanism.contacts():
         label = f"{owner}: the contact {contact.name!r}"
         if contact.normal is not None:
@@ -82,13 +82,13 @@ def contacts_along(mechanism: Mechanism) -> dict[str, Contact]:
                 f"{label} slips along a combination of coordinates; fits of several joints need a"
                 " contact that slips along one coordinate, without a factor."
             )
-        if contact.slip in found:
+        if contact.slip in result:
             raise InputError(
-                f"{label} and {found[contact.slip].name!r} rub along one coordinate, which no"
+                f"{label} and {result[contact.slip].name!r} rub along one coordinate, which no"
                 " record tells apart: leave one of them out of the mechanism."
             )
-        found[contact.slip] = replace(contact, name=contact.name or contact.slip)
-    return found
+        result[contact.slip] = replace(contact, name=contact.name or contact.slip)
+    return result
 
 
 def joint_record(mechanism: Mechanism, measurement: Measurement, coordinate: str) -> Measurement:
@@ -145,7 +145,7 @@ def resting_of(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...
             times = np.asarray(piece.time, dtype=float)
             if len(times) >= FEWEST:
                 joints = [piece.joints[name] for name in mechanism.coordinates]
-                moved |= _moving([positions_of(one) for one in joints], times)
+                moved |= _moving([positions_of(joint) for joint in joints], times)
     return tuple(
         name for name, moves in zip(mechanism.coordinates, moved.tolist(), strict=True) if not moves
     )

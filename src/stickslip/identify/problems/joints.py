@@ -180,7 +180,7 @@ class JointRecords:
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
         return {
-            name: [moved(one, k) for one, k in zip(own, self.numbers[name], strict=True)]
+            name: [moved(item, k) for item, k in zip(own, self.numbers[name], strict=True)]
             for name, own in self.records.items()
         }
 
@@ -195,16 +195,16 @@ class JointRecords:
     ) -> "JointRecords":
         names, contacts = torques.coordinates, contacts_along(mechanism)
         moving = [name not in resting for name in names]
-        middle = np.median(np.concatenate([one.position for one in pieces]), axis=0)
+        middle = np.median(np.concatenate([piece.position for piece in pieces]), axis=0)
         mass = _mass(torques, mechanism, middle)
-        noise = np.max([one.noise for one in pieces], axis=0) * moving
+        noise = np.max([piece.noise for piece in pieces], axis=0) * moving
         plain = {
-            i: [one.plain(i, abs(float(mass[i, i]))) for one in pieces]
+            i: [piece.plain(i, abs(float(mass[i, i]))) for piece in pieces]
             for i, moves in enumerate(moving)
             if moves
         }
         widest = ROBOTS * max(map(mean_frequency, plain.values()), default=math.inf)
-        span = sum(float(np.ptp(one.time)) for one in pieces)
+        span = sum(float(np.ptp(piece.time)) for piece in pieces)
         widest = max(widest, ROWS * len(torques.linear) / (PER * span))
         records, numbers = dict[str, list[Record]](), dict[str, list[int]]()
         widths = dict[str, float]()
@@ -213,15 +213,15 @@ class JointRecords:
             if name not in contacts:
                 continue
             gain = float(np.linalg.norm(mass[i] * noise) / (inertia * noise[i])) if inertia else 1.0
-            noisy = [replace(one, gain=gain) for one in own]
+            noisy = [replace(item, gain=gain) for item in own]
             # where it moves less than its sensor misses, it rests: nothing tells its friction
             seen = [(a, b) for a, b in zip(pieces, noisy, strict=True) if _is_seen(b)]
             if not seen:
                 continue
-            cuts = (cutoff_of(even(one)) for _, one in seen if moves(one))
+            cuts = (cutoff_of(even(item)) for _, item in seen if moves(item))
             widths[name] = bands[name] if name in bands else min(*cuts, widest)
-            records[name] = [one.along(i, record, torques, widths[name]) for one, record in seen]
-            numbers[name] = [one.number for one, _ in seen]
+            records[name] = [item.along(i, record, torques, widths[name]) for item, record in seen]
+            numbers[name] = [item.number for item, _ in seen]
         return cls(
             contacts={name: contacts[name].name for name in records},
             resting=tuple(name for name in contacts if name not in records),
@@ -272,8 +272,8 @@ class Links:
     def errors(self) -> dict[str, float]:
         """Standard errors; infinite where the motion does not tell a parameter from others."""
         each = np.linalg.norm(self.told.root, axis=1).tolist()
-        found = dict(zip(self.paths, each, strict=False))
-        return found | dict.fromkeys(self.lost, math.inf)
+        result = dict(zip(self.paths, each, strict=False))
+        return result | dict.fromkeys(self.lost, math.inf)
 
 
 def _is_seen(record: Record) -> bool:
@@ -300,10 +300,10 @@ def links_of(
 
     for _ in range(ROUNDS):
         told = _told(parts, prior(zero))
-        parts = [one.weighed(told) for one in parts]
+        parts = [part.weighed(told) for part in parts]
         odds = {x: math.log(p) + _evidence(parts, prior(x)) for x, p in shares.items()}
         zero = max(odds, key=lambda x: odds[x])
-    gram = np.sum([one.gram for one in parts], axis=0)[:count, :count]
+    gram = np.sum([part.gram for part in parts], axis=0)[:count, :count]
     scale = np.sqrt(np.diagonal(gram))
     scale[scale == 0.0] = 1.0  # nothing depends on it
     values, basis = np.linalg.eigh(gram / np.outer(scale, scale))
@@ -314,7 +314,7 @@ def links_of(
         doubts=doubts,
         paths=paths,
         told=told,
-        left=max(one.left(told) for one in parts),
+        left=max(part.left(told) for part in parts),
         zero=zero,
         lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
     )
@@ -323,23 +323,23 @@ def links_of(
 def reduced_of(records: JointRecords, held: bool, paths: Sequence[str]) -> "list[Reduced]":
     """Return the balances of all joints less what their curves explain, forces `held` or not."""
     return [
-        Reduced.of([replace(one, held=held) for one in own], records, name, paths)
+        Reduced.of([replace(item, held=held) for item in own], records, name, paths)
         for name, own in records.records.items()
     ]
 
 
 def weighed(parts: "Sequence[Reduced]") -> "list[Reduced]":
     """Return balances with the noise that parameters leave which may be anything."""
-    found = list(parts)
+    result = list(parts)
     for _ in range(ROUNDS):
-        told = _told(found, _usual(found))
-        found = [one.weighed(told) for one in found]
-    return found
+        told = _told(result, _usual(result))
+        result = [item.weighed(told) for item in result]
+    return result
 
 
 def _usual(parts: "Sequence[Reduced]") -> Array:
     """Return standard deviations of parameters before any balance (p,)."""
-    return np.asarray(LOOKED_FOR * np.min([one.usual for one in parts], axis=0))
+    return np.asarray(LOOKED_FOR * np.min([part.usual for part in parts], axis=0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -367,8 +367,10 @@ class Reduced:
         """Return the balance of a joint, with columns for parameters (paths)."""
         balance = Balance(own, highest=records.widest)
         rows, fixed = balance.rows(MIDDLE), balance.fixed(MIDDLE)
-        sides = [np.column_stack([one.direction, np.abs(one.direction)]) for one in balance.pieces]
-        hats = [balance.frame.hats(one.velocity) for one in balance.pieces]
+        sides = [
+            np.column_stack([piece.direction, np.abs(piece.direction)]) for piece in balance.pieces
+        ]
+        hats = [balance.frame.hats(piece.velocity) for piece in balance.pieces]
         each = [
             np.hstack([a * b for b in s.T[:, :, None]]) for a, s in zip(hats, sides, strict=True)
         ]
@@ -390,7 +392,7 @@ class Reduced:
             response=both[:, -1],
             free=max(rows.count - int(kept.sum()), 1),
             size=float(np.sqrt(np.mean(rows.response**2))) + 1e-300,
-            spread=float(np.std(np.concatenate([one.force for one in own]))) + 1e-300,
+            spread=float(np.std(np.concatenate([item.force for item in own]))) + 1e-300,
         )
 
     def left(self, told: "Told") -> float:
@@ -443,8 +445,8 @@ def _evidence(parts: Sequence[Reduced], prior: Array) -> float:
 
 def _normal(parts: Sequence[Reduced], prior: Array) -> tuple[Array, Array]:
     """Return the normal equations of parameters over their priors (p, p) and (p,)."""
-    gram = np.sum([one.gram for one in parts], axis=0) if parts else 0.0 * np.outer(prior, prior)
-    moment = np.sum([one.moment for one in parts], axis=0) if parts else 0.0 * prior
+    gram = np.sum([part.gram for part in parts], axis=0) if parts else 0.0 * np.outer(prior, prior)
+    moment = np.sum([part.moment for part in parts], axis=0) if parts else 0.0 * prior
     return np.eye(len(prior)) + gram * np.outer(prior, prior), moment * prior
 
 
@@ -489,7 +491,7 @@ class _Piece:
         times = np.asarray(piece.time, dtype=float)
         step = float(np.median(np.diff(times)))
         even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
-        places = [_position(one, times) for one in joints]
+        places = [_position(joint, times) for joint in joints]
         moving = [name not in resting for name in mechanism.coordinates]
         noise = [noise_of(x) if moves else 0.0 for x, moves in zip(places, moving, strict=True)]
         return cls(
@@ -505,7 +507,10 @@ class _Piece:
                 ]
             ),
             force=np.column_stack(
-                [np.interp(even, times, np.asarray(one.values("force"), float)) for one in joints]
+                [
+                    np.interp(even, times, np.asarray(joint.values("force"), float))
+                    for joint in joints
+                ]
             ),
             noise=noise,
             number=number,
@@ -552,7 +557,7 @@ class _Piece:
 
     def _external(self, coordinate: str, q: Array, v: Array) -> Array | None:
         """Return what acts on a joint beside its motor (n,); None where the mechanism is silent."""
-        contacts = {along: one.name for along, one in contacts_along(self.mechanism).items()}
+        contacts = {along: item.name for along, item in contacts_along(self.mechanism).items()}
         own = joint_inputs(self.mechanism, contacts, self.record, self.time, q, v, self.force)
         known = own[self.mechanism.coordinates.index(coordinate)]
         return known["external"] if {"motor", "external"} <= known.keys() else None

@@ -66,13 +66,13 @@ def limit_cycles(
     count = len(period)
     whole = replace(block, load=block.steady_load)
     if law.states or law.inputs or block.modulation is not None:
-        found = np.full((count, 3), np.nan)
+        result = np.full((count, 3), np.nan)
         rows = {path: np.broadcast_to(x, count) for path, x in values.items()}
         for size in np.unique(np.round(np.log(period), 2)):
             (same,) = np.nonzero(np.round(np.log(period), 2) == size)
             own = {path: x[same] for path, x in rows.items()}
-            found[same] = _run(whole, law, own, math.exp(size))
-        return found
+            result[same] = _run(whole, law, own, math.exp(size))
+        return result
     return _Pull(whole, law, values, count).cycles()
 
 
@@ -114,7 +114,7 @@ class _Pull:
 
     def cycles(self) -> Array:
         """Return the features (n, 3)."""
-        found = np.full((self.count, 3), np.nan)
+        result = np.full((self.count, 3), np.nan)
         stopped = np.zeros((6, self.count))  # the state before it stops, the step, and the time
         rests, live = np.zeros(self.count, dtype=bool), np.ones(self.count, dtype=bool)
         pull, rows, z = self, np.arange(self.count), np.zeros((4, self.count))
@@ -135,7 +135,7 @@ class _Pull:
                     fades = live & rises & ~ends & (_fading(passed) < FADES)
                     if fades.any():
                         own = pull.taken(np.flatnonzero(fades))
-                        found[rows[fades]] = own.swinging(passed[:, :, fades])
+                        result[rows[fades]] = own.swinging(passed[:, :, fades])
                         live &= ~fades
                 stopped[:, rows[ends]] = [*z[:, ends], h[ends], time[ends]]
                 rests[rows[ends]] = True
@@ -149,12 +149,12 @@ class _Pull:
                     z, time, passed = z[:, goes], time[goes], passed[:, :, goes]
             if live.any():
                 left = np.flatnonzero(live)
-                found[rows[left]] = pull.taken(left).swinging(passed[:, :, left])
+                result[rows[left]] = pull.taken(left).swinging(passed[:, :, left])
             last = np.flatnonzero(rests)
             if len(last):
                 *before, h, time = stopped[:, last]
-                found[last] = self.taken(last).stuck(np.array(before), h, time)
-        return found
+                result[last] = self.taken(last).stuck(np.array(before), h, time)
+        return result
 
     def stuck(self, z: Array, h: Array, time: Array) -> Array:
         """Return the features (n, 3) of blocks that come to rest within a step."""
@@ -171,18 +171,18 @@ class _Pull:
         whole = slip + stick
         mean = (last[2] + 0.5 * off * stick) / whole
         square = (last[3] + off**2 * stick / 3.0) / whole
-        found = self._features(1.0 / whole, mean, square - mean**2)
-        found[(off >= 0.0) | (off < -2.0 * self.holds)] = np.nan  # it is pushed back
-        return found
+        result = self._features(1.0 / whole, mean, square - mean**2)
+        result[(off >= 0.0) | (off < -2.0 * self.holds)] = np.nan  # it is pushed back
+        return result
 
     def swinging(self, passed: Array) -> Array:
         """Return the features (n, 3) of blocks that do not stop, from times they pass V."""
         period, mean, variance = _swings(passed)
         steady = self.law.force(self.V, self.N) - self.holds
-        found = self._features(1.0 / period[1], mean[1], variance[1])
+        result = self._features(1.0 / period[1], mean[1], variance[1])
         slides = self._features(0.0 * steady, steady, 0.0 * steady)
         lasts = (passed[0, 0] > 0.0) & (_fading(passed) > FADES)
-        return np.where(lasts[:, None], found, slides)
+        return np.where(lasts[:, None], result, slides)
 
     def _features(self, frequency: Array, off: Array, variance: Array) -> Array:
         spread = np.sqrt(np.maximum(variance, 0.0))

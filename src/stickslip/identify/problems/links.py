@@ -30,7 +30,7 @@ from stickslip.mechanisms import LINKS, Mechanism, Robot, RobotJoint
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.show.formatting import joined
 
-SOUGHT = tuple(name for name, one in fields_of(RobotJoint).items() if one.nuisance)
+SOUGHT = tuple(name for name, item in fields_of(RobotJoint).items() if item.nuisance)
 """Fields of a joint that forces are linear in."""
 NOTHING = 1e-12
 """Value of a field that is looked for from 0 [SI]: 0 is no parameter of equations."""
@@ -105,12 +105,12 @@ class JointBalances:
 
     def _values(self, paths: Sequence[str]) -> dict[str, float]:
         """Return parameters as the balances tell them, within their ranges."""
-        found, change = dict[str, float](), self.links.change
-        for path, one, given in parameters(self.mechanism, "mechanism"):
+        result, change = dict[str, float](), self.links.change
+        for path, item, given in parameters(self.mechanism, "mechanism"):
             if path in paths:
-                least = one.low if one.above is None else one.above + 1e-6 * abs(given)
-                found[path] = min(max(given + change[path], least), one.high)
-        return found
+                least = item.low if item.above is None else item.above + 1e-6 * abs(given)
+                result[path] = min(max(given + change[path], least), item.high)
+        return result
 
 
 def _change(mechanism: Mechanism, values: Mapping[str, float]) -> float:
@@ -169,21 +169,21 @@ def told_links(
         raise InputError(records.none_moves)
     parts = reduced_of(records, held, paths)
     if not zeros:  # they are as small as usual
-        parts = [replace(one, slopes=one.slopes[:, : len(paths)]) for one in parts]
-    told = _independent(np.vstack([one.slopes for one in parts]), len(paths))
+        parts = [replace(part, slopes=part.slopes[:, : len(paths)]) for part in parts]
+    told = _independent(np.vstack([part.slopes for part in parts]), len(paths))
     count = parts[0].slopes.shape[1]
     at = [*told, *range(len(paths), count)]
-    parts = weighed([replace(one, slopes=one.slopes[:, at]) for one in parts])
+    parts = weighed([replace(part, slopes=part.slopes[:, at]) for part in parts])
     triangle = np.asarray(
-        np.linalg.qr(np.vstack([_rows(one) for one in parts]), mode="r"), dtype=float
+        np.linalg.qr(np.vstack([_rows(part) for part in parts]), mode="r"), dtype=float
     )
     poses = _poses(robot, measurement)
     kept, values = list(range(len(told))), dict[str, float]()
     while kept:
-        found, errors = _solved(triangle, kept, len(told))
-        certain = np.abs(found) / errors
+        result, errors = _solved(triangle, kept, len(told))
+        certain = np.abs(result) / errors
         least = int(np.argmin(certain))
-        values = dict(zip((paths[told[i]] for i in kept), found.tolist(), strict=True))
+        values = dict(zip((paths[told[i]] for i in kept), result.tolist(), strict=True))
         if certain[least] > SURE and _is_consistent(robot, values, poses):
             break
         del values[paths[told[kept[least]]]], kept[least]
@@ -198,11 +198,11 @@ def _rows(part: Reduced) -> Array:
 
 def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
     """Return a robot with parameters of its equations where some fields are 0."""
-    found: dict[int, dict[str, Any]] = {}
+    result: dict[int, dict[str, Any]] = {}
     for path in paths:
         _, _, index, name = path.split(".")
-        found.setdefault(int(index), {})[name] = getattr(robot.joints[int(index)], name) or NOTHING
-    joints = [replace(one, **found.get(i, {})) for i, one in enumerate(robot.joints)]
+        result.setdefault(int(index), {})[name] = getattr(robot.joints[int(index)], name) or NOTHING
+    joints = [replace(joint, **result.get(i, {})) for i, joint in enumerate(robot.joints)]
     return replace(robot, joints=tuple(joints))
 
 
@@ -221,8 +221,8 @@ def _independent(table: Array, count: int) -> Sequence[int]:
     basis = np.linalg.qr(scaled[:, count:])[0]
     columns = scaled[:, :count]
     _, triangle, order = qr(columns - basis @ (basis.T @ columns), mode="economic", pivoting=True)
-    found = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TAKES_PART))
-    return sorted(int(i) for i in order[:found])
+    result = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TAKES_PART))
+    return sorted(int(i) for i in order[:result])
 
 
 def _solved(triangle: Array, kept: Sequence[int], count: int) -> tuple[Array, Array]:
@@ -230,14 +230,14 @@ def _solved(triangle: Array, kept: Sequence[int], count: int) -> tuple[Array, Ar
     columns = triangle[:, [*kept, *range(count, triangle.shape[1] - 1)]]
     size = np.linalg.norm(columns, axis=0)
     inverse = np.linalg.pinv(columns / np.where(size > 0.0, size, 1.0), rcond=1e-10)
-    found = (inverse @ triangle[:, -1])[: len(kept)] / size[: len(kept)]
-    return found, np.linalg.norm(inverse[: len(kept)], axis=1) / size[: len(kept)]
+    result = (inverse @ triangle[:, -1])[: len(kept)] / size[: len(kept)]
+    return result, np.linalg.norm(inverse[: len(kept)], axis=1) / size[: len(kept)]
 
 
 def _poses(robot: Robot, measurement: Measurement) -> Mapping[str, Array]:
     """Return some coordinates of records (n,), by name."""
     every = [
-        np.concatenate([positions_of(one.joints[name]) for one in measurement.records()])
+        np.concatenate([positions_of(record.joints[name]) for record in measurement.records()])
         for name in robot.coordinates
     ]
     step = max(1, len(every[0]) // RESOLUTION)

@@ -63,25 +63,25 @@ def sign_findings(
     if mechanism is None:
         mechanism, unknown = Axis(inertia=1.0), ("mechanism.inertia", "mechanism.stiffness")
     own = [path for path in unknown if path.startswith("mechanism.")]
-    for one in measurement.records():
+    for record in measurement.records():
         with suppress(InputError):  # what else is wrong with it is said elsewhere
-            records = records_of(mechanism, one, unknown=own)
-            if "force" in one.quantities() and (wrong := wrong_sign(records)):
-                said, label = f"{capital(wrong)}.", one.name if measurement.trials else ""
+            records = records_of(mechanism, record, unknown=own)
+            if "force" in record.quantities() and (wrong := wrong_sign(records)):
+                said, label = f"{capital(wrong)}.", record.name if measurement.trials else ""
                 yield Finding(kind="force sign", sentence=said, severity="error", record=label)
 
 
 def wrong_sign(records: Sequence[Record]) -> str:
     """Return what is wrong with the sign of the force of records; empty if nothing is."""
-    first, moving = records[0], [one for one in records if moves(one)]
-    pushed = any(np.any(one.force) for one in moving)
+    first, moving = records[0], [record for record in records if moves(record)]
+    pushed = any(np.any(item.force) for item in moving)
     if first.friction or not pushed or free_form(moving):
         return ""
     rows, slides, rig = _plain_columns(moving)
     inertia, speed, response = first.inertia is None, slides[1], rows.response
     stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
     # of a motion in one direction a level is an offset, and damping may be sought: these may drive
-    laws = [one for one in slides if is_told(one, rig)]
+    laws = [slide for slide in slides if is_told(slide, rig)]
     ways = [float(np.sum(np.maximum(side * rows.velocity, 0.0))) for side in (1.0, -1.0)]
     # in one direction, but for noise, a level is a constant, and friction that falls would drive
     if not laws or min(ways) < 0.02 * max(ways):
@@ -143,10 +143,10 @@ def settled(
     def left(rig: Mechanism) -> tuple[float, dict[str, Unknown], Array]:
         """Return the mean square that a balance leaves, what is looked for, and steps (p,)."""
         records = records_of(rig, measurement, unknown=unknown, offset=offset)
-        looked = {path: one for path, one in records[0].unknown.items() if not one.doubt}
-        if not any(one.bent for one in looked.values()):
+        looked = {path: item for path, item in records[0].unknown.items() if not item.doubt}
+        if not any(item.bent for item in looked.values()):
             return 0.0, {}, np.zeros(0)
-        rows, friction, rig_ = _plain_columns([one for one in records if moves(one)])
+        rows, friction, rig_ = _plain_columns([record for record in records if moves(record)])
         table = np.column_stack([*friction, *rig_])
         at = len(friction) + len(rig_) - len(records[0].unknown)
         places = [at + k for k, path in enumerate(records[0].unknown) if path in looked]
@@ -159,17 +159,17 @@ def settled(
     least, looked, steps = left(mechanism) if unknown else (0.0, {}, np.zeros(0))
     for _ in range(SETTLING if looked else 0):
         each = zip(looked.items(), steps.tolist(), strict=True)
-        moved = {path: one.within(step) for (path, one), step in each}
+        moved = {path: item.within(step) for (path, item), step in each}
         for halved in (1.0, 0.5, 0.25, 0.1, 0.03):
             values = {path: looked[path].given + halved * x for path, x in moved.items()}
             nearer = vary(mechanism, "mechanism", values)
-            found = left(nearer)
-            if found[0] < least:
+            result = left(nearer)
+            if result[0] < least:
                 break
         else:
             break
-        gained, mechanism = 1.0 - found[0] / least, nearer
-        least, looked, steps = found
+        gained, mechanism = 1.0 - result[0] / least, nearer
+        least, looked, steps = result
         if gained < SETTLED:
             break
     return mechanism

@@ -183,15 +183,15 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     top = float(np.quantile(seen, 0.995))
     low = max(top / DECADES, float(np.quantile(seen, 0.01)))
     low = min(low, 0.5 * top)
-    passed = PASSED * max(one.passed for one in pieces)
+    passed = PASSED * max(piece.passed for piece in pieces)
     count = max(6, math.ceil(KNOTS * math.log(top / low)))
-    records = [one.record for one in pieces]
-    places = np.concatenate([one.position for one in records])
-    loads = [one.load for one in records if one.load is not None]
+    records = [piece.record for piece in pieces]
+    places = np.concatenate([record.position for record in records])
+    loads = [record.load for record in records if record.load is not None]
     load = 1.0
     if loads and np.ptp(np.concatenate(loads)) > 1e-6 * np.max(np.concatenate(loads)):
         load = float(np.exp(np.mean(np.log(np.maximum(np.concatenate(loads), 1e-9)))))
-    through = [through_gear(one) for one in records]
+    through = [through_gear(record) for record in records]
     transmitted: tuple[float, ...] = ()
     if all(x is not None for x in through):
         x = np.abs(np.concatenate([x for x in through if x is not None]))
@@ -201,7 +201,7 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     for name in records[0].inputs:
         if name == TRANSMITTED and transmitted:
             continue
-        x = np.concatenate([one.inputs[name] for one in records if name in one.inputs])
+        x = np.concatenate([record.inputs[name] for record in records if name in record.inputs])
         if np.ptp(x) > 1e-6 * (np.max(np.abs(x)) + 1e-300):
             inputs[name] = float(np.mean(x)), float(np.std(x))
     sides = tuple(side for side in (-1.0, 1.0) if np.mean(side * rows.velocity > low) > 0.02)
@@ -210,7 +210,7 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
         least=max(top / 1000.0, float(np.quantile(speed, 0.01))),
         knots=np.linspace(math.log(low), math.log(top), count),
         begin=float(places.min()), span=float(np.ptp(places)), start=float(rows.time.min()),
-        duration=float(np.ptp(rows.time)), noise=min(one.noise for one in pieces), load=load,
+        duration=float(np.ptp(rows.time)), noise=min(piece.noise for piece in pieces), load=load,
         inputs=inputs, transmitted=transmitted, sides=sides or (1.0,),
     )  # fmt: skip
 
@@ -255,8 +255,8 @@ def relaxed(way: Array, length: Array | float, levels: Array) -> Array:
     kept = np.exp(-np.abs(steps) / length)
     band = np.asfortranarray(np.vstack([np.ones(len(way)), np.append(-kept[1:], 0.0)]))
     right = np.asfortranarray(((1.0 - kept) * np.sign(steps))[:, None] * levels)
-    found, _ = lapack.dtbtrs(band, right, uplo="L", diag="U")
-    return np.asarray(found)
+    result, _ = lapack.dtbtrs(band, right, uplo="L", diag="U")
+    return np.asarray(result)
 
 
 def is_told(column: Array, beside: Sequence[Array]) -> bool:
@@ -270,7 +270,7 @@ def is_told(column: Array, beside: Sequence[Array]) -> bool:
     """
     if not beside:
         return bool(np.any(column))
-    x = np.column_stack([one / (np.linalg.norm(one) + TINY) for one in beside])
+    x = np.column_stack([item / (np.linalg.norm(item) + TINY) for item in beside])
     apart = column - x @ np.linalg.lstsq(x, column, rcond=1e-9)[0]
     return bool(np.linalg.norm(apart) > SAME_SPAN * np.linalg.norm(column))
 
@@ -313,19 +313,19 @@ class Balance:
             checked(records)
             records = by_best_sensor(records)
         elif like.pieces[0].record.velocity is None:
-            records = [replace(one, velocity=None) for one in records]
+            records = [replace(record, velocity=None) for record in records]
         self.pieces: list[Piece]
         self.pieces, self._every = pieces_of(records, cutoff, highest)
         if like is not None:
             wider = like.pieces[0].wider
-            self.pieces = [replace(one, wider=min(wider, one.widest)) for one in self.pieces]
+            self.pieces = [replace(piece, wider=min(wider, piece.widest)) for piece in self.pieces]
         self.acting: Acting = like.acting if like else AS_RECORDED
         """How forces are taken to act."""
         self.limit: float = like.limit if like else math.inf
         """Limit of the force, whose error has a column [N]."""
         self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
-        starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
+        starts, ends = (np.array([piece.record.time[k] for piece in self.pieces]) for k in (0, -1))
         # what follows in time is the same run
         again = np.concatenate([[0], (starts[1:] <= ends[:-1]).astype(int)])
         self.run = np.cumsum(again)
@@ -359,23 +359,23 @@ class Balance:
 
     @cached_property
     def _given(self) -> tuple[str, ...]:
-        records = [one.record for one in self.pieces]
-        unknown = [one for one in records[0].unknown.values() if not one.doubt]
+        records = [piece.record for piece in self.pieces]
+        unknown = [item for item in records[0].unknown.values() if not item.doubt]
         if self.measured:
             return ()
         if records[0].joint:  # how much of a body is the inertia of one joint is how it is written
             return (
                 () if any(not path.startswith(ZERO) for path in records[0].unknown) else ("body",)
             )
-        found = self._taken(MIDDLE)
-        if not any(np.any(one.force) for one in records):
-            names = tuple(name for name in found if name != "both")
+        result = self._taken(MIDDLE)
+        if not any(np.any(record.force) for record in records):
+            names = tuple(name for name in result if name != "both")
             return names[:1] if len(names) > 1 and not unknown else ()  # nothing else has a scale
-        if any(one.given for one in unknown):  # so it has where a gain of the force is sought
+        if any(item.given for item in unknown):  # so it has where a gain of the force is sought
             return ()
         sought = [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         sought += [self.rows(MIDDLE).acceleration] * self.finds_inertia
-        return tuple(name for name, x in found.items() if is_told(x, sought))
+        return tuple(name for name, x in result.items() if is_told(x, sought))
 
     def response(self, which: int, acting: Acting) -> Array:
         """Return the response of the rows (n,) if forces acted otherwise [N]."""
@@ -386,7 +386,7 @@ class Balance:
 
     def widen(self) -> bool:
         """Let velocities have the widest band, if that is wider; return whether it is."""
-        pieces = [replace(one, wider=max(one.widest, one.wider)) for one in self.pieces]
+        pieces = [replace(piece, wider=max(piece.widest, piece.wider)) for piece in self.pieces]
         wider = any(a.wider > b.wider for a, b in zip(pieces, self.pieces, strict=True))
         self.take(pieces)
         return wider
@@ -416,12 +416,12 @@ class Balance:
     def states(self, memory: Memory) -> list[Array]:
         """Return the states of a bristle at the samples of the pieces."""
         if id(memory) not in self._states:
-            self._states[id(memory)] = memory, [self._state(memory, one) for one in self.pieces]
+            self._states[id(memory)] = memory, [self._state(memory, piece) for piece in self.pieces]
         return self._states[id(memory)][1]
 
     def forget(self, kept: Sequence[Memory]) -> None:
         """Forget the states of all memories but some."""
-        keys = {id(one) for one in kept}
+        keys = {id(item) for item in kept}
         self._states = {key: x for key, x in self._states.items() if key in keys}
 
     def _state(self, memory: Memory, piece: Piece) -> Array:
@@ -466,10 +466,10 @@ class Balance:
         # speeds that are passed in a moment of a turn tell no shape but where bristles are seen
         x = np.column_stack(
             [
-                self._slope(one, piece, state)
-                if is_slope(one[0])
-                else law_column(one, v, z, frame.low, through)
-                for one in laws
+                self._slope(law, piece, state)
+                if is_slope(law[0])
+                else law_column(law, v, z, frame.low, through)
+                for law in laws
             ]
         )
         groups = {
@@ -486,7 +486,11 @@ class Balance:
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
         groups["others"] = np.column_stack(
-            [bristle(piece.along(one), one, n) - state for one in lengths for n in (0.0, 1.0)]
+            [
+                bristle(piece.along(length), length, n) - state
+                for length in lengths
+                for n in (0.0, 1.0)
+            ]
         )
         for name in frame.inputs:
             u = self.input(piece, name)
@@ -528,46 +532,48 @@ class Balance:
         flat = np.ones(len(speed))
         levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
         length = self.lengths(memory, piece)
-        parts = [hats, *(one[:, None] for one in levels)]
+        parts = [hats, *(level[:, None] for level in levels)]
         if memory.ratio is not None:
             parts.append(np.asarray(length)[:, None] / memory.length)
-        found = load * relaxed(piece.along(memory.length), length, np.hstack(parts))
-        groups["common"] = found[:, : hats.shape[1]]
-        x[:, lagging] = found[:, hats.shape[1] : hats.shape[1] + len(lagging)]
+        result = load * relaxed(piece.along(memory.length), length, np.hstack(parts))
+        groups["common"] = result[:, : hats.shape[1]]
+        x[:, lagging] = result[:, hats.shape[1] : hats.shape[1] + len(lagging)]
         if memory.ratio is not None:
-            groups["damping"] = np.gradient(found[:, -1:], piece.step, axis=0)
+            groups["damping"] = np.gradient(result[:, -1:], piece.step, axis=0)
 
     def fixed(self, which: int) -> dict[str, Array]:
         """Return what depends on no bristle, at the rows (n, ...), by group."""
         frame, rows, pieces = self.frame, self.rows(which), self.pieces
-        found = {}
+        result = {}
         if len(frame.sides) > 1:
-            found["offset"] = np.ones((rows.count, 1))
-            found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
+            result["offset"] = np.ones((rows.count, 1))
+            result["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
             for name in frame.inputs:  # as a pressure pushes on a rod, whichever way it moves
-                found[f"{FORCE}*{name}"] = rows.seen([self.input(p, name) for p in pieces])[:, None]
-        found["slope"] = self.slope(which)[:, None]
-        found["force"] = rows.seen([self.forces(p.record.position) for p in pieces])
-        found["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
+                result[f"{FORCE}*{name}"] = rows.seen([self.input(p, name) for p in pieces])[
+                    :, None
+                ]
+        result["slope"] = self.slope(which)[:, None]
+        result["force"] = rows.seen([self.forces(p.record.position) for p in pieces])
+        result["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
-            found["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
+            result["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
         if self.driven:
-            found["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
+            result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
-            found["limit"] = self.above(which, self.limit)[:, None]
+            result["limit"] = self.above(which, self.limit)[:, None]
         if self.given:
             taken = self._taken(which)
-            found["given"] = np.column_stack([taken[name] for name in self.given])
+            result["given"] = np.column_stack([taken[name] for name in self.given])
         for path in pieces[0].record.unknown:
-            found[path] = rows.unknown(path)[:, None]
+            result[path] = rows.unknown(path)[:, None]
         if self.finds_inertia:
-            found["inertia"] = rows.acceleration[:, None]
-        return found
+            result["inertia"] = rows.acceleration[:, None]
+        return result
 
     @cached_property
     def driven(self) -> bool:
         """Whether a force was recorded that a drive gives."""
-        return not self.measured and all(np.any(one.record.force) for one in self.pieces)
+        return not self.measured and all(np.any(piece.record.force) for piece in self.pieces)
 
     @cached_property
     def pulled(self) -> bool:
@@ -597,7 +603,7 @@ class Balance:
     @property
     def _looked_for(self) -> list[str]:
         """Paths of what is looked for in the balance alone."""
-        return [path for path, one in self.pieces[0].record.unknown.items() if one.is_open]
+        return [path for path, item in self.pieces[0].record.unknown.items() if item.is_open]
 
     def needed(self, memory: Memory) -> list[Array]:
         """Return the force that the motion needs, about, at the samples of the pieces [N].
@@ -608,12 +614,12 @@ class Balance:
         every = []
         for piece, state in zip(self.pieces, self.states(memory), strict=True):
             record, acceleration = piece.record, piece.acceleration
-            found = inertia * acceleration + slope * piece.velocity / self.frame.top + constant
-            found = found + level * state * self.load(piece)
+            result = inertia * acceleration + slope * piece.velocity / self.frame.top + constant
+            result = result + level * state * self.load(piece)
             for path, size in zip(self._from._looked_for, sizes, strict=True):
                 one = record.unknown[path]
-                found = found + size * (one.inertia * acceleration - one.force)
-            every.append(found if record.mechanism is None else found - record.mechanism)
+                result = result + size * (one.inertia * acceleration - one.force)
+            every.append(result if record.mechanism is None else result - record.mechanism)
         return every
 
     def delayed(self, which: int, memory: Memory) -> Array:
@@ -625,12 +631,12 @@ class Balance:
 
     def above(self, which: int, limit: float) -> Array:
         """Return the share of the force above a limit, with its sign, at the rows (n,)."""
-        late = [one.held + self.acting.delay for one in self.pieces]
-        return self.rows(which).seen([one.above(limit) for one in self.pieces], late=late)
+        late = [piece.held + self.acting.delay for piece in self.pieces]
+        return self.rows(which).seen([piece.above(limit) for piece in self.pieces], late=late)
 
     def excess(self, limit: float) -> float:
         """Return the mean of forces above a limit, less it [N]."""
-        force = np.abs(np.concatenate([one.given.force for one in self.pieces]))
+        force = np.abs(np.concatenate([piece.given.force for piece in self.pieces]))
         return float(np.mean(force[force > limit])) - limit if np.any(force > limit) else 0.0
 
     def plain(self) -> Array:
@@ -697,25 +703,25 @@ class Balance:
         joint of several it is the rigid body. What is looked for takes its likely share.
         """
         rows, likely = self.rows(which), self._from._likely
-        records = [one.record for one in self.pieces]
-        inertia = np.array([one.inertia or 0.0 for one in records])
+        records = [piece.record for piece in self.pieces]
+        inertia = np.array([record.inertia or 0.0 for record in records])
         for path, x in likely.items():
-            inertia += x * np.array([one.unknown[path].inertia for one in records])
+            inertia += x * np.array([record.unknown[path].inertia for record in records])
         forces = [
-            (0.0 * one.time if one.mechanism is None else one.mechanism)
-            + sum(x * one.unknown[path].force for path, x in likely.items())
-            for one in records
+            (0.0 * record.time if record.mechanism is None else record.mechanism)
+            + sum(x * record.unknown[path].force for path, x in likely.items())
+            for record in records
         ]
-        found = {}
+        result = {}
         if np.any(inertia):
-            found["inertia"] = inertia[rows.piece] * rows.acceleration
-        if any(np.any(one) for one in forces):
-            found["mechanism"] = -rows.seen(forces)
-        if len(found) > 1:
-            found["both"] = sum(found.values(), np.zeros(rows.count))
+            result["inertia"] = inertia[rows.piece] * rows.acceleration
+        if any(np.any(force) for force in forces):
+            result["mechanism"] = -rows.seen(forces)
+        if len(result) > 1:
+            result["both"] = sum(result.values(), np.zeros(rows.count))
         if records[0].joint:
-            return {"body": found.get("both", sum(found.values(), np.zeros(rows.count)))}
-        return found
+            return {"body": result.get("both", sum(result.values(), np.zeros(rows.count)))}
+        return result
 
     def forces(self, position: Array) -> Array:
         """Return the basis of a force that changes with the place (n, p).
@@ -785,4 +791,4 @@ class Balance:
     @cached_property
     def turned(self) -> bool:
         """Whether the motion turns at all."""
-        return any(len(one.turns) for one in self.pieces)
+        return any(len(piece.turns) for piece in self.pieces)

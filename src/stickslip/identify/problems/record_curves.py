@@ -118,11 +118,11 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
     evenly = frame.begin + frame.span * np.linspace(0.0, 1.0, EVENLY)
     place = frame.places(evenly, model.balance.waves[1]).mean(axis=0)
     count = len(course)
-    found = []
-    for one in draws:
-        plain = model.split(one.node, one.random)
-        f = np.zeros((one.random.shape[1], len(v)))
-        for column, c in zip(one.structure, one.law, strict=True):
+    result = []
+    for draw in draws:
+        plain = model.split(draw.node, draw.random)
+        f = np.zeros((draw.random.shape[1], len(v)))
+        for column, c in zip(draw.structure, draw.law, strict=True):
             f += np.outer(c, steady_column(model.balance, column, at))
         level = place @ plain["place"] + course @ plain["drift"][:count]
         level += _mean(plain["stretch"], 0)
@@ -139,8 +139,8 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
         if "sides" in plain:
             f += at.ratio * (hats @ plain["sides"]).T + plain["offset"].T
             f += np.outer(plain["side"], speed)
-        found.append(f)
-    return np.concatenate(found)
+        result.append(f)
+    return np.concatenate(result)
 
 
 def _mean(x: Array, half: int) -> Array:
@@ -154,7 +154,7 @@ def rms(x: Array) -> Array:
 
 
 def _numbers(draws: Sequence[Draws]) -> list[int]:
-    return [one.random.shape[1] for one in draws]
+    return [draw.random.shape[1] for draw in draws]
 
 
 def beyond(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
@@ -175,7 +175,7 @@ def far_from(model: RecordModel, velocity: Array) -> Array:
 def run_sizes(model: RecordModel, draws: Sequence[Draws], rng: np.random.Generator) -> Array:
     """Return how much another run differs (draws, 1): as those fitted do, or as runs usually do."""
     if "run" in model.names:
-        each = [model.at(one.node, "run") for one in draws]
+        each = [model.at(draw.node, "run") for draw in draws]
         return np.repeat(each, _numbers(draws))[:, None] * model.size
     sizes, shares = SCALES["run of a joint" if model.balance.pieces[0].record.joint else "run"]
     return np.asarray(rng.choice(sizes, p=shares, size=(sum(_numbers(draws)), 1)) * model.size)
@@ -205,17 +205,17 @@ def readings(
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
     maker = _Readings(model, other.balance, rng, rests=isinstance(other, RestRows))
-    found = np.concatenate([maker.of(one, fixed) for one in draws])
+    result = np.concatenate([maker.of(draw, fixed) for draw in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
     more = np.zeros(rows.count)
     if not model.balance.measured:  # the sensors may be noisier there, or have spikes
         own = np.mean(model.balance.rows(MIDDLE).sensed(model.inertia) ** 2)
         more = np.sqrt(np.maximum(rows.sensed(model.inertia) ** 2 - own, 0.0))
-    tail = rng.standard_t(STUDENT, size=found.shape) * math.sqrt((STUDENT - 2.0) / STUDENT)
-    factors = np.repeat([model.at(one.node, "noise") for one in draws], _numbers(draws))
+    tail = rng.standard_t(STUDENT, size=result.shape) * math.sqrt((STUDENT - 2.0) / STUDENT)
+    factors = np.repeat([model.at(draw.node, "noise") for draw in draws], _numbers(draws))
     sizes = np.hypot(factors[:, None] * size * float(noise.pieces.max()), more)
-    return np.asarray(found + sizes * tail)
+    return np.asarray(result + sizes * tail)
 
 
 class _Readings:
@@ -322,23 +322,23 @@ class _Readings:
     def in_time(self, learned: Array) -> Array:
         """Return another course in time (k, n), as large as that with coefficients (p, k)."""
         new = rms(learned) * self.rng.normal(size=learned.shape)
-        found = (self.course @ new).T
+        result = (self.course @ new).T
         if self.after:
             goes_on = self.rng.uniform(size=learned.shape[1]) < GOES_ON
-            found += (goes_on * (self.last @ learned - self.first @ new))[:, None]
-        return np.asarray(found)
+            result += (goes_on * (self.last @ learned - self.first @ new))[:, None]
+        return np.asarray(result)
 
     def beyond_inputs(self, plain: dict[str, Array], z: Array) -> Array:
         """Return what inputs beyond their range may change (k, n): by as much as within it."""
         model, rows = self.model, self.rows
-        found = np.zeros((plain["stretch"].shape[1], rows.count))
+        result = np.zeros((plain["stretch"].shape[1], rows.count))
         for name in model.frame.inputs:
             own = model.balance.rows(MIDDLE)
             seen = own.taken([model.balance.input(p, name) for p in model.balance.pieces])
             x = rows.taken([self.other.input(p, name) for p in self.other.pieces])
             out = np.maximum(x - seen.max(), 0.0) + np.minimum(x - seen.min(), 0.0)
-            found += self.rng.normal(size=(len(found), 1)) * plain[f"level*{name}"].T * (out * z)
-        return found
+            result += self.rng.normal(size=(len(result), 1)) * plain[f"level*{name}"].T * (out * z)
+        return result
 
 
 def resolved_speeds(model: RecordModel, count: int) -> Array:

@@ -314,11 +314,11 @@ class RecordModel(Model):
         """Scales of sizes that act in these records."""
         known = usual_families(self.frame) if families is None else [*families]
         if self.balance.dampings:  # which viscous friction would be
-            known = [one for one in known if not FLOWING & {*one}] or known
+            known = [item for item in known if not FLOWING & {*item}] or known
         self.families: list[Family] = [*dict.fromkeys(known)]
         """Families of laws that are compared beside none."""
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
-        self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
+        self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self.memories: list[Memory] = []
         self.actings: list[Acting] = [self.balance.acting]
         """How forces may act: as recorded, or late, or up to a limit."""
@@ -347,13 +347,13 @@ class RecordModel(Model):
 
     def with_laws(self, own: Sequence[Structure]) -> "RecordModel":
         """Return the model with laws that are no sums of parts beside those compared."""
-        found = copy.copy(self)
-        found.signed, found.certain = SIGNED | signed_of(own), certain_of(own)
-        found.structures = (*self.structures, *own)
-        found.priors = np.append(self.priors, np.full(len(own), np.max(self.priors)))
-        found.columns = tuple(dict.fromkeys(one for law in found.structures for one in law))
-        found._designs, found._plain, found._grams = {}, {}, {}
-        return found
+        result = copy.copy(self)
+        result.signed, result.certain = SIGNED | signed_of(own), certain_of(own)
+        result.structures = (*self.structures, *own)
+        result.priors = np.append(self.priors, np.full(len(own), np.max(self.priors)))
+        result.columns = tuple(dict.fromkeys(item for law in result.structures for item in law))
+        result._designs, result._plain, result._grams = {}, {}, {}
+        return result
 
     def posterior(self, most: int = NODES) -> Posterior:
         """Return the posterior of the records."""
@@ -367,8 +367,8 @@ class RecordModel(Model):
 
     def _structures(self, families: Collection[Family]) -> tuple[tuple[Structure, ...], Array]:
         """Return the laws with their shapes, and the logarithms of their priors."""
-        found, priors = zip(*laws_of(self.grid, families), strict=True)
-        return tuple(found), np.array(priors)
+        result, priors = zip(*laws_of(self.grid, families), strict=True)
+        return tuple(result), np.array(priors)
 
     @property
     def scales(self) -> Sequence[Scale]:  # type: ignore[override]
@@ -376,7 +376,7 @@ class RecordModel(Model):
         sizes = [
             Scale(name=name, values=SCALES[name][0], prior=SCALES[name][1]) for name in self.names
         ]
-        lengths = tuple(one.length for one in self.memories)
+        lengths = tuple(item.length for item in self.memories)
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
         acts = [odds_of(x) * (self.alone in (None, k)) for k, x in enumerate(self.actings)]
         bristles = tuple(BRISTLE if x else 1.0 for x in lengths)
@@ -492,9 +492,9 @@ class RecordModel(Model):
         """
         least, rows = np.sqrt(np.mean(x * x, axis=0)), self.balance.rows(which)
         places = np.append(rows.velocity, 0.0)
-        for k, one in enumerate(self.columns):
-            if one[0] in DRY:
-                *steady, rest = law_column(one, places, np.ones(len(places))).tolist()
+        for k, column in enumerate(self.columns):
+            if column[0] in DRY:
+                *steady, rest = law_column(column, places, np.ones(len(places))).tolist()
                 least[k] = max(least[k], math.sqrt(np.mean(np.square(steady))), rest)
         return np.asarray(self.size / (least + TINY))
 
@@ -539,38 +539,38 @@ class RecordModel(Model):
         which, memory = self.key(node)
         design, size = self.design(which, memory), self.size
         record, bristle = self.balance.pieces[0], self.memories[memory]
-        found = np.empty(len(design.groups))
+        result = np.empty(len(design.groups))
         of_force = float(np.sqrt(np.mean(self.balance.rows(which).response ** 2)))
         for name in dict.fromkeys(design.groups.tolist()):
             at = design.groups == name
             if name in record.record.unknown or name == "inertia":
                 unknown = record.record.unknown.get(name)
                 usual = of_force / design.least[at]
-                found[at] = (unknown.doubt if unknown else 0.0) or LOOKED_FOR * usual
+                result[at] = (unknown.doubt if unknown else 0.0) or LOOKED_FOR * usual
                 if unknown is not None and unknown.along:
-                    found[at] = 1.0
+                    result[at] = 1.0
                 elif unknown is not None and unknown.bent:
                     positive = unknown.given > 0.0 and unknown.given + unknown.limits[0] >= 0.0
                     far = unknown.given if positive else np.maximum(abs(unknown.given), usual)
-                    found[at] = SETTLED * far
+                    result[at] = SETTLED * far
             elif name == "given":
-                found[at] = self.at(node, name)
+                result[at] = self.at(node, name)
             elif name == "delay":
-                found[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
+                result[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
             elif name == "damping":
                 longest = max(bristle.length, self.frame.noise)
-                found[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
+                result[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
             elif name == "side":
-                found[at] = max(STEEP * self.at(node, "sides"), SIZES["side"]) * size
+                result[at] = max(STEEP * self.at(node, "sides"), SIZES["side"]) * size
             elif name == "limit" and not math.isfinite(self.acting(node).limit):
-                found[at] = LEAST * size
+                result[at] = LEAST * size
             elif name in SIZES:
-                found[at] = SIZES[name] * size
+                result[at] = SIZES[name] * size
             else:
                 part, times, _ = name.partition("*")
                 scale = SHARED.get(name, name) if not times else PARTS_OF.get(part, "input")
-                found[at] = max(self.at(node, scale), LEAST) * size
-        return found
+                result[at] = max(self.at(node, scale), LEAST) * size
+        return result
 
     # ---- which bristles
     def _choose_band(self) -> None:
@@ -602,7 +602,7 @@ class RecordModel(Model):
             base.append(plain["force"][:, -1:])
         base += [plain[name] for name in names]  # the inertia is the last
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
-        hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
+        hats = [frame.hats(piece.velocity)[:, ::2] for piece in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []
 
         def columns(memory: Memory) -> Array:
@@ -631,37 +631,39 @@ class RecordModel(Model):
         force, at = np.exp(1j * np.outer(rows.position, balance.waves[0])), len(frame.sides) + 1
         fixed = np.hstack([fixed[:, :at], force.real, force.imag, fixed[:, at:]])
         # along less, a bristle is nothing but the moment of a turn between samples
-        shortest = max(2.0 * frame.noise, *(one.turned_in for one in balance.pieces))
+        shortest = max(2.0 * frame.noise, *(piece.turned_in for piece in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
         for memory in [RIGID, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
-        looked.sort(key=lambda one: one[0])
-        likely = [RIGID, *(one[1] for one in looked[:KEPT])]
-        lagging = [balance.states(one[1]) for one in looked if one[1].length and one[1].lags]
+        looked.sort(key=lambda item: item[0])
+        likely = [RIGID, *(item[1] for item in looked[:KEPT])]
+        lagging = [balance.states(item[1]) for item in looked if item[1].length and item[1].lags]
         others = rows.seen([np.column_stack(own) for own in zip(*lagging, strict=True)])
         every = [
             np.hstack([columns(x), others, balance.delayed(MIDDLE, x)[:, None]]) for x in likely
         ]
         self._look_otherwise(every)
-        best = [one[1] for one in looked if one[1].length][:2]
-        about = [replace(one, length=factor * one.length) for one, factor in product(best, ABOUT)]
-        about += [replace(one, exponent=n) for one, n in product([*best, *about], EXPONENTS)]
-        for one in about:
-            look(replace(one, length=max(one.length, shortest)))
-        looked.sort(key=lambda one: one[0])
+        best = [item[1] for item in looked if item[1].length][:2]
+        about = [
+            replace(item, length=factor * item.length) for item, factor in product(best, ABOUT)
+        ]
+        about += [replace(item, exponent=n) for item, n in product([*best, *about], EXPONENTS)]
+        for entry in about:
+            look(replace(entry, length=max(entry.length, shortest)))
+        looked.sort(key=lambda item: item[0])
         nearest = [looked[0][1]] * (not looked[0][1].lags)  # other lengths are refined later
-        for one, factor in product(nearest, NEARER):
-            look(replace(one, length=max(factor * one.length, shortest)))
-        looked.sort(key=lambda one: one[0])
-        bristles = [one[1] for one in looked if one[1].length]
+        for entry, factor in product(nearest, NEARER):
+            look(replace(entry, length=max(factor * entry.length, shortest)))
+        looked.sort(key=lambda item: item[0])
+        bristles = [item[1] for item in looked if item[1].length]
         balance.first = bristles[0].length
-        kept = [one[1] for one in looked[:KEPT] if one[1].length]
+        kept = [item[1] for item in looked[:KEPT] if item[1].length]
         self.memories = [RIGID, *kept]
         balance.forget(self.memories)
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
         self.inertia = inertia if balance.finds_inertia else balance.inertia
-        self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
+        self.first = next((k for k, item in enumerate(self.memories) if item is looked[0][1]), 0)
         return left
 
     def _look_otherwise(self, columns: Sequence[Array]) -> None:
@@ -671,10 +673,10 @@ class RecordModel(Model):
         of a delay. What a plain balance makes likelier than its prior is left to the posterior.
         """
         now = self.balance.acting
-        found = [] if now.delay else [self._delayed(columns)]
+        result = [] if now.delay else [self._delayed(columns)]
         if self.balance.driven and not math.isfinite(now.limit):
-            found.append(self._limited(columns))
-        for acting, gain in found:
+            result.append(self._limited(columns))
+        for acting, gain in result:
             likelier = KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0
             if likelier and acting not in self.actings:
                 self.actings.append(acting)
@@ -711,7 +713,7 @@ class RecordModel(Model):
             wider = max(balance.excess(limit) / noise, 1.0)
             return -count * math.log(noise) - above * math.log(wider)
 
-        largest = max(float(np.max(np.abs(one.given.force))) for one in balance.pieces)
+        largest = max(float(np.max(np.abs(piece.given.force))) for piece in balance.pieces)
         best, most = likeliest(likely, np.log(LIMITS * largest))
         return replace(balance.acting, limit=math.exp(best)), most - likely(math.log(largest))
 
@@ -745,9 +747,9 @@ class RecordModel(Model):
             begin: list[Node] = [(*usual, k, self.first, 0) for k in range(len(self.actings))]
             for node in begin:
                 self._weigh(node, left, self._noise(MIDDLE, left, None))
-            nodes = [self._again(self._search(one)) for one in begin]
+            nodes = [self._again(self._search(item)) for item in begin]
             if len(begin) > 1:  # each with its own noise
-                nodes = [self._again(self._search(one)) for one in nodes]
+                nodes = [self._again(self._search(item)) for item in nodes]
             here, self.otherwise = self._here(*nodes), nodes
             best = max(nodes, key=here.value)
             if self.acting(best) in tried:
@@ -757,9 +759,9 @@ class RecordModel(Model):
     def _search(self, node: Node) -> Posterior:
         """Return the posterior at the middle cutoff as forces act at a node, from it and others."""
         begin, self.alone = [node, *self._starts(node[-3])], node[-3]
-        found = Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
+        result = Posterior(self, self.structures, self.priors, begin=begin, most=ROUND_NODES)
         self.alone = None
-        return found
+        return result
 
     def _act(self, node: Node) -> None:
         """Take forces to act as at a node in columns and other records."""
@@ -776,11 +778,11 @@ class RecordModel(Model):
         much, or a unit is wrong, for little of that is not better than none.
         """
         most = {name: len(SCALES[name][0]) - 1 for name in self.names}
-        found, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
+        result, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
         for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
-            found += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
-        return found
+            result += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
+        return result
 
     def _here(self, *nodes: Node) -> Posterior:
         """Return the posterior of nodes alone."""
@@ -790,7 +792,7 @@ class RecordModel(Model):
         """Keep only bristles that are not far behind the best; return the node."""
         here = self._here(node)
         nodes = [(*node[:-2], k, 0) for k in range(len(self.memories))]
-        values = np.array([here.value(one) for one in nodes])
+        values = np.array([here.value(item) for item in nodes])
         kept = np.flatnonzero(values > values.max() - BEHIND)
         best = int(np.argmax(values[kept]))
         self._keep([self.memories[k] for k in kept])
@@ -802,8 +804,8 @@ class RecordModel(Model):
         for law, share in zip(search.structures, search.shares.tolist(), strict=True):
             if any(name in NARROW or name == "power" for name, _ in law):
                 shares.setdefault(tuple(name for name, _ in law), []).append(share)
-        found = [np.array(x) for x in shares.values() if sum(x) > LEAST_SHARE]
-        return all(x.sum() ** 2 > RESOLVING * np.sum(x**2) for x in found)
+        result = [np.array(x) for x in shares.values() if sum(x) > LEAST_SHARE]
+        return all(x.sum() ** 2 > RESOLVING * np.sum(x**2) for x in result)
 
     def _refine(self, search: Posterior, part: float) -> None:
         """Take the shapes near the best of each family, and near all that are not far behind."""
@@ -813,7 +815,7 @@ class RecordModel(Model):
         for k in order.tolist():
             best.setdefault(tuple(name for name, _ in search.structures[k]), k)
         near = [k for k in order.tolist()[:KEPT_LAWS] if value[k] > value[order[0]] - BEHIND]
-        found: dict[Structure, float] = {}
+        result: dict[Structure, float] = {}
         far = value[order[0]] - (LOST if part > 0.2 else 0.5 * LOST)
         others = [k for family, k in best.items() if value[k] > far or family in ALWAYS]
         for k in dict.fromkeys([*near, *others]):
@@ -822,9 +824,9 @@ class RecordModel(Model):
             many = [*self.grid.finer(family, [shape for _, shape in law], part)]
             for shapes in many:
                 one = tuple(zip(family, shapes, strict=True))
-                found.setdefault(one, float(self.priors[k]) - math.log(len(many)))
-        self.structures, self.priors = tuple(found), np.array([*found.values()])
-        self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
+                result.setdefault(one, float(self.priors[k]) - math.log(len(many)))
+        self.structures, self.priors = tuple(result), np.array([*result.values()])
+        self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self._designs, self._plain, self._grams = {}, {}, {}
 
     def _again(self, search: Posterior) -> Node:
@@ -840,17 +842,17 @@ class RecordModel(Model):
         """Return what a structure leaves of the rows (n,), and the number of its parameters."""
         design = self.design(*self.key(node))
         c, b = search.estimate(node, law)
-        at = [self.columns.index(one) for one in law]
+        at = [self.columns.index(item) for item in law]
         left = self.response(node) - design.random @ self.plain(node, b[:, None])[:, 0]
         return left - design.law[:, at] @ (c / design.sizes[at]), search.effective(node, law)
 
     def plain(self, node: Node, random: Array) -> Array:
         """Return coefficients of the columns as they are (m, k), the curve's at its knots."""
         design = self.design(*self.key(node))
-        found, root = random.copy(), self.root(node[self.names.index("length")])
+        result, root = random.copy(), self.root(node[self.names.index("length")])
         for at in (design.places[name] for name in CURVES if name in design.places):
-            found[at] = root @ random[at]
-        return found
+            result[at] = root @ random[at]
+        return result
 
     def split(self, node: Node, random: Array) -> dict[str, Array]:
         """Return coefficients of the columns as they are (p, k), by group."""
@@ -871,12 +873,12 @@ class RecordModel(Model):
         rows = balance.rows(which)
         speed = np.clip(np.searchsorted(noise.edges, np.abs(rows.velocity)) - 1, 0, SPEEDS - 1)
         near = SPEEDS + np.searchsorted(NEAR, np.minimum(rows.far, NEAR[-1]))
-        found = np.where(rows.far > NEAR[-1], speed, near)
+        result = np.where(rows.far > NEAR[-1], speed, near)
         if noise.bristle is not None:
             state = rows.taken(balance.states(noise.bristle))
-            short = (found < SPEEDS) & (np.abs(state) < FULL)
-            found = np.where(short, SPEEDS + len(NEAR), found)
-        return np.asarray(found, dtype=np.intp)
+            short = (result < SPEEDS) & (np.abs(state) < FULL)
+            result = np.where(short, SPEEDS + len(NEAR), result)
+        return np.asarray(result, dtype=np.intp)
 
     def _noise(self, which: int, left: Array, bristle: Memory | None) -> Noise:
         """Return the sizes of what is left of the rows of a cutoff."""
@@ -950,7 +952,7 @@ class RecordModel(Model):
         names = [*LOOKED, "side", *self.balance.pieces[0].record.unknown]
         parts = [design.random[:, np.isin(design.groups, names)]]
         if law:
-            parts.append(design.law[:, [self.columns.index(one) for one in law]])
+            parts.append(design.law[:, [self.columns.index(item) for item in law]])
         x = np.hstack(parts) * weights[:, None]
         x = x[:, np.any(x != 0.0, axis=0)]
         if not x.shape[1]:
@@ -1004,12 +1006,12 @@ class RecordModel(Model):
             middle = replace(form, length=length, spread=math.hypot(WITHIN * width, unknown))
             beside = [replace(middle, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
             looked.append((look(middle), [middle, *beside]))
-        looked.sort(key=lambda one: -one[0])
+        looked.sort(key=lambda item: -item[0])
         if not looked:
             return None
         new = looked[0][0]
         kept = [self.memories[0], *looked[0][1]]
-        kept += [one[1][0] for one in looked[1:] if one[0] > new - 5.0]
+        kept += [item[1][0] for item in looked[1:] if item[0] > new - 5.0]
         better = bristle.ratio is not None and old > new  # of another level, which was refined
         kept += [bristle] * better
         self._keep(kept)
@@ -1018,8 +1020,8 @@ class RecordModel(Model):
 
     def _keep(self, memories: list[Memory]) -> None:
         """Keep some bristles, and forget what was computed of others."""
-        old = {id(one): k for k, one in enumerate(self.memories)}
-        numbers = {old[id(one)]: k for k, one in enumerate(memories) if id(one) in old}
+        old = {id(item): k for k, item in enumerate(self.memories)}
+        numbers = {old[id(item)]: k for k, item in enumerate(memories) if id(item) in old}
         self._designs = {
             (which, numbers[k]): x for (which, k), x in self._designs.items() if k in numbers
         }
@@ -1046,9 +1048,9 @@ class RecordModel(Model):
         fast = speeds > 0.2 * speeds[-1]
         curve = curve - np.polyfit(speeds[fast], curve[fast], 1)[0] * speeds
         level, flat = np.zeros_like(speeds), np.ones_like(speeds)
-        for one, x in zip(law, c, strict=True):
-            if one[0] in LEVELS:
-                level += x * law_column(one, speeds, flat, 0.0, through)
+        for item, x in zip(law, c, strict=True):
+            if item[0] in LEVELS:
+                level += x * law_column(item, speeds, flat, 0.0, through)
         for own in (level, level + curve):
             if np.all(own > 0.2 * np.median(own)) and np.median(own) > 0.0:
                 yield own / np.interp(math.log(speed), self.frame.knots, own)
@@ -1058,16 +1060,16 @@ class RecordModel(Model):
         """Open all cutoffs; return nodes from which a search of all begins."""
         self.cutoffs = tuple(range(len(CUTOFFS)))
         usual = self.noises[MIDDLE]
-        every = [(*one[:-2], *node[-2:]) for one in self.otherwise if one[-3] != node[-3]]
-        found = [(*one[:-1], which) for which in self.cutoffs for one in (*every, node)]
-        for own in found:
+        every = [(*item[:-2], *node[-2:]) for item in self.otherwise if item[-3] != node[-3]]
+        result = [(*item[:-1], which) for which in self.cutoffs for item in (*every, node)]
+        for own in result:
             if (which := own[-1]) != MIDDLE:
                 rows = self.balance.rows(which)
                 size = usual.deviations[self.classes(self.balance, which, usual)]
                 self.weights[which, own[-3]] = 1.0 / (size * usual.pieces[rows.piece])
                 self.spread[which, own[-3]], self.kappas[which] = 0.0, self.kappas[MIDDLE]
                 self._again(self._here(own))
-        return found
+        return result
 
 
 def share_of(scores: Array) -> float:
@@ -1086,7 +1088,7 @@ def share_of(scores: Array) -> float:
 def usual_families(frame: RecordFrame) -> list[Family]:
     """Return the families that are compared: with a gear, also those that grow with its load."""
     geared = [*GEARED] if frame.transmitted else []
-    return [tuple(one.split()) for one in (*FAMILIES, *geared)]
+    return [tuple(item.split()) for item in (*FAMILIES, *geared)]
 
 
 def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structure, float]]:
@@ -1098,7 +1100,7 @@ def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structur
         beside = [(GEAR, ())] if GEAR in family else list[Column]()
         rest = tuple(name for name in family if name != GEAR)
         for _, shapes, prior in grid.families([rest]):
-            law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda one: one[0])
+            law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda item: item[0])
             yield tuple(law), prior - PLACE * len(beside)
 
 
@@ -1174,7 +1176,7 @@ def waves_of(
     few = resolved[:: max(len(resolved) // PARTS, 1)]
     if not len(numbers) or len(few) < FEW:
         return (), ()
-    place, x, found = rows.position[few], beside[few], list[float]()
+    place, x, result = rows.position[few], beside[few], list[float]()
     for factor in (np.ones(len(few)), np.sign(rows.velocity[few])):
         basis = np.linalg.qr(x)[0]
         e = rows.response[few] - basis @ (basis.T @ rows.response[few])
@@ -1186,6 +1188,6 @@ def waves_of(
         def likely(number: float, e: Array = e, q: Array = basis) -> float:
             return -float(np.sum(solved_softly(wave(number) - q @ (q.T @ wave(number)), e)[1] ** 2))
 
-        found.append(likeliest(likely, numbers)[0])
-        x = np.column_stack([x, wave(found[-1])])
-    return (found[0],), (found[1],)
+        result.append(likeliest(likely, numbers)[0])
+        x = np.column_stack([x, wave(result[-1])])
+    return (result[0],), (result[1],)

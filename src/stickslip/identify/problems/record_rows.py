@@ -95,11 +95,11 @@ ROUNDED = 1e-12
 
 def checked(records: Sequence[Record]) -> None:
     """Refuse records of which no balance can be made, with the channel that is at fault."""
-    for one in records:
+    for item in records:
         channels = {
-            "time": one.time, "position (x)": one.position, "force (F)": one.force,
-            "velocity (v)": one.velocity, "load": one.load, "known force": one.mechanism,
-            "transmitted force": one.transmitted, **one.inputs,
+            "time": item.time, "position (x)": item.position, "force (F)": item.force,
+            "velocity (v)": item.velocity, "load": item.load, "known force": item.mechanism,
+            "transmitted force": item.transmitted, **item.inputs,
         }  # fmt: skip
         for name, x in channels.items():
             if x is not None and not np.all(np.isfinite(x)):
@@ -108,18 +108,18 @@ def checked(records: Sequence[Record]) -> None:
                     f"the {name} of a record must be finite, got {x[at]} at sample {at}: leave out"
                     " the samples that were not recorded."
                 )
-        still = one.velocity is not None and not np.any(one.velocity)
-        if still and np.ptp(one.position) > 0.0:
+        still = item.velocity is not None and not np.any(item.velocity)
+        if still and np.ptp(item.position) > 0.0:
             raise InputError(
                 "the velocity (v) of a record is 0 throughout although its position changes: give"
                 " the column of the velocity, or leave it out."
             )
-    if not any(moves(one) for one in records):
+    if not any(moves(record) for record in records):
         raise InputError(
             "a force balance needs motion, and the position (x) does not change: give the column"
             " of the position of this coordinate, or a record in which it moves."
         )
-    if all(_is_silent(one) for one in records):
+    if all(_is_silent(record) for record in records):
         raise InputError(
             "a force balance needs a force, and the force (F) is 0 throughout: give the column of"
             " the force or of friction, or the inertia of what moves freely."
@@ -223,7 +223,7 @@ def cutoff_of(record: Record) -> float:
     v, a = motion(record, first)
     side = v / (np.abs(v) + 0.02 * float(np.abs(v).max()) + 1e-300)
     columns = [a, side, v, np.ones_like(v)]
-    columns += [first(one.force, full=True) for one in record.unknown.values()]
+    columns += [first(item.force, full=True) for item in record.unknown.values()]
     force = first(record.force, full=True)
     if record.mechanism is not None:
         force = force + first(record.mechanism, full=True)
@@ -254,21 +254,21 @@ def _derived(step: float, band: float, times: int) -> float:
 
 def mean_frequency(records: Sequence[Record]) -> float:
     """Return the mean frequency of the motion [Hz]: of positions, or of velocities if higher."""
-    found = []
-    for one in records:
-        h = float(np.median(np.diff(one.time)))
-        width = max(len(one.time) // 400, 1)
+    result = []
+    for record in records:
+        h = float(np.median(np.diff(record.time)))
+        width = max(len(record.time) // 400, 1)
         kernel = np.ones(width) / width
-        q = np.convolve(one.position, kernel, mode="valid")
+        q = np.convolve(record.position, kernel, mode="valid")
         v = np.gradient(q, h)[2:-2]
-        if one.velocity is not None:
-            v = np.convolve(one.velocity, kernel, mode="valid")[2:-2]
+        if record.velocity is not None:
+            v = np.convolve(record.velocity, kernel, mode="valid")[2:-2]
         v = np.convolve(v, kernel, mode="valid")
         a = np.gradient(v, h)
         of_position = float(np.std(v)) / max(float(np.std(q)), 1e-300)
         of_velocity = float(np.std(a)) / max(float(np.sqrt(np.mean(v * v))), 1e-300)
-        found.append(max(of_position, of_velocity) / (2.0 * math.pi))
-    return float(np.median(found))
+        result.append(max(of_position, of_velocity) / (2.0 * math.pi))
+    return float(np.median(result))
 
 
 def motion(record: Record, filt: Filter) -> tuple[Array, Array]:
@@ -424,13 +424,13 @@ class Piece:
         if not len(sure):
             return side
         last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), sure[0]))
-        found = side[last]
+        result = side[last]
         turned = side[sure[1:]] != side[sure[:-1]]
         for i, j in zip(sure[:-1][turned], sure[1:][turned], strict=True):
             # between sure directions it turns where that agrees most with the velocity
             k = int(np.argmax(np.cumsum(v[i:j]) * side[i]))
-            found[i + k + 1 : j] = side[j]
-        return np.asarray(found)
+            result[i + k + 1 : j] = side[j]
+        return np.asarray(result)
 
     @cached_property
     def still(self) -> Mask:
@@ -485,24 +485,24 @@ class Piece:
         tries = (away, ~self.still, np.ones(count, dtype=bool))
         enough = FEWEST / (PER * cutoff * self.step)  # samples of that many rows
         many = min(LEAST * count, enough)
-        found = next(one for one in tries if np.sum(one) > many or one is tries[-1]).copy()
+        result = next(item for item in tries if np.sum(item) > many or item is tries[-1]).copy()
         ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
         most = count // SHORTEST
         ends = min(ends, most)
-        found[:ends] = found[count - ends :] = False
+        result[:ends] = result[count - ends :] = False
         least = WAY_MEASURED if measured else WAY
         moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
         if moved[-1] > 2.0 * least * np.ptp(q):  # else it never comes back
-            found[:most] &= moved[:most] > least * np.ptp(q)
-        return found
+            result[:most] &= moved[:most] > least * np.ptp(q)
+        return result
 
     def rests(self, cutoff: float) -> Mask:
         """Return which samples are at rest, whatever the filter shows of the motion (n,)."""
         away = 2 * int(AWAY / cutoff / self.step) + 1
-        found = np.asarray(minimum_filter1d(self.still.astype(np.uint8), away) > 0)
-        ends = min(int(ENDS / cutoff / self.step) + 1, len(found) // 10)
-        found[:ends] = found[len(found) - ends :] = False
-        return found
+        result = np.asarray(minimum_filter1d(self.still.astype(np.uint8), away) > 0)
+        ends = min(int(ENDS / cutoff / self.step) + 1, len(result) // 10)
+        result[:ends] = result[len(result) - ends :] = False
+        return result
 
 
 class BalanceRows:
@@ -529,9 +529,9 @@ class BalanceRows:
         sizes = [len(pick) for pick in self.picks]
         self.piece = np.repeat(np.arange(len(pieces)), sizes)
         """Number of the piece of each row."""
-        self.velocity = self.taken([one.velocity for one in pieces])
-        self.position = self.taken([one.record.position for one in pieces])
-        self.time = self.taken([one.record.time for one in pieces])
+        self.velocity = self.taken([item.velocity for item in pieces])
+        self.position = self.taken([item.record.position for item in pieces])
+        self.time = self.taken([item.record.time for item in pieces])
 
     def taken(self, parts: Sequence[Array]) -> Array:
         """Return values of the samples at the rows (n,)."""
@@ -552,7 +552,7 @@ class BalanceRows:
 
         That of the force is looked at where it is: spikes are noise where they stand.
         """
-        found = []
+        result = []
         for piece, pick in zip(self.pieces, self.picks, strict=True):
             band, step = piece.filters[self.which].band, piece.step
             third = np.zeros_like(piece.record.force)
@@ -562,8 +562,8 @@ class BalanceRows:
             by_place = piece.record.velocity is None
             noise = piece.noise if by_place else piece.velocity_noise
             of_inertia = inertia * noise * _derived(step, band, 2 if by_place else 1)
-            found.append(_derived(step, band, 0) ** 2 * here + of_inertia**2)
-        return np.asarray(np.sqrt(np.concatenate(found)))
+            result.append(_derived(step, band, 0) ** 2 * here + of_inertia**2)
+        return np.asarray(np.sqrt(np.concatenate(result)))
 
     @cached_property
     def acceleration(self) -> Array:
@@ -576,29 +576,29 @@ class BalanceRows:
     def unknown(self, path: str) -> Array:
         """Return what a unit of a parameter that is looked for takes (n,)."""
         own = [p.record.unknown[path] for p in self.pieces]  # each as its trial was set up
-        inertia = np.array([one.inertia for one in own])[self.piece]
-        return np.asarray(inertia * self.acceleration - self.seen([one.force for one in own]))
+        inertia = np.array([item.inertia for item in own])[self.piece]
+        return np.asarray(inertia * self.acceleration - self.seen([item.force for item in own]))
 
     @cached_property
     def force(self) -> Array:
         """Forces, with those of the mechanism (n,) [N]."""
-        found, records = self.driven(self.acting), [one.record for one in self.pieces]
-        if any(one.mechanism is not None for one in records):
-            found += self.seen(
+        result, records = self.driven(self.acting), [piece.record for piece in self.pieces]
+        if any(record.mechanism is not None for record in records):
+            result += self.seen(
                 [0.0 * x.time if x.mechanism is None else x.mechanism for x in records]
             )
-        return found
+        return result
 
     def driven(self, acting: Acting, slope: int = 0) -> Array:
         """Return recorded forces as they act (n,) [N], derived `slope` times."""
-        forces = [one.acted(acting.limit) for one in self.pieces]
-        late = [one.held + acting.delay for one in self.pieces]
+        forces = [piece.acted(acting.limit) for piece in self.pieces]
+        late = [piece.held + acting.delay for piece in self.pieces]
         return self.seen(forces, slope=slope, late=late)
 
     @cached_property
     def response(self) -> Array:
         """What friction and what is not known balance (n,) [N]."""
-        inertia = np.array([one.record.inertia or 0.0 for one in self.pieces])
+        inertia = np.array([piece.record.inertia or 0.0 for piece in self.pieces])
         if not np.any(inertia) or self.pieces[0].record.friction:
             return self.force
         return self.force - inertia[self.piece] * self.acceleration
@@ -616,17 +616,17 @@ def _distance(piece: Piece, usable: Mask) -> Array:
 
 def by_best_sensor(records: Sequence[Record]) -> list[Record]:
     """Return records without velocities where positions tell accelerations better."""
-    moving = [even(one) for one in records if moves(one)]
-    if not all(one.velocity is not None and one.located for one in records):
+    moving = [even(record) for record in records if moves(record)]
+    if not all(record.velocity is not None and record.located for record in records):
         return [*records]
-    bare = [replace(one, velocity=None) for one in moving]
-    band = float(np.median([cutoff_of(one) for one in [*moving, *bare]]))
+    bare = [replace(item, velocity=None) for item in moving]
+    band = float(np.median([cutoff_of(item) for item in [*moving, *bare]]))
     less = [
-        _noise_of_acceleration(own, band) < _noise_of_acceleration(one, band)
-        for own, one in zip(bare, moving, strict=True)
+        _noise_of_acceleration(own, band) < _noise_of_acceleration(item, band)
+        for own, item in zip(bare, moving, strict=True)
     ]
     better = 2 * sum(less) > len(less)
-    return [replace(one, velocity=None) for one in records] if better else [*records]
+    return [replace(record, velocity=None) for record in records] if better else [*records]
 
 
 def pieces_of(
@@ -638,19 +638,19 @@ def pieces_of(
     """
     fitted = cutoff is None
     checked(records)
-    grids = [even(one) for one in records if moves(one)]  # what rests says nothing of sliding
+    grids = [even(item) for item in records if moves(item)]  # what rests says nothing of sliding
     if cutoff is None:
-        cutoff = min(float(np.median([cutoff_of(one) for one in grids])), highest)
-    total = sum(one.time[-1] - one.time[0] for one in grids)
+        cutoff = min(float(np.median([cutoff_of(grid) for grid in grids])), highest)
+    total = sum(grid.time[-1] - grid.time[0] for grid in grids)
     top = max(CUTOFFS) * cutoff
     pieces = []
-    for one in grids:
-        step = float(one.time[1] - one.time[0])
+    for entry in grids:
+        step = float(entry.time[1] - entry.time[0])
         means = max(int(1.0 / (SAMPLED * cutoff * step)), 1)
         every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
-        record = averaged(one, means) if means > 1 else one
-        pieces.append(Piece(record=record, given=one, cutoff=cutoff, every=every))
-    if fitted and all(np.all(one.still) for one in pieces):
+        record = averaged(entry, means) if means > 1 else entry
+        pieces.append(Piece(record=record, given=entry, cutoff=cutoff, every=every))
+    if fitted and all(np.all(piece.still) for piece in pieces):
         raise InputError(
             "the body rests throughout the record, or moves by no more than the noise of its"
             " position: nothing tells friction. Move it farther."

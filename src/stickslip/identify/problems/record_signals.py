@@ -140,7 +140,7 @@ def records_of(
     >>> one.inertia, float(one.force.max())
     (2.0, 0.0)
     """
-    found = []
+    result = []
     for given in measurement.records():
         label = f"record {given.name!r}" if given.name else "the record"
         known = given.quantities()
@@ -150,34 +150,36 @@ def records_of(
                 f" has {', '.join(known) or 'nothing'}: give arrays with time [s]."
             )
         own = as_recorded(mechanism, given)
-        pieces = [one for one in between_gaps(given) if len(np.asarray(one.time)) >= FEWEST]
+        pieces = [
+            segment for segment in between_gaps(given) if len(np.asarray(segment.time)) >= FEWEST
+        ]
         if not pieces:
+            longest = max(len(np.asarray(segment.time)) for segment in between_gaps(given))
             raise NotToldError(
                 f"a force balance needs at least {FEWEST} samples without a gap, and {label} has"
-                f" {max(len(np.asarray(one.time)) for one in between_gaps(given))}: record longer,"
-                " or faster."
+                f" {longest}: record longer, or faster."
             )
         known_to = doubts or {}
-        found += [
-            _record(own, one, unknown, known_to, offset=offset, held=held, linear=linear)
-            for one in pieces
+        result += [
+            _record(own, piece, unknown, known_to, offset=offset, held=held, linear=linear)
+            for piece in pieces
         ]
-    for path in found[0].unknown.keys() & {*unknown}:
-        own_ = [one.unknown[path] for one in found]
-        if not any(np.any(one.force) or one.inertia for one in own_):
+    for path in result[0].unknown.keys() & {*unknown}:
+        own_ = [item.unknown[path] for item in result]
+        if not any(np.any(item.force) or item.inertia for item in own_):
             name = path.removeprefix("mechanism.")
             raise InputError(f"vary: nothing in these records changes with {name}: leave it out.")
-        if linear and len({(one.bent, one.given) for one in own_}) > 1:
+        if linear and len({(item.bent, item.given) for item in own_}) > 1:
             return records_of(
                 mechanism, measurement, unknown=unknown, offset=offset, held=held, doubts=doubts,
                 linear=False,
             )  # fmt: skip
-    if unknown and not any(_tells_scale(one) for one in found):
+    if unknown and not any(_tells_scale(item) for item in result):
         raise InputError(
             "without a force only friction over inertia can be found: give the inertia (J) [kg] of"
             " the mechanism, or the force."
         )
-    return found
+    return result
 
 
 def _tells_scale(record: Record) -> bool:
@@ -188,9 +190,9 @@ def _tells_scale(record: Record) -> bool:
     forces = 0.0 * record.time if record.mechanism is None else record.mechanism
     taken = [inertia, *forces]
     # what all are in proportion to, as to a mass, tells no scale where it is looked for
-    bent = (one for one in record.unknown.values() if one.bent)
-    whole = ([one.given * one.inertia, *(one.given * one.force)] for one in bent)
-    return bool(np.any(taken)) and not any(np.allclose(taken, one, rtol=ALIKE) for one in whole)
+    bent = (item for item in record.unknown.values() if item.bent)
+    whole = ([item.given * item.inertia, *(item.given * item.force)] for item in bent)
+    return bool(np.any(taken)) and not any(np.allclose(taken, item, rtol=ALIKE) for item in whole)
 
 
 def _record(
@@ -245,16 +247,16 @@ def _record(
         x = x + began
         forces = forces_along(mechanism, record, x, v, unknown, doubts, linear=linear)
     inertia: float | None = forces.inertia
-    found = dict(forces.unknown)
-    for path, one in forces.unknown.items():  # an inertia and nothing else
-        alone = not np.any(one.force) and abs(one.inertia - 1.0) < 1e-9 and not one.doubt
+    result = dict(forces.unknown)
+    for path, item in forces.unknown.items():  # an inertia and nothing else
+        alone = not np.any(item.force) and abs(item.inertia - 1.0) < 1e-9 and not item.doubt
         if alone and not forces.inertia:
             inertia = None
-            del found[path]
+            del result[path]
     return Record(
         time=time, position=x, velocity=velocity, inertia=inertia, inputs=inputs,
         load=forces.load if load is None else load, force=forces.driven - constant,
-        constant=constant, unknown=found, held=held, located=located,
+        constant=constant, unknown=result, held=held, located=located,
         driven=len(mechanism.coordinates) > 1,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None,
         transmitted=transmitted, began=began, rig=mechanism,
@@ -288,17 +290,17 @@ def _began(
         """Return what the balance leaves of each part, from a start."""
         own = forces_along(mechanism, record, x + start, v, unknown)
         rows = [summed(np.sign(v)), summed(v)]
-        rows += [one.inertia * gained - summed(one.force) for one in own.unknown.values()]
+        rows += [item.inertia * gained - summed(item.force) for item in own.unknown.values()]
         y = summed(own.driven + own.still) - own.inertia * gained
         table = np.column_stack(rows)
         sizes = np.max(np.abs(table), axis=0) + 1e-300
-        found = np.linalg.lstsq(table / sizes, y, rcond=None)[0] / sizes
-        limits = [one.limits for one in own.unknown.values()]
+        result = np.linalg.lstsq(table / sizes, y, rcond=None)[0] / sizes
+        limits = [item.limits for item in own.unknown.values()]
         outside = any(
-            not low <= value <= high for value, (low, high) in zip(found[2:], limits, strict=True)
+            not low <= value <= high for value, (low, high) in zip(result[2:], limits, strict=True)
         )
         # a mass below 0 would hang upside down
-        return np.asarray(y if outside else y - table @ found)
+        return np.asarray(y if outside else y - table @ result)
 
     around = np.linspace(-math.pi, math.pi, STRETCHES, endpoint=False) if record.turning else [0.0]
     best = min(map(float, around), key=lambda start: float(np.sum(left(start) ** 2)))
@@ -425,11 +427,11 @@ def followed(path: Array, reach: float) -> Array:
     >>> followed(np.array([0.0, 1.0, 3.0, 2.0, -2.0]), 1.0).tolist()
     [0.0, 0.0, 2.0, 2.0, -1.0]
     """
-    at, found = float(path[0]), []
+    at, result = float(path[0]), []
     for x in path.tolist():
         at = x - reach if at < x - reach else x + reach if at > x + reach else at
-        found.append(at)
-    return np.array(found)
+        result.append(at)
+    return np.array(result)
 
 
 def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:
@@ -445,9 +447,9 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
     """
     way = np.sign(np.diff(path))
     moved = np.flatnonzero(way)
-    found = np.full(len(path), start)
+    result = np.full(len(path), start)
     if not len(moved):
-        return found
+        return result
     turns = moved[1:][way[moved[1:]] != way[moved[:-1]]]
     edges = [int(moved[0]), *turns.tolist(), len(path) - 1]
     z = start
@@ -462,6 +464,6 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
         else:
             power = max(u, 1e-12) ** (1.0 - exponent) - (1.0 - exponent) * x
             u = np.maximum(power, 0.0) ** (1.0 / (1.0 - exponent))
-        found[a + 1 : b + 1] = side * (1.0 - u)
-        z = float(found[b])
-    return found
+        result[a + 1 : b + 1] = side * (1.0 - u)
+        z = float(result[b])
+    return result

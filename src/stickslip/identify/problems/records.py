@@ -164,13 +164,13 @@ class RecordProblem(Problem):
             self.looked_for = frozenset({"offset"})
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "RecordProblem":
-        found = copy.copy(self)
+        result = copy.copy(self)
         for name in ("changing", "beside", "_families", "_left", "_usual", "_middle", "_noisier"):
-            found.__dict__.pop(name, None)
-        found.families, found.restricted = (*families, *map(family_of, own)), True
-        found.model = self.model.with_laws(own)
-        found.posterior = found.model.posterior()
-        return found
+            result.__dict__.pop(name, None)
+        result.families, result.restricted = (*families, *map(family_of, own)), True
+        result.model = self.model.with_laws(own)
+        result.posterior = result.model.posterior()
+        return result
 
     def slips(self, rows: SteadyRows) -> Slips:
         balance = self.model.balance
@@ -212,22 +212,22 @@ class RecordProblem(Problem):
     @cached_property
     def _places(self) -> SteadyRows:
         v, frame = resolved_speeds(self.model, PLACES), self.model.frame
-        changing = {one.partition("*")[2] for one in self.changing}
+        changing = {item.partition("*")[2] for item in self.changing}
         points: list[dict[str, float]] = [{}]
         if frame.transmitted:
             points = [{TRANSMITTED: x} for x in frame.transmitted]
         for name in changing:
             mean, size = frame.inputs[name]
-            points = [{**one, name: mean + k * size} for one in points for k in (-1.0, 1.0)]
+            points = [{**point, name: mean + k * size} for point in points for k in (-1.0, 1.0)]
         if self.adhesive:
-            points = [{**one, LOAD: x} for one in points for x in self._loads]
+            points = [{**point, LOAD: x} for point in points for x in self._loads]
         each = {name: np.repeat([x[name] for x in points], len(v)) for name in points[0]}
         return self.at(np.tile(v, len(points)), each.pop(LOAD, None), each)
 
     @cached_property
     def _loads(self) -> Array:
         """Loads of a tenth and of nine tenths of the records (2,) [N]."""
-        loads = [one.record.load for one in self.model.balance.pieces]
+        loads = [piece.record.load for piece in self.model.balance.pieces]
         every = np.concatenate([x for x in loads if x is not None])
         return np.asarray(np.quantile(every, (0.1, 0.9)))
 
@@ -237,8 +237,8 @@ class RecordProblem(Problem):
         if self.model.frame.load == 1.0 or self.families is not None:
             return False
         own = [
-            np.diff(self.model.split(one.node, one.random)["load"][::-1], axis=0)[0]
-            for one in self.posterior.draws(DRAWN, seed=5)
+            np.diff(self.model.split(draw.node, draw.random)["load"][::-1], axis=0)[0]
+            for draw in self.posterior.draws(DRAWN, seed=5)
         ]
         slope = np.concatenate(own) / self.size
         return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
@@ -272,9 +272,9 @@ class RecordProblem(Problem):
         v = resolved_speeds(self.model, OFFERED)
         sides = [v[v * side > 0.0] for side in (-1.0, 1.0)]
         ends = [
-            factor * one[np.argmax(np.abs(one)) if factor > 1.0 else np.argmin(np.abs(one))]
-            for one in sides
-            if len(one)
+            factor * side[np.argmax(np.abs(side)) if factor > 1.0 else np.argmin(np.abs(side))]
+            for side in sides
+            if len(side)
             for factor in FARTHER
         ]
         return self.at(np.sort(np.concatenate([v, ends])))
@@ -318,7 +318,7 @@ class RecordProblem(Problem):
     @cached_property
     def changing(self) -> tuple[str, ...]:
         """Terms by which friction changes with an input of the contact, beside every law."""
-        asked = {name for one in self.families or () for name in one if "*" in name}
+        asked = {name for family in self.families or () for name in family if "*" in name}
         if asked or self.families is not None:
             return tuple(sorted(asked))
         draws = self.posterior.draws(DRAWN, seed=5)
@@ -347,28 +347,28 @@ class RecordProblem(Problem):
         odd = 0.5 * (both[0] + both[1])
         x = np.column_stack([np.ones_like(u), u / top])
         b = odd @ np.linalg.pinv(x).T / self.size
-        found = []
+        result = []
         for name, c in zip(("offset", "viscous_direction"), b.T, strict=True):
             low_, high = np.quantile(c, (0.025, 0.975))
             if not low_ <= 0.0 <= high and abs(float(np.median(c))) > 0.5 * TOLERANCE:
-                found.append(name)
+                result.append(name)
         if self.families is not None and not any("viscous_direction" in x for x in self.families):
-            found = [name for name in found if name != "viscous_direction"]
-        if self.looked_for or found == ["viscous_direction"]:
-            found = list(dict.fromkeys(["offset", *found]))
-        return tuple(found)
+            result = [name for name in result if name != "viscous_direction"]
+        if self.looked_for or result == ["viscous_direction"]:
+            result = list(dict.fromkeys(["offset", *result]))
+        return tuple(result)
 
     def _with_beside(self, structure: Structure) -> Structure:
         """Return a law with what stands beside it, in the order of names."""
         shapes = dict(structure)
-        more: list[Column] = [(one, ()) for one in self.beside if one == "offset"]
+        more: list[Column] = [(item, ()) for item in self.beside if item == "offset"]
         if self._is_held(structure):
             more = []
         if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
             more.append((flow_direction(shapes), shapes.get("power", ())))
-        more += [(one, ()) for one in self.changing if one.partition("*")[0] in shapes]
+        more += [(item, ()) for item in self.changing if item.partition("*")[0] in shapes]
         more += [("adhesion", ())] * (self.adhesive and "level" in shapes)
-        return tuple(sorted([*structure, *more], key=lambda one: one[0]))
+        return tuple(sorted([*structure, *more], key=lambda item: item[0]))
 
     def _is_held(self, structure: Structure) -> bool:
         """Return whether a law that is no sum of parts holds a constant offset."""
@@ -386,25 +386,25 @@ class RecordProblem(Problem):
         """Return the families on which curves are projected, with their structures."""
         known = self.model.families
         laws: dict[Family, list[Structure]] = {}
-        grid = (law for law, _ in laws_of(self._grid, [one for one in known if one]))
-        for one in itertools.chain(grid, filter(None, self.posterior.structures)):
-            if is_own(one):
-                laws[family_of(one)] = [one]
+        grid = (law for law, _ in laws_of(self._grid, [item for item in known if item]))
+        for entry in itertools.chain(grid, filter(None, self.posterior.structures)):
+            if is_own(entry):
+                laws[family_of(entry)] = [entry]
             else:
-                laws.setdefault(family_of(one), []).append(one)
+                laws.setdefault(family_of(entry), []).append(entry)
         if self.families is not None:
-            named = {parts_of(one) or one for one in self.families}
+            named = {parts_of(item) or item for item in self.families}
             laws = {family: some for family, some in laws.items() if family in named}
-        found = []
+        result = []
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
-            every = [self._with_beside(one) for one in structures]
+            every = [self._with_beside(structure) for structure in structures]
             names = tuple(name for name, _ in every[0])
             count = parameters_of(family) + (GEAR in family) + len(names) - len(family)
             count += sum(is_slope(name) and name.place >= 0 for name in family)
-            found.append(Candidates(family=names, structures=every, parameters=count))
-        return found
+            result.append(Candidates(family=names, structures=every, parameters=count))
+        return result
 
     def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
         """Return the entries of shapes that draws have of their own, and structures to begin at."""
@@ -425,8 +425,8 @@ class RecordProblem(Problem):
     def _families(self) -> list[Family]:
         """The family of each structure, with what stands beside it."""
         return [
-            tuple(name for name, _ in self._with_beside(one)) if one else ()
-            for one in self.posterior.structures
+            tuple(name for name, _ in self._with_beside(structure)) if structure else ()
+            for structure in self.posterior.structures
         ]
 
     def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
@@ -447,7 +447,7 @@ class RecordProblem(Problem):
 
     def holds(self, family: Family) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) of the posterior at which a family holds."""
-        same = np.array([one == family for one in self._families])
+        same = np.array([item == family for item in self._families])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
     def is_alone(self, draw: Draws) -> bool:
@@ -455,7 +455,7 @@ class RecordProblem(Problem):
 
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
-        none = np.array([not one for one in self.posterior.structures])
+        none = np.array([not structure for structure in self.posterior.structures])
         still = np.array([self.model.at(n, "common") == 0.0 for n in self.posterior.nodes])
         return np.asarray(still[:, None] & none)
 
@@ -475,7 +475,10 @@ class RecordProblem(Problem):
         if isinstance(rows, OtherRows):
             return readings(self.model, draws, rows)
         curves = self.friction(rows, draws, new=True)
-        rng, single = np.random.default_rng(11), [one.beside for one in self.model.balance.pieces]
+        rng, single = (
+            np.random.default_rng(11),
+            [piece.beside for piece in self.model.balance.pieces],
+        )
         return curves + np.hypot(self.noise(rows), max(single)) * rng.normal(size=curves.shape)
 
     def noise(self, rows: SteadyRows) -> Array:
@@ -495,11 +498,13 @@ class RecordProblem(Problem):
     @cached_property
     def presliding(self) -> Memory | None:
         """The bristle that the records show, or None."""
-        if self.families is not None and not any({*one} & {*MEMORIES} for one in self.families):
+        if self.families is not None and not any(
+            {*family} & {*MEMORIES} for family in self.families
+        ):
             return None
         shares = self.posterior.scale("bristle")
         memory = self.model.memories[int(np.argmax(shares))]
-        lengths = np.array([one.length for one in self.model.memories])
+        lengths = np.array([item.length for item in self.model.memories])
         none = float(shares[lengths == 0.0].sum())
         if none * SURE > 1.0 - none or memory.length < SHORT * self.model.frame.noise:
             return None
@@ -512,7 +517,7 @@ class RecordProblem(Problem):
         """Law of the bristles in the notation; empty without."""
         if self.presliding is None:
             return ""
-        named = {name for one in self.families or () for name in one if name in MEMORIES}
+        named = {name for family in self.families or () for name in family if name in MEMORIES}
         if len(named) == 1:
             return named.pop()
         return "lugre" if self.presliding.exponent == LUGRE and self._is_lugre else "dahl"
@@ -570,13 +575,13 @@ class RecordProblem(Problem):
             values.pop("bristle_damping")
             exponent = max(abs(self.presliding.exponent), least)
             values["yield_exponent"] = np.full(count, exponent)
-        found = compose(
+        result = compose(
             terms, means, count, memory=memory, memory_values=values,
             memory_fixed=("yield_exponent",),
         )  # fmt: skip
         if "power_direction" in terms:  # no law of stickslip.friction has it
-            found = replace(found, text="", instead="")
-        return replace(found, rig=rig, load=normal[:, 0])
+            result = replace(result, text="", instead="")
+        return replace(result, rig=rig, load=normal[:, 0])
 
     def _own_composition(
         self, structure: Shaped, coefficients: Array, normal: Array, *, offset: bool
@@ -591,13 +596,13 @@ class RecordProblem(Problem):
         first, frame = self.records[0], self.model.frame
         still = {name: float(np.mean(x)) for name, x in first.inputs.items()}
         means = {name: mean for name, (mean, _) in frame.inputs.items()}
-        found = own_composition(structure, coefficients)
-        return replace(found, rig=rig, load=normal[:, 0], inputs=still | means)
+        result = own_composition(structure, coefficients)
+        return replace(result, rig=rig, load=normal[:, 0], inputs=still | means)
 
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
         """Return the normal forces (k, 1) of draws, or that in the middle of all."""
         if not self.load_slopes:
-            count = 1 if draws is None else sum(one.random.shape[1] for one in draws)
+            count = 1 if draws is None else sum(draw.random.shape[1] for draw in draws)
             return np.full((count, 1), self.normal)
         rig = self._beside(self._usual if draws is None else draws)
         change = sum(
@@ -611,8 +616,8 @@ class RecordProblem(Problem):
     @cached_property
     def _usual(self) -> list[Draws]:
         """Draws in whose middle a law stands that is none of them."""
-        found: list[Draws] = self.posterior.draws(DRAWN, seed=13)
-        return found
+        result: list[Draws] = self.posterior.draws(DRAWN, seed=13)
+        return result
 
     def _bristles(
         self, terms: Mapping[str, tuple[Any, Array]], normal: Array,
@@ -644,36 +649,36 @@ class RecordProblem(Problem):
         """Return lengths of bristles, and the coefficients of their damping (k,), at least 0."""
         rng = np.random.default_rng(9)
         lengths, damping = [], []
-        for one in draws:
-            own, count = self.model.memory(one.node), one.random.shape[1]
+        for draw in draws:
+            own, count = self.model.memory(draw.node), draw.random.shape[1]
             own = own if own.length else memory
             lengths.append(own.length * np.exp(own.spread * rng.normal(size=count)))
-            plain = self.model.split(one.node, one.random)
+            plain = self.model.split(draw.node, draw.random)
             damping.append(plain["damping"][0] if "damping" in plain else np.zeros(count))
         return np.concatenate(lengths), np.maximum(np.concatenate(damping), 0.0)
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for beside the law (k,) in draws, by path."""
         unknown = self.model.balance.pieces[0].record.unknown
-        found = self._beside(draws)
-        return {k: x for k, x in found.items() if k not in unknown or not unknown[k].doubt}
+        result = self._beside(draws)
+        return {k: x for k, x in result.items() if k not in unknown or not unknown[k].doubt}
 
     def _beside(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for, or doubtful, beside the law (k,) in draws, by path."""
-        found: dict[str, list[Array]] = {}
+        result: dict[str, list[Array]] = {}
         unknown = self.model.balance.pieces[0].record.unknown
         paths = {name: name for name in unknown}
         if self.model.balance.finds_inertia:
             paths["inertia"] = self.inertia_path or "inertia"
-        for one in draws:
-            plain = self.model.split(one.node, one.random)
+        for draw in draws:
+            plain = self.model.split(draw.node, draw.random)
             for name, path in paths.items():
                 given = unknown[name].given if name in unknown else 0.0
                 parts = {other: x.along.get(name, 0.0) for other, x in unknown.items()}
                 parts = {k: x for k, x in parts.items() if x} or {name: 1.0}
                 change = sum(share * plain[other][0] for other, share in parts.items())
-                found.setdefault(path, []).append(given + change)
-        return {path: np.concatenate(x) for path, x in found.items()}
+                result.setdefault(path, []).append(given + change)
+        return {path: np.concatenate(x) for path, x in result.items()}
 
     # ---- figures and findings ---------------------------------------------------------------
 
@@ -716,30 +721,30 @@ class RecordProblem(Problem):
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return what changes along the records, with its probability."""
-        found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
-        found += [self._delay(draws)] if "delay" in self.model.names else []
-        found += self._given(draws) + self._limit(draws)
+        result = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
+        result += [self._delay(draws)] if "delay" in self.model.names else []
+        result += self._given(draws) + self._limit(draws)
         inputs = [*self.model.frame.inputs]
-        found += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
+        result += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
         for name in inputs if len(self.model.frame.sides) > 1 else ():
             own = [self.model.split(x.node, x.random)[f"{FORCE}*{name}"][0] for x in draws]
             pushed = 2.0 * np.concatenate(own) / self.size
-            found.append(self._with_input(name, pushed, pushes=True))
-        return [one for one in found if one.probability > 0.5]
+            result.append(self._with_input(name, pushed, pushes=True))
+        return [item for item in result if item.probability > 0.5]
 
     def untold(self) -> list[str]:
         """Return sentences on what the design does not tell apart, and what would."""
-        found, balance = list[str](), self.model.balance
+        result, balance = list[str](), self.model.balance
         if "offset" in self.beside and self.offset and self.model.frame.load == 1.0:
-            found.append(
+            result.append(
                 "A constant offset cannot be distinguished from a level that differs by direction:"
                 " a record under another load would tell them, or what the sensor shows without a"
                 " force."
             )
         if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
-            found.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
+            result.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
         if not balance.measured and self._spread_of_dead_zone() > NEGLIGIBLE:
-            found.append(
+            result.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
                 " cannot be distinguished from the level of friction, which is stated without one:"
                 " a record with added mass or larger accelerations would tell them."
@@ -747,11 +752,11 @@ class RecordProblem(Problem):
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             alike, them = ("", "it") if len(names) == 1 else (" together", "them")
-            found.append(
+            result.append(
                 f"The {joined(names)}{alike} cannot be distinguished from viscous friction: what is"
                 f" stated of {them} has both, and no law with viscous friction is compared."
             )
-        return found
+        return result
 
     def _spread_of_dead_zone(self) -> float:
         """Return the deviation of a dead zone of the drive over friction, were one sought.
@@ -764,7 +769,7 @@ class RecordProblem(Problem):
         groups, system = model.design(*model.key(node)).groups, model.system(node, model.columns)
         zone, law = int(np.argmax(groups == "zone")), self.posterior.law_at(node)
         at = [k for k in range(len(groups)) if k != zone]
-        at += [len(groups) + model.columns.index(one) for one in law]
+        at += [len(groups) + model.columns.index(item) for item in law]
         sizes = np.append(system.deviations, np.full(len(model.columns), COEFFICIENT))[at]
         moment = sizes * system.gram[at, zone]
         gram = sizes[:, None] * system.gram[np.ix_(at, at)] * sizes + np.eye(len(at))
@@ -785,8 +790,8 @@ class RecordProblem(Problem):
         if name == "relaxing":
             columns[name] = model.balance.fixed(MIDDLE)[name]
         changes = []
-        for one in draws:
-            b = model.split(one.node, one.random)[name]
+        for draw in draws:
+            b = model.split(draw.node, draw.random)[name]
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
             elif name == "zone":
@@ -797,7 +802,7 @@ class RecordProblem(Problem):
             else:
                 moved = columns[name][::7] @ b
                 if name == "force":
-                    moved += course[::7] @ model.split(one.node, one.random)["zero"]
+                    moved += course[::7] @ model.split(draw.node, draw.random)["zero"]
                 changes.append(np.std(moved, axis=0))
         change = np.concatenate(changes) / self.size
         middle = float(np.median(change))
@@ -890,14 +895,14 @@ class RecordProblem(Problem):
         names = self.model.balance.given
         if not names:
             return []
-        parts = [self.model.split(one.node, one.random)["given"] for one in draws]
+        parts = [self.model.split(draw.node, draw.random)["given"] for draw in draws]
         every = dict(zip(names, np.concatenate(parts, axis=1), strict=True))
         gain, beside = every.pop("both", None), {"inertia", "mechanism"} <= {*names}
         if beside and gain is None:
             every = {"beside": every["inertia"] - every["mechanism"]}
-        found = []
-        large = [self.model.at(one.node, "given") >= MISTAKEN for one in draws]
-        mistaken = float(np.average(large, weights=[one.random.shape[1] for one in draws]))
+        result = []
+        large = [self.model.at(draw.node, "given") >= MISTAKEN for draw in draws]
+        mistaken = float(np.average(large, weights=[draw.random.shape[1] for draw in draws]))
         for name, own in every.items():
             of, off = name.replace("beside", "inertia"), own if gain is None else own + gain
             factors = [quantity(1.0 + x, "", 3) for x in np.quantile(off, (0.5, 0.025, 0.975))]
@@ -910,8 +915,8 @@ class RecordProblem(Problem):
             }[name].format(*factors)
             likely = float(np.mean(np.abs(off) > NEGLIGIBLE))
             what += ", or the gain of the force or a unit of length is wrong."
-            found.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
-        return found
+            result.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
+        return result
 
     def _limit(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return from which force on no more of what was recorded acts, if there is one."""
@@ -942,11 +947,11 @@ class RecordProblem(Problem):
     def _late(self, draws: Sequence[Draws]) -> Array:
         """Return draws of how much later the force acts than recorded (n,) [s]."""
         model = self.model
-        found = [
-            model.split(one.node, one.random)["delay"][0] + model.acting(one.node).delay
-            for one in draws
+        result = [
+            model.split(draw.node, draw.random)["delay"][0] + model.acting(draw.node).delay
+            for draw in draws
         ]
-        return np.asarray(np.concatenate(found) + model.balance.pieces[0].held)
+        return np.asarray(np.concatenate(result) + model.balance.pieces[0].held)
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""

@@ -47,7 +47,7 @@ class RunLaw:
     @property
     def quantities(self) -> Mapping[str, Quantity]:
         """What its parameters are, by path."""
-        return {f"friction.{name}": one for name, one in fields_of(type(self.law)).items()}
+        return {f"friction.{name}": item for name, item in fields_of(type(self.law)).items()}
 
     def above(self, path: str) -> str:
         """Return the path of the parameter that one does not fall below; empty without one."""
@@ -77,8 +77,8 @@ def usual_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
     (['kinetic_coefficient', 'static_coefficient'], ['viscous_coefficient'])
     """
     known = fields_of(law if isinstance(law, type) else type(law))
-    return [name for name, one in known.items()
-            if one.scale in SCALES and not stands_on_top(known, one)]  # fmt: skip
+    return [name for name, item in known.items()
+            if item.scale in SCALES and not stands_on_top(known, item)]  # fmt: skip
 
 
 def stands_on_top(known: Mapping[str, Quantity], quantity: Quantity) -> bool:
@@ -101,13 +101,13 @@ def laws_to_run(
     Values of a law that is to `start` are those of a function of the mechanism and the law.
     Parameters of the mechanism have prior `doubts` if nothing is stated of them.
     """
-    found, block, surely = dict[str, RunLaw](), mechanism, dict[str, float]()
+    result, block, surely = dict[str, RunLaw](), mechanism, dict[str, float]()
     for name, law in laws.items():
         chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
         block, surely = chosen.mechanism, _doubts(chosen, measurement, doubts)
         begun = with_known(start(block, chosen.law), chosen.known)
         free = (LAW,) if chosen.free is None else chosen.free
-        usual = [f"friction.{one}" for one in usual_of(begun) if one not in chosen.known]
+        usual = [f"friction.{item}" for item in usual_of(begun) if item not in chosen.known]
         named = [path for path in free if path != LAW]
         paths = dict.fromkeys([*(usual if LAW in free else ()), *named])
         if not paths:
@@ -119,8 +119,8 @@ def laws_to_run(
         for path in named:
             if one.quantities[path].scale not in SCALES:
                 _check_above_zero(path, one.held(path))
-        found[name] = one
-    return block, found, surely
+        result[name] = one
+    return block, result, surely
 
 
 def _check_above_zero(path: str, value: float) -> None:
@@ -135,19 +135,19 @@ def _doubts(
     known = {path: value for path, _, value in parameters(chosen.mechanism, "mechanism")}
     stated = {full_path(name, known): error
               for name, error in measurement.parameter_uncertainties.items()}  # fmt: skip
-    own = [path for one in measurement.trials for path in one.parameter_uncertainties]
+    own = [path for trial in measurement.trials for path in trial.parameter_uncertainties]
     if own:
         raise InputError(
             f"fits by runs take the uncertainty of {own[0]} beside the trials, alike for all:"
             " state it there."
         )
-    found = {path: doubt for path, doubt in usual.items() if path not in chosen.held}
-    found |= {path: math.log1p(error / known[path]) for path, error in stated.items()
+    result = {path: doubt for path, doubt in usual.items() if path not in chosen.held}
+    result |= {path: math.log1p(error / known[path]) for path, error in stated.items()
               if known[path] > 0.0}  # fmt: skip
     for path in chosen.unknown:
         _check_above_zero(path, known[path])
-        found[path] = UNKNOWN
-    return found
+        result[path] = UNKNOWN
+    return result
 
 
 class LawRuns(Simulated):
@@ -183,8 +183,8 @@ class LawRuns(Simulated):
         self.mechanism, self.laws, self.sizes, self.load = mechanism, laws, sizes, load
         self.doubts = {path: doubt for path, doubt in doubts.items() if doubt > 0.0}
         self.given = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-        least = min(len(one.free) for one in laws.values())
-        simple = [name for name, one in laws.items() if len(one.free) == least]
+        least = min(len(law.free) for law in laws.values())
+        simple = [name for name, law in laws.items() if len(law.free) == least]
         stages = simple, [name for name in laws if name not in simple]
         self.stages = tuple(stage for stage in stages if stage)
 
@@ -214,15 +214,15 @@ class LawRuns(Simulated):
 
     def values(self, family: str, points: Array) -> dict[str, Array]:
         """Return values (k,) by path, SI, at points (k, p); of the mechanism those as stated."""
-        law, found = self.laws[family], dict[str, Array]()
+        law, results = self.laws[family], dict[str, Array]()
         steep = self.sizes["slope"]
         for path, x in zip(self.paths(family), points.T, strict=True):
             slope = path not in self.doubts and law.kind(path) == "slope"
-            found[path] = steep * np.maximum(x, 0.0) if slope else np.exp(np.minimum(x, 50.0))
+            results[path] = steep * np.maximum(x, 0.0) if slope else np.exp(np.minimum(x, 50.0))
         for path in law.free:
             if above := law.above(path):
-                found[path] = found[path] + found.get(above, law.held(above))
-        return found
+                results[path] = results[path] + results.get(above, law.held(above))
+        return results
 
     def _point(self, family: str, values: Mapping[str, float]) -> Array:
         """Return the point (p,) with some values, and the prior's for the others."""
@@ -251,14 +251,14 @@ class LawRuns(Simulated):
             tried.append({path: x for path, x in values.items() if path in self.paths(family)})
         if law.given:
             tried.append({path: law.held(path) for path in law.free})
-        return np.unique([self._point(family, one) for one in tried], axis=0)
+        return np.unique([self._point(family, item) for item in tried], axis=0)
 
     # ------------------------------------------------------------------ results
     def title(self, family: str) -> str:
         return self.laws[family].law.title
 
     def quantities(self, family: str) -> Mapping[str, Quantity]:
-        own = {path: one for path, one, _ in parameters(self.mechanism, "mechanism")}
+        own = {path: item for path, item, _ in parameters(self.mechanism, "mechanism")}
         return {**own, **self.laws[family].quantities}
 
     def read(self, family: str, points: Array, coefficients: Array) -> dict[str, Array]:
@@ -273,13 +273,15 @@ class LawRuns(Simulated):
     def told(
         self, family: FamilyPosterior, name: str, estimates: Sequence[Estimate]
     ) -> list[Estimate]:
-        found = []
-        for one in estimates:
-            untold = one.path not in self.doubts and self._is_prior(family, name, one.path)
+        results = []
+        for estimate in estimates:
+            untold = estimate.path not in self.doubts and self._is_prior(
+                family, name, estimate.path
+            )
             reason = self.alike if untold else ""
-            ends = (-math.inf, math.inf) if untold else (one.low, one.high)
-            found.append(replace(one, low=ends[0], high=ends[1], reason=reason))
-        return found
+            ends = (-math.inf, math.inf) if untold else (estimate.low, estimate.high)
+            results.append(replace(estimate, low=ends[0], high=ends[1], reason=reason))
+        return results
 
     def _is_prior(self, family: FamilyPosterior, name: str, path: str) -> bool:
         """Whether draws are as wide as the prior; of a level above another, as that of levels."""

@@ -175,7 +175,7 @@ def frequency_of(
     frequencies, spectra = spectra_of(force, HALVES, HIGHEST * natural * step)
     top = peak_of(frequencies, spectra.mean(axis=0)) / step
     if slips is not None:
-        tops = [peak_of(frequencies, one) for one in spectra[::2]]
+        tops = [peak_of(frequencies, item) for item in spectra[::2]]
         _refuse_contradiction(top, _error(tops), force, step, slips)
         return (len(slips) - 1) / (step * float(np.ptp(slips)))
     if _hum(force, step, top):
@@ -199,7 +199,7 @@ def _hum(force: Array, step: float, top: float) -> tuple[MainsLine, ...]:
     left = 1.0 - sum(line.share for line in lines)
     # of the variance: what the standard deviation would be without them
     falsify = math.sqrt(max(left, 0.0)) < 1.0 - THRESHOLDS.pattern
-    return lines if falsify or any(abs(one.frequency / top - 1.0) < 0.01 for one in lines) else ()
+    return lines if falsify or any(abs(line.frequency / top - 1.0) < 0.01 for line in lines) else ()
 
 
 def _refuse_contradiction(
@@ -219,17 +219,17 @@ def _refuse_contradiction(
     lines = _hum(force, step, top)
     if not contradict and not lines:
         return
-    found = (
+    result = (
         f"{count} slips are {quantity(1.0 / rate, 's')} apart on average, a rate of"
         f" {quantity(rate, 'Hz')}"
     )
     if lines:
-        said = f"the force has mains hum at {words_of(lines)}, but {found}"
+        said = f"the force has mains hum at {words_of(lines)}, but {result}"
         cure = f"{CURE}."
     else:
         said = (
             "the spectrum and the slips disagree: the power per octave is largest at"
-            f" {quantity(top, 'Hz')}, but {found}"
+            f" {quantity(top, 'Hz')}, but {result}"
         )
         cure = f"Find the cause of the force at {quantity(top, 'Hz')}, or use a notch filter."
     raise InputError(f"{said}: the features would mix two motions. {cure}")
@@ -408,8 +408,8 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     block = towed(mechanism)
     step, force = evenly(measurement, block)
     natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
-    found = slips_of(force, max(1, round(0.5 / natural / step)))
-    events, waiting = found.place, step * np.diff(found.place)
+    result = slips_of(force, max(1, round(0.5 / natural / step)))
+    events, waiting = result.place, step * np.diff(result.place)
     slow = _is_slow(waiting, natural)
     read = frequency_of(force, step, natural=natural, slips=events if slow else None)
     regime: Regime = "stick-slip" if slow else _regime(force, read, natural)
@@ -418,7 +418,7 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     stretches = stretches_of(force, read * step, events if slow else None)
     if regime != "stick-slip":
         none = np.empty(0)
-        found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
+        result = Slips(place=result.place[:0], level=none, drop=none, slope=none)
         waiting = none
     pull = block.stiffness * block.speed * step / block.steady_load
     thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
@@ -428,14 +428,14 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "standard_deviation": float(np.sqrt(np.exp(2.0 * stretches[:, 2]).mean())),
         "frequency": read,
         "natural_frequency": natural,
-        "slips": len(found.place),
+        "slips": len(result.place),
         "waiting_times": waiting,
-        "levels": found.level,
-        "drops": found.drop,
-        "slope_ratio": float(np.median(found.slope)) / pull if len(found.slope) else math.nan,
+        "levels": result.level,
+        "drops": result.drop,
+        "slope_ratio": float(np.median(result.slope)) / pull if len(result.slope) else math.nan,
         "thirds": thirds,
         "halves": halves,
-        "drifts": any(one.severity != "info" for one in check(measurement).of("drift")),
+        "drifts": any(item.severity != "info" for item in check(measurement).of("drift")),
         "regime": regime,
         "stretches": stretches - [math.log(step), 0.0, 0.0],
     }

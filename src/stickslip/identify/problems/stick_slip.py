@@ -128,7 +128,9 @@ class StickSlip(LawRuns):
         doubts: Mapping[str, float],
     ) -> None:
         self.settings = settings
-        logs = [one.features.stretches.mean(axis=0) for one in settings if not one.slides]
+        logs = [
+            setting.features.stretches.mean(axis=0) for setting in settings if not setting.slides
+        ]
         _, mean, scatter = np.exp(np.mean(logs, axis=0)).tolist()
         first = self.first.block
         slip = first.speed + 2.0 * scatter * first.steady_load / math.sqrt(
@@ -142,28 +144,30 @@ class StickSlip(LawRuns):
             sizes={"level": mean, "surplus": scatter, "speed": slip, "slope": mean * load / slip},
             load=load,
         )
-        self._roots = [np.linalg.inv(np.linalg.cholesky(one.covariance)) for one in settings]
-        self._counts = [len(one.features.stretches) for one in settings]
+        self._roots = [
+            np.linalg.inv(np.linalg.cholesky(setting.covariance)) for setting in settings
+        ]
+        self._counts = [len(setting.features.stretches) for setting in settings]
         self.measured = np.concatenate([
-            (root @ (one.stretches - one.centre).T).ravel()
-            for one, root in zip(settings, self._roots, strict=True)
+            (root @ (setting.stretches - setting.centre).T).ravel()
+            for setting, root in zip(settings, self._roots, strict=True)
         ])  # fmt: skip
         self.weights = np.ones(len(self.measured))
-        self.middle = float(np.mean([_speed_of(one.block) for one in settings]))
+        self.middle = float(np.mean([_speed_of(setting.block) for setting in settings]))
         self.always = self._always()
 
     @property
     def first(self) -> Setting:
         """The first record of stick-slip."""
-        return next(one for one in self.settings if not one.slides)
+        return next(setting for setting in self.settings if not setting.slides)
 
     def _always(self) -> Always:
         several = len(self.settings) > 1
         blocks = []
-        for k, (one, root) in enumerate(zip(self.settings, self._roots, strict=True)):
-            own = np.zeros((len(one.lacking), 3 * len(self.settings)))
-            own[:, 3 * k : 3 * k + 3] = one.lacking
-            lacks = one.lacking, (_speed_of(one.block) - self.middle) * one.lacking
+        for k, (setting, root) in enumerate(zip(self.settings, self._roots, strict=True)):
+            own = np.zeros((len(setting.lacking), 3 * len(self.settings)))
+            own[:, 3 * k : 3 * k + 3] = setting.lacking
+            lacks = setting.lacking, (_speed_of(setting.block) - self.middle) * setting.lacking
             rows = root @ np.hstack([*lacks, *([own] if several else [])])
             blocks.append(np.repeat(rows, self._counts[k], axis=0))
         sizes, chances, self.runs = list[list[float]](), list[float](), list[float]()
@@ -215,47 +219,47 @@ class StickSlip(LawRuns):
         rows = {path: np.repeat(x, several) for path, x in values.items()}
         for path in ("mass", "stiffness", "speed", "damping"):
             own = f"mechanism.{path}"
-            stated = np.tile([float(getattr(one, path)) for one in blocks], count)
+            stated = np.tile([float(getattr(block, path)) for block in blocks], count)
             ratio = 1.0 if own not in rows else rows[own] / self.given[own]
             rows[own] = stated * ratio
-        rows["mechanism.load"] = np.tile([one.steady_load for one in blocks], count)
-        period = np.tile([self._period(one) for one in blocks], count)
-        found = limit_cycles(self.mechanism, self.laws[family].law, rows, period)
-        return np.asarray(found.reshape(count, several, 3))
+        rows["mechanism.load"] = np.tile([block.steady_load for block in blocks], count)
+        period = np.tile([self._period(block) for block in blocks], count)
+        result = limit_cycles(self.mechanism, self.laws[family].law, rows, period)
+        return np.asarray(result.reshape(count, several, 3))
 
     def _period(self, block: TowedBlock) -> float:
         """Return a guess of the period of a block [s]: that of a swing, and the time it sticks."""
-        for one in self.settings:
-            if one.block == block and not one.slides:
-                return 1.0 / one.features.frequency
+        for setting in self.settings:
+            if setting.block == block and not setting.slides:
+                return 1.0 / setting.features.frequency
         natural = 2.0 * math.pi * math.sqrt(block.mass / block.stiffness)
         sticks = 4.0 * self.sizes["surplus"] * block.steady_load / (block.stiffness * block.speed)
         return float(natural + sticks)
 
     def simulate(self, asked: Mapping[str, Array]) -> dict[str, Array]:
-        blocks, found = [one.block for one in self.settings], dict[str, Array]()
+        blocks, result = [setting.block for setting in self.settings], dict[str, Array]()
         for family, points in asked.items():
             features = self.cycles(family, points, blocks)
             parts = []
-            for k, (one, root) in enumerate(zip(self.settings, self._roots, strict=True)):
-                own = root @ (one.rows(features[:, k]) - one.centre).T
+            for k, (setting, root) in enumerate(zip(self.settings, self._roots, strict=True)):
+                own = root @ (setting.rows(features[:, k]) - setting.centre).T
                 parts.append(np.repeat(own, self._counts[k], axis=0))
             rows = np.concatenate(parts)
-            found[family] = np.where(np.isfinite(rows), rows, np.nan)
-        return found
+            result[family] = np.where(np.isfinite(rows), rows, np.nan)
+        return result
 
     # ------------------------------------------------------------------ results
     def modes(self, family: FamilyPosterior, name: str) -> Array:
         """Return frequency, mean and scatter (r, 3) of the likeliest limit cycle in each record."""
-        blocks = [one.block for one in self.settings]
+        blocks = [setting.block for setting in self.settings]
         return np.asarray(self.cycles(name, family.mode[None], blocks)[0])
 
     def errors(self, family: FamilyPosterior, name: str) -> dict[str, float]:
         """Return relative errors of the features, root mean squares with the sign of the mean."""
         off = np.array([
-            one.rows(features[None])[0] - one.centre
-            for one, features in zip(self.settings, self.modes(family, name), strict=True)
-            if not one.slides
+            setting.rows(features[None])[0] - setting.centre
+            for setting, features in zip(self.settings, self.modes(family, name), strict=True)
+            if not setting.slides
         ])  # fmt: skip
         errors = np.sqrt(np.mean(np.expm1(off) ** 2, axis=0)) * np.sign(off.sum(axis=0) + 1e-300)
         return dict(zip(COMPARED, errors.tolist(), strict=True))
@@ -273,7 +277,7 @@ class StickSlip(LawRuns):
         rng = np.random.default_rng(0)
         features = self.cycles(name, family.points[which], blocks)
         lacks, slopes = family.coefficients[which, :3], family.coefficients[which, 3:6]
-        away = np.array([_speed_of(one) for one in blocks]) - self.middle
+        away = np.array([_speed_of(block) for block in blocks]) - self.middle
         logs = lacks[:, None] + away[None, :, None] * slopes[:, None]
         runs = np.array(self.runs)[family.sets[which]]
         sizes, chances = np.array(LACKS).T

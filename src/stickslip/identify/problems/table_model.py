@@ -253,7 +253,7 @@ class Readings:
             return np.asarray(np.bincount(cell, x) / count)
 
         middle = mean(self.friction)
-        found = Readings(
+        result = Readings(
             rows=rows.each(mean),
             friction=middle,
             stated=np.sqrt(mean(self.stated**2)),
@@ -261,7 +261,7 @@ class Readings:
             within=np.asarray(np.bincount(cell, (self.friction - middle[cell]) ** 2), dtype=float),
             timed=self.timed,
         )
-        return found.where(np.argsort(found.rows.order, kind="stable"))
+        return result.where(np.argsort(result.rows.order, kind="stable"))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -350,14 +350,14 @@ def ends_of(rows: Rows) -> "NDArray[np.bool_]":
     >>> ends_of(Rows(velocity=v, load=v, inputs={}, run=np.zeros(3, int), order=v)).tolist()
     [True, False, True]
     """
-    found = np.zeros(len(rows.velocity), dtype=bool)
+    result = np.zeros(len(rows.velocity), dtype=bool)
     logs = np.log(rows.speed)
     for way in (-1.0, 1.0):
         at = rows.direction == way
         if at.any():
             own = logs[at]
-            found[at] = (own < own.min() + NEAR) | (own > own.max() - NEAR)
-    return found
+            result[at] = (own < own.min() + NEAR) | (own > own.max() - NEAR)
+    return result
 
 
 def _matern(distance: Array) -> Array:
@@ -369,9 +369,9 @@ def _matern(distance: Array) -> Array:
 def is_both_ways(rows: Rows) -> bool:
     """Return whether there are readings at several speeds in both directions."""
     sides = [rows.velocity[rows.velocity > 0.0], -rows.velocity[rows.velocity < 0.0]]
-    if min(len(np.unique(one)) for one in sides) < FEW_SPEEDS:
+    if min(len(np.unique(side)) for side in sides) < FEW_SPEEDS:
         return False
-    return min(float(one.max()) for one in sides) > ONE_WAY * float(rows.speed.max())
+    return min(float(side.max()) for side in sides) > ONE_WAY * float(rows.speed.max())
 
 
 def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
@@ -401,13 +401,13 @@ def structures_of(
     frame: Frame, grid: Grid, families: Sequence[Family]
 ) -> tuple[list[Structure], Array]:
     """Return the structures of families with the logarithms of their priors (s,)."""
-    found: list[Structure] = []
+    result: list[Structure] = []
     priors: list[float] = []
     for family, shapes, prior in grid.families(families):
         for structure, of_load in _loaded(frame, family, shapes):
-            found.append(structure)
+            result.append(structure)
             priors.append(prior + math.log(of_load))
-    return found, np.array(priors)
+    return result, np.array(priors)
 
 
 def _loaded(
@@ -419,21 +419,21 @@ def _loaded(
         return [(plain, 1.0)]
     dry = any(PARTS[name].dry for name in family)
     flow = any(not PARTS[name].dry for name in family)
-    found = []
+    result = []
     for power, prior in LOAD_POWERS.items():
         if dry or power == 1.0:
             own = tuple((n, (*s, power)) if PARTS[n].dry else (n, s) for n, s in plain)
-            found.append((own, RULES["own"] * prior))
+            result.append((own, RULES["own"] * prior))
         if flow or not dry:
             every = tuple((n, (*s, power)) for n, s in plain)
-            found.append((every, RULES["all"] * prior))
+            result.append((every, RULES["all"] * prior))
     if "stribeck" in family:
         hersey = tuple(sorted(("hersey", s) if n == "stribeck" else (n, s) for n, s in plain))
-        found.append((hersey, RULES["hersey"]))
+        result.append((hersey, RULES["hersey"]))
     if "level" in family and "power" not in family:
         adhesion = tuple(sorted((*(o for o in plain), ("adhesion", ()))))
-        found.append((adhesion, RULES["own"] * LOAD_POWERS[1.0] * math.exp(-PLACE)))
-    return found
+        result.append((adhesion, RULES["own"] * LOAD_POWERS[1.0] * math.exp(-PLACE)))
+    return result
 
 
 def finer(
@@ -488,7 +488,7 @@ class LawCurve:
         """Return the curve at rows (n,)."""
         if not self.structure:
             return self.frame.size * self.frame.grown(rows)
-        columns = [law_column(one, rows, self.frame) for one in self.structure]
+        columns = [law_column(item, rows, self.frame) for item in self.structure]
         return np.asarray(self.coefficients @ np.array(columns))
 
 
@@ -509,11 +509,11 @@ def running_medians(readings: Readings, grown: Array | float = 1.0) -> Array:
     rows, n = readings.rows, len(readings.friction)
     x = rows.direction * (10.0 + np.log(rows.speed / rows.speed.min() + 1e-6))
     over = np.abs(readings.friction) / grown
-    order, half, found = np.argsort(x, kind="stable"), 1 + n // 25, np.empty(n)
+    order, half, result = np.argsort(x, kind="stable"), 1 + n // 25, np.empty(n)
     for place, row in enumerate(order):
         first = min(max(0, place - half), n - 2 * half - 1)
-        found[row] = np.median(over[order[max(0, first) : max(0, first) + 2 * half + 1]])
-    return found
+        result[row] = np.median(over[order[max(0, first) : max(0, first) + 2 * half + 1]])
+    return result
 
 
 class TableModel(Model):
@@ -592,14 +592,14 @@ class TableModel(Model):
         noise = np.array(self.scales[0].values)
         spread = np.ptp(np.log(self.reference(self.readings.rows))) > 0.5
         more = (1 if self.frame.runs > 1 else 0, *(3 for _ in self.frame.means))
-        found = []
+        result = []
         for sigma in (0.002, 0.006, 0.02, 0.06, 0.2, 0.6, 1.2):
             at = int(np.argmin(np.abs(np.log(noise / sigma))))
             for delta, growth, block in itertools.product(
                 (0, 3, 6), {0, int(spread)}, (0, 5) if self.repeats else (0,)
             ):
-                found.append((at, delta, growth, block, 3 if self.frame.both else 0, 1, *more))
-        return found
+                result.append((at, delta, growth, block, 3 if self.frame.both else 0, 1, *more))
+        return result
 
     def growth(self, rows: Rows, node: Node) -> Array:
         """Return what the noise grows with at rows (n,)."""
@@ -609,35 +609,37 @@ class TableModel(Model):
 
     def random(self, rows: Rows) -> tuple[Array, NDArray[np.str_]]:
         """Return the columns of what is always there (n, m), and the group of each (m,)."""
-        frame, found = self.frame, list[tuple[str, Array]]()
+        frame, result = self.frame, list[tuple[str, Array]]()
         side, size = rows.direction, frame.size
         grown = self.reference(rows) * side
         ones, along = np.ones(len(side)), rows.velocity / frame.fastest
         if frame.both:
-            found.append(("offset", size * ones))
+            result.append(("offset", size * ones))
             u = rows.speed / frame.fastest
-            found.append(("viscous_direction", size * np.column_stack([u, np.sqrt(u) - u])))
+            result.append(("viscous_direction", size * np.column_stack([u, np.sqrt(u) - u])))
             if frame.loaded:
-                found.append(("offset", size * rows.load / frame.load))
-        found.append(("drift", grown[:, None] * drifts(rows.order)))
+                result.append(("offset", size * rows.load / frame.load))
+        result.append(("drift", grown[:, None] * drifts(rows.order)))
         if frame.runs > 1:
-            found.append(("run", grown[:, None] * (rows.run[:, None] == np.arange(frame.runs))))
+            result.append(("run", grown[:, None] * (rows.run[:, None] == np.arange(frame.runs))))
         for name, mean in frame.means.items():
             z = (rows.inputs[name] - mean) / frame.spans[name]
-            found.append((f"level*{name}", size * frame.grown(rows) * side * z))
-            found.append((f"viscous*{name}", size * along * z))
+            result.append((f"level*{name}", size * frame.grown(rows) * side * z))
+            result.append((f"viscous*{name}", size * along * z))
             bend = [grown * z * z, size * along * z * z, grown * z * np.log(np.abs(along) + 1e-3)]
-            found.append(("bend", BEND * np.column_stack(bend)))
+            result.append(("bend", BEND * np.column_stack(bend)))
         process = frame.basis(rows)
-        found.append(("delta", process * side[:, None]))
+        result.append(("delta", process * side[:, None]))
         if frame.loaded:
             z = np.log(rows.load / frame.load)
-            found.append(("bend", BEND * np.column_stack([grown * z, 0.5 * grown * z * z])))
-            found.append(("delta", 0.4 * process * (side * z)[:, None]))
+            result.append(("bend", BEND * np.column_stack([grown * z, 0.5 * grown * z * z])))
+            result.append(("delta", 0.4 * process * (side * z)[:, None]))
         if frame.both:
-            found.append(("sides", process))
-        parts = [np.reshape(x, (len(side), -1)) for _, x in found]
-        names = [name for (name, _), x in zip(found, parts, strict=True) for _ in range(x.shape[1])]
+            result.append(("sides", process))
+        parts = [np.reshape(x, (len(side), -1)) for _, x in result]
+        names = [
+            name for (name, _), x in zip(result, parts, strict=True) for _ in range(x.shape[1])
+        ]
         return np.hstack(parts), np.array(names)
 
     def deviations(self, node: Node) -> Array:
@@ -682,10 +684,10 @@ class TableModel(Model):
         """Return columns of laws (n, p) of the size of the friction, and their factors (p,)."""
         key = tuple(columns)
         if self._laws is None or (self._laws[0] is not columns and self._laws[0] != key):
-            x = np.column_stack([law_column(one, self.readings.rows, self.frame) for one in key])
+            x = np.column_stack([law_column(item, self.readings.rows, self.frame) for item in key])
             least = np.sqrt(np.mean(x * x, axis=0))
             # a static surplus at speeds that were not measured is unusual far above friction
-            rest = [PARTS[one[0]].curve(0.0, one[1]) if one[0] in DRY else 0.0 for one in key]
+            rest = [PARTS[item[0]].curve(0.0, item[1]) if item[0] in DRY else 0.0 for item in key]
             sizes = self.frame.size / (np.maximum(least, rest) + 1e-300)
             self._laws, self._grams = (key, x * sizes, sizes), {}
         return self._laws[1], self._laws[2]
@@ -716,7 +718,7 @@ class TableModel(Model):
         readings = self.readings
         laws = np.column_stack(
             [np.zeros(len(readings.friction))]
-            + [law_column(one, readings.rows, self.frame) for one in structure]
+            + [law_column(item, readings.rows, self.frame) for item in structure]
         )
         laws = laws * self.frame.size / (np.sqrt(np.mean(laws**2, axis=0)) + 1e-300) * COEFFICIENT
         x = np.hstack([self._columns * self.deviations(node), laws])
@@ -768,12 +770,12 @@ def _grouped(x: Array, gap: float) -> Integers:
     [0, 0, 1, 0]
     """
     order = np.argsort(x, kind="stable")
-    found, start, number = np.empty(len(x), dtype=np.intp), -math.inf, -1
+    result, start, number = np.empty(len(x), dtype=np.intp), -math.inf, -1
     for row in order:
         if x[row] > start + gap:
             start, number = float(x[row]), number + 1
-        found[row] = number
-    return found
+        result[row] = number
+    return result
 
 
 def step_of(readings: Readings, frame: Frame) -> float:
@@ -834,7 +836,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
     """Return the posterior of readings: over some families, or those of the vocabulary."""
     frame = Frame.of(readings)
     grid = Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
-    known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
+    known = [tuple(item.split()) for item in FAMILIES] if families is None else [*families]
     grown, order = frame.grown(readings.rows), np.argsort(readings.rows.speed, kind="stable")
     over = running_medians(readings, grown)
     smooth = SmoothCurve(frame, np.log(readings.rows.speed[order]), over[order])
@@ -888,23 +890,23 @@ def _refined(
 ) -> tuple[list[Structure], Array]:
     """Return the best structures with their neighbours, and the best of each other family."""
     near, others = _near(posterior, BEHIND)
-    found: dict[Structure, float] = {}
+    result: dict[Structure, float] = {}
     for k in near:
         many = finer(posterior.structures[k], grid, frame)
-        for one in many:
-            found.setdefault(one, float(priors[k]) - math.log(len(many)))
-    found |= {posterior.structures[k]: float(priors[k]) for k in others}
-    return [*found], np.array([*found.values()])
+        for item in many:
+            result.setdefault(item, float(priors[k]) - math.log(len(many)))
+    result |= {posterior.structures[k]: float(priors[k]) for k in others}
+    return [*result], np.array([*result.values()])
 
 
 def _finer_still(
     posterior: Posterior, priors: Array, grid: Grid, frame: Frame, part: float
 ) -> tuple[list[Structure], Array]:
     """Return structures with those of families whose shapes are told to a step refined."""
-    shares, found = posterior.shares, dict(zip(posterior.structures, priors.tolist(), strict=True))
+    shares, result = posterior.shares, dict(zip(posterior.structures, priors.tolist(), strict=True))
     of: dict[Family, list[int]] = {}
-    for k, one in enumerate(posterior.structures):
-        of.setdefault(family_of(one), []).append(k)
+    for k, structure in enumerate(posterior.structures):
+        of.setdefault(family_of(structure), []).append(k)
     for places in of.values():
         own = shares[places]
         if own.sum() < LEAST_SHARE or own.sum() ** 2 > RESOLVED * np.sum(own**2):
@@ -914,9 +916,9 @@ def _finer_still(
         for k in np.array(places)[order[:enough]]:
             many = finer(posterior.structures[k], grid, frame, part)
             if len(many) > 1:
-                prior = found[posterior.structures[k]] - math.log(len(many))
-                found |= dict.fromkeys(many, prior)
-    return [*found], np.array([*found.values()])
+                prior = result[posterior.structures[k]] - math.log(len(many))
+                result |= dict.fromkeys(many, prior)
+    return [*result], np.array([*result.values()])
 
 
 def _with_jumps(
@@ -929,7 +931,7 @@ def _with_jumps(
     if not 0 < len(gaps) <= MOST_GAPS:
         return [*structures], priors
     prior = math.log(JUMP_PRIOR / len(gaps))
-    found = dict(zip(structures, priors.tolist(), strict=True))
-    for one, own in zip(structures[:JUMPS], priors.tolist(), strict=False):
-        found |= {tuple(sorted((*one, (JUMP, gap)))): own + prior for gap in gaps}
-    return [*found], np.array([*found.values()])
+    result = dict(zip(structures, priors.tolist(), strict=True))
+    for structure, own in zip(structures[:JUMPS], priors.tolist(), strict=False):
+        result |= {tuple(sorted((*structure, (JUMP, gap)))): own + prior for gap in gaps}
+    return [*result], np.array([*result.values()])

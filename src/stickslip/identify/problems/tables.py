@@ -157,7 +157,7 @@ class TableProblem(Problem):
         """
         table = readings_of(mechanism, measurement)
         # what is asked for need not hold: the truth is any law
-        usual = [tuple(one.split()) for one in FAMILIES]
+        usual = [tuple(item.split()) for item in FAMILIES]
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
         fit, rests = fitted(table, known), None
@@ -214,16 +214,16 @@ class TableProblem(Problem):
         """Return the rows over which the band is stated: each measured direction, at mean load."""
         v = self.table.rows.velocity
         grids = [
-            np.sign(one[0]) * np.geomspace(np.abs(one).min(), np.abs(one).max(), ASKED)
-            for one in (v[v < 0.0], v[v > 0.0])
-            if len(np.unique(one)) >= FEW_SPEEDS
+            np.sign(item[0]) * np.geomspace(np.abs(item).min(), np.abs(item).max(), ASKED)
+            for item in (v[v < 0.0], v[v > 0.0])
+            if len(np.unique(item)) >= FEW_SPEEDS
         ]
         return self.at(np.sort(np.concatenate(grids)))
 
     def like(self, rows: Rows) -> Rows:
         """Return rows of another table as this one sees them: of a new run, at any time."""
-        found = self.at(rows.velocity, rows.load, rows.inputs)
-        return replace(found, run=np.full(len(rows.velocity), -2))
+        result = self.at(rows.velocity, rows.load, rows.inputs)
+        return replace(result, run=np.full(len(rows.velocity), -2))
 
     def usual(self, rows: Rows) -> Array:
         plain: Structure = (("level", ()), ("offset", ()), ("viscous", ()))
@@ -303,31 +303,35 @@ class TableProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(one.split()) for one in FAMILIES]
+        known = [tuple(item.split()) for item in FAMILIES]
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
-        every, _ = structures_of(self.model.frame, self._grid, [one for one in known if one])
+        every, _ = structures_of(self.model.frame, self._grid, [item for item in known if item])
         laws: dict[Family, dict[Structure, None]] = {}
-        met = [one for one in self.posterior.structures if one and JUMP not in dict(one)]
-        for one in [*every, *met]:
-            laws.setdefault(family_of(one), {})[one] = None
-        found = []
+        met = [
+            structure
+            for structure in self.posterior.structures
+            if structure and JUMP not in dict(structure)
+        ]
+        for entry in [*every, *met]:
+            laws.setdefault(family_of(entry), {})[entry] = None
+        result = []
         for family, structures in laws.items():
             for beside in self._besides(family):
-                whole = [self._beside(one, beside) for one in structures]
+                whole = [self._beside(structure, beside) for structure in structures]
                 names = family_of(whole[0])
                 if not self._is_compared(names):
                     continue
                 count = self._count(structures) + len(beside) + ("stribeck_sides" in beside)
-                found.append(Candidates(family=names, structures=whole, parameters=count))
-        return found
+                result.append(Candidates(family=names, structures=whole, parameters=count))
+        return result
 
     def _is_compared(self, family: Family) -> bool:
         """Return whether a family is one that is asked for; an offset may stand beside any."""
         if self.families is None:
             return True
         own = {*family} - {"offset"}
-        return any({*one} - {"offset"} == own for one in self.families)
+        return any({*item} - {"offset"} == own for item in self.families)
 
     def _count(self, structures: Sequence[Structure] | Mapping[Structure, None]) -> int:
         """Return the number of parameters of a family of laws."""
@@ -336,8 +340,8 @@ class TableProblem(Problem):
         own = sum(is_slope(name) and name.place >= 0 for name in names)
         powers = any(
             len(shape) > len(PARTS[name].shapes) and shape[-1] != 1.0
-            for one in structures
-            for name, shape in one
+            for structure in structures
+            for name, shape in structure
             if name in PARTS
         )
         return parameters_of(names) + ("adhesion" in names) + int(powers) + own
@@ -350,10 +354,10 @@ class TableProblem(Problem):
             other = {"viscous_direction": flow_direction(family)}
             other |= {"offset": "level_direction"} if frame.loaded else {}
             sides = [
-                tuple(other.get(x, x) for x in one)
-                for one in DIRECTIONS
-                if ("stribeck_sides" not in one or "stribeck" in family)
-                and ("viscous_direction" not in one or {"viscous", "power"} & {*family})
+                tuple(other.get(x, x) for x in item)
+                for item in DIRECTIONS
+                if ("stribeck_sides" not in item or "stribeck" in family)
+                and ("viscous_direction" not in item or {"viscous", "power"} & {*family})
             ]
         own = next((name.own for name in family if is_slope(name)), None)
         if own is not None and own.holds_constant(self.places()):
@@ -367,7 +371,7 @@ class TableProblem(Problem):
             for name in frame.means
         ]
         every = itertools.product(sides, *by_input)
-        return [tuple(itertools.chain(*one)) for one in every]
+        return [tuple(itertools.chain(*item)) for item in every]
 
     @staticmethod
     def _beside(structure: Structure, beside: Sequence[str]) -> Structure:
@@ -375,9 +379,11 @@ class TableProblem(Problem):
         shapes = dict(structure)
         own = {"stribeck_sides": shapes.get("stribeck", ())}
         own["power_direction"] = shapes.get("power", ())[:1]
-        kept = [one for one in structure if "stribeck_sides" not in beside or one[0] != "stribeck"]
+        kept = [
+            item for item in structure if "stribeck_sides" not in beside or item[0] != "stribeck"
+        ]
         more = [(name, own.get(name, ())) for name in beside]
-        return tuple(sorted([*kept, *more], key=lambda one: one[0]))
+        return tuple(sorted([*kept, *more], key=lambda item: item[0]))
 
     def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
         """Return the entries of shapes that draws have of their own, and structures to begin at."""
@@ -386,8 +392,8 @@ class TableProblem(Problem):
 
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
-        small = [one <= BELOW_NOISE for one in RHO]
-        jumps = [JUMP in dict(one) for one in self.posterior.structures]
+        small = [item <= BELOW_NOISE for item in RHO]
+        jumps = [JUMP in dict(structure) for structure in self.posterior.structures]
         none = 1.0 - float(self.posterior.shares[jumps].sum())
         return none * float(self.posterior.scale("delta")[small].sum())
 
@@ -405,10 +411,10 @@ class TableProblem(Problem):
             z = np.random.default_rng(23).normal(size=(len(coefficients), 1))
             coefficients = self._under_other_loads(structure, coefficients, z)
         if is_own(structure):
-            found = own_composition(structure, coefficients)
+            result = own_composition(structure, coefficients)
             names = [name for name, _ in structure]
             beside = {x: coefficients[:, names.index(x)] for x in ("offset",) if x in names}
-            return replace(found, rig=beside, load=load, inputs=dict(self.model.frame.means))
+            return replace(result, rig=beside, load=load, inputs=dict(self.model.frame.means))
         terms: dict[str, tuple[Any, Array]] = {}
         rig: dict[str, Array] = {}
         for name, shape in structure:
@@ -435,8 +441,8 @@ class TableProblem(Problem):
         if "adhesion" in rig:  # part of the level at the mean load
             shape, own = terms["level"]
             terms["level"] = shape, own + rig["adhesion"][:, None] / load
-        found = compose(terms, self.model.frame.means, len(coefficients))
-        return replace(found, rig=rig, load=load)
+        result = compose(terms, self.model.frame.means, len(coefficients))
+        return replace(result, rig=rig, load=load)
 
     def _under_other_loads(self, structure: Shaped, coefficients: Array, z: Array) -> Array:
         """Return coefficients (k, p) over loads that are off by deviations (k, 1)."""
@@ -451,12 +457,12 @@ class TableProblem(Problem):
         """Return the family of a structure at a node: with what differs by direction or inputs."""
         frame, names = self.model.frame, {name for name, _ in structure}
         if frame.both:
-            for one in SIDES[node[4]]:
-                if one == "sides" and "stribeck" in names:
+            for item in SIDES[node[4]]:
+                if item == "sides" and "stribeck" in names:
                     names = (names - {"stribeck"}) | {"stribeck_sides"}
-                elif one == "viscous_direction" and names & {"viscous", "power"}:
+                elif item == "viscous_direction" and names & {"viscous", "power"}:
                     names = names | {flow_direction(names)}
-                elif one == "offset":
+                elif item == "offset":
                     names = names | {"level_direction" if frame.loaded else "offset"}
         for name, own in zip(frame.means, node[len(SCALES) :], strict=True):
             parts = (("level", own % 2), ("viscous", own // 2))
@@ -468,13 +474,15 @@ class TableProblem(Problem):
         """Families of nodes and structures (k, s)."""
         marks = [(node[4], *node[len(SCALES) :]) for node in self.posterior.nodes]
         rows: dict[tuple[int, ...], list[Family]] = {}
-        found = np.empty(self.posterior.weights.shape, dtype=object)
+        result = np.empty(self.posterior.weights.shape, dtype=object)
         for k, (node, mark) in enumerate(zip(self.posterior.nodes, marks, strict=True)):
             if mark not in rows:
-                rows[mark] = [self._family(one, node) for one in self.posterior.structures]
+                rows[mark] = [
+                    self._family(structure, node) for structure in self.posterior.structures
+                ]
             for s, family in enumerate(rows[mark]):
-                found[k, s] = family
-        return found
+                result[k, s] = family
+        return result
 
     def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
@@ -493,11 +501,11 @@ class TableProblem(Problem):
 
     def holds(self, family: Family) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which a family holds."""
-        return np.array([[one == family for one in row] for row in self._families], dtype=bool)
+        return np.array([[item == family for item in row] for row in self._families], dtype=bool)
 
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
-        none = np.array([not one for one in self.posterior.structures])
+        none = np.array([not structure for structure in self.posterior.structures])
         still = np.array([node[1] == 0 for node in self.posterior.nodes])
         return np.asarray(still[:, None] & none)
 
@@ -506,18 +514,18 @@ class TableProblem(Problem):
     def _law(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return the laws of draws at rows (k, n)."""
         columns: dict[Column, Array] = {}
-        found = []
-        for one in draws:
-            curve = np.zeros((one.random.shape[1], len(rows.velocity)))
-            for column, c in zip(one.structure, one.law, strict=True):
+        result = []
+        for draw in draws:
+            curve = np.zeros((draw.random.shape[1], len(rows.velocity)))
+            for column, c in zip(draw.structure, draw.law, strict=True):
                 if column[0] == JUMP:
                     curve += c[:, None] * self._jumps(rows, column, len(c))
                     continue
                 if column not in columns:
                     columns[column] = law_column(column, rows, self.model.frame)
                 curve += np.outer(c, columns[column])
-            found.append(curve)
-        return np.vstack(found)
+            result.append(curve)
+        return np.vstack(result)
 
     def _jumps(self, rows: Rows, column: Column, count: int) -> Array:
         """Return columns (k, n) of jumps anywhere between two speeds, at evenly many places."""
@@ -531,13 +539,13 @@ class TableProblem(Problem):
         """Return drawn curves alone (k, n): midway, in the mean of the runs."""
         x, group = self.model.random(rows)
         x = x * ~np.isin(group, ("drift", "run"))
-        return self._law(rows, draws) + np.vstack([one.random.T @ x.T for one in draws])
+        return self._law(rows, draws) + np.vstack([draw.random.T @ x.T for draw in draws])
 
     def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
         """Return what friction is in draws (k, n): early, midway or late, in any or a new run."""
         rng = np.random.default_rng(7)
         curves = self._law(rows, draws)
-        random = np.hstack([one.random for one in draws])
+        random = np.hstack([draw.random for draw in draws])
         when = rng.integers(3, size=len(curves))
         stated = np.isfinite(rows.order)
         for k, time in enumerate((0.0, 0.5, 1.0)):
@@ -547,7 +555,7 @@ class TableProblem(Problem):
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
             curves += self._of_runs(rows, draws, random[group == "run"], new, rng)
         if np.all(rows.run == -2):  # at another time friction is off by as much as it drifts
-            sizes = [np.full(one.random.shape[1], DRIFTS[one.node[5]]) for one in draws]
+            sizes = [np.full(draw.random.shape[1], DRIFTS[draw.node[5]]) for draw in draws]
             off = np.concatenate(sizes) * rng.normal(size=len(curves))
             curves += np.outer(off, self.model.reference(rows) * rows.direction)
         curves[::2] += self._at_ends(rows)
@@ -555,7 +563,7 @@ class TableProblem(Problem):
 
     def _at_ends(self, rows: Rows) -> Array:
         """Return what readings that are far from the others at an end are, if friction (n,)."""
-        found = np.zeros(len(rows.velocity))
+        result = np.zeros(len(rows.velocity))
         for row, off in self._far_ends:
             own = self.table.rows
             same = own.direction == own.direction[row]
@@ -563,13 +571,13 @@ class TableProblem(Problem):
             log = math.log(own.speed[row])
             near = float(others[np.argmin(np.abs(others - log))])
             share = np.clip((np.log(rows.speed) - near) / (log - near), 0.0, 1.0)
-            found += off * share * (rows.direction == own.direction[row])
-        return found
+            result += off * share * (rows.direction == own.direction[row])
+        return result
 
     @cached_property
     def _far_ends(self) -> list[tuple[int, float]]:
         """Readings alone at an end that are far from the others, and by how much [N]."""
-        rows, found = self.table.rows, list[tuple[int, float]]()
+        rows, result = self.table.rows, list[tuple[int, float]]()
         draws = self.posterior.draws(DRAWS, seed=3)
         for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)):
             alike = (rows.direction == rows.direction[row]) & (
@@ -579,8 +587,8 @@ class TableProblem(Problem):
             usual = float(np.median(self.steady(at, draws)[:, 0]))
             off = float(self.table.friction[row]) - usual
             if np.sum(alike) == 1 and abs(off) <= AT_ENDS * abs(usual):
-                found.append((int(row), off))
-        return found
+                result.append((int(row), off))
+        return result
 
     def _of_runs(
         self,
@@ -593,7 +601,9 @@ class TableProblem(Problem):
         """Return what a run adds (k, n): one of those measured, or another one."""
         runs, count = effects.shape
         which = rng.integers(runs, size=count)
-        sizes = np.concatenate([np.full(one.random.shape[1], RUNS[one.node[6]]) for one in draws])
+        sizes = np.concatenate(
+            [np.full(draw.random.shape[1], RUNS[draw.node[6]]) for draw in draws]
+        )
         other = sizes * rng.normal(size=count)  # draws have a deviation each
         is_new = new or np.all(rows.run == -2)
         effect = other if is_new else effects[which, np.arange(count)]
@@ -609,32 +619,32 @@ class TableProblem(Problem):
             np.maximum(logs - math.log(frame.fastest), 0.0),
         )
         tau = np.concatenate(
-            [np.full(one.random.shape[1], self.model.tau(one.node)) for one in draws]
+            [np.full(draw.random.shape[1], self.model.tau(draw.node)) for draw in draws]
         )
-        found = np.zeros_like(curves)
+        result = np.zeros_like(curves)
         for own in far:
             e = rng.normal(size=(2, len(curves)))
             side = np.where(rows.velocity > 0.0, e[0][:, None], (0.9 * e[0] + 0.44 * e[1])[:, None])
             side = side if frame.both else e[0][:, None]
             size = BEYOND[0] * np.abs(curves) + BEYOND[1] * tau[:, None] * frame.grown(rows)
-            found += rows.direction * side * size * own
-        return found
+            result += rows.direction * side * size * own
+        return result
 
     def _noise(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return noise of new readings in draws (k, n)."""
         rng = np.random.default_rng(11)
         model, n = self.model, len(rows.velocity)
-        found = []
-        for one in draws:
-            shape = (one.random.shape[1], n)
+        result = []
+        for draw in draws:
+            shape = (draw.random.shape[1], n)
             noise = rng.standard_t(6.0, size=shape) * math.sqrt(4.0 / 6.0)
-            own = model.sigma(one.node) * model.growth(rows, one.node) * noise
-            own = own + BETA[one.node[3]] * model.repeats * model.sigma(one.node) * rng.normal(
+            own = model.sigma(draw.node) * model.growth(rows, draw.node) * noise
+            own = own + BETA[draw.node[3]] * model.repeats * model.sigma(draw.node) * rng.normal(
                 size=shape
             )
             own = own + float(np.median(self.table.stated)) * rng.normal(size=shape)
-            found.append(own + model.step * (rng.random(shape) - 0.5))
-        return np.vstack(found)
+            result.append(own + model.step * (rng.random(shape) - 0.5))
+        return np.vstack(result)
 
     def readings(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return new readings in draws (k, n)."""
@@ -654,30 +664,30 @@ class TableProblem(Problem):
 
     def untold(self) -> list[str]:
         """Return sentences on inputs that cannot be distinguished from runs, and on the cure."""
-        frame, rows, found = self.model.frame, self.table.rows, list[str]()
+        frame, rows, result = self.model.frame, self.table.rows, list[str]()
         if "offset" not in self.model.groups and not frame.loaded:
-            found.append(f"{ONE_WAY} Measure in the other direction, too.")
+            result.append(f"{ONE_WAY} Measure in the other direction, too.")
         if not 1 < frame.runs < len(rows.run):
-            return found
+            return result
         of_runs = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
         for name in frame.means:
             x = rows.inputs[name]
             within = x - of_runs @ np.linalg.lstsq(of_runs, x, rcond=None)[0]
             if 1.0 - np.var(within) / np.var(x) > FOLLOWS:
-                found.append(
+                result.append(
                     f"An effect of the {name} can be distinguished from differences between the"
                     f" {frame.runs} runs only if these are small: it hardly changes within a run."
                     f" Change"
                     f" the {name} within a run, or repeat a run at the same {name}."
                 )
-        return found
+        return result
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return drifts and differences between runs, with their probability."""
-        found = [self._drift(draws)]
+        result = [self._drift(draws)]
         if self.model.frame.runs > 1:
-            found.append(self._differences(draws))
-        return [one for one in found if one.probability > 0.5]
+            result.append(self._differences(draws))
+        return [item for item in result if item.probability > 0.5]
 
     def _drift(self, draws: Sequence[Draws]) -> Finding:
         """Return what friction changes by from the first reading to the last."""
@@ -688,11 +698,11 @@ class TableProblem(Problem):
         for time in (0.0, 1.0):
             x, group = self.model.random(replace(at, order=np.full(1, time)))
             x = x * ~np.isin(group, ("run",))
-            curve = self._law(at, draws) + np.vstack([one.random.T @ x.T for one in draws])
+            curve = self._law(at, draws) + np.vstack([draw.random.T @ x.T for draw in draws])
             ends.append(np.abs(curve[:, 0]))
         change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
         unit = "N m" if self.turning else "N"
-        first, last = (quantity(float(np.median(one)), unit, 3) for one in ends)
+        first, last = (quantity(float(np.median(end)), unit, 3) for end in ends)
         verb = "falls" if np.median(change) < 0.0 else "rises"
         return stated(
             "drift",
@@ -704,7 +714,7 @@ class TableProblem(Problem):
 
     def _differences(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much friction differs from run to run."""
-        effects = np.hstack([one.random for one in draws])[self.model.groups == "run"]
+        effects = np.hstack([draw.random for draw in draws])[self.model.groups == "run"]
         apart = np.std(effects, axis=0, ddof=1)
         shares = map(percent, np.quantile(apart, (0.5, 0.025, 0.975)).tolist())
         said = "The {} runs differ by {} of friction (standard deviation, 95 % {} to {})."
@@ -720,14 +730,14 @@ class TableProblem(Problem):
 
     def noise(self, rows: Rows) -> Array:
         """Return the standard deviation of a reading of another block and run at rows (n,)."""
-        found = np.zeros(len(rows.velocity))
+        result = np.zeros(len(rows.velocity))
         for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
             if p > 1e-3:
                 own = self.model.sigma(node) * self.model.growth(rows, node)
                 shared = BETA[node[3]] * self.model.repeats * self.model.sigma(node)
                 run = RUNS[node[6]] * self.model.reference(rows) * (self.model.frame.runs > 1)
-                found += p * (own**2 + shared**2 + run**2)
-        return np.sqrt(found + float(np.median(self.table.stated)) ** 2)
+                result += p * (own**2 + shared**2 + run**2)
+        return np.sqrt(result + float(np.median(self.table.stated)) ** 2)
 
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of the readings about a law [N], outliers as they count."""
@@ -752,13 +762,13 @@ class TableProblem(Problem):
 def known_terms(table: Readings) -> list[str]:
     """Return the names of the terms that a table can tell."""
     frame = Frame.of(table)
-    found = [*PARTS]
+    result = [*PARTS]
     if frame.loaded:
-        found.append("adhesion")
+        result.append("adhesion")
     if frame.both:
         level = "level_direction" if frame.loaded else "offset"
-        found += [level, "viscous_direction", "stribeck_sides"]
-    return found + [f"{part}*{name}" for name in frame.means for part in ("level", "viscous")]
+        result += [level, "viscous_direction", "stribeck_sides"]
+    return result + [f"{part}*{name}" for name in frame.means for part in ("level", "viscous")]
 
 
 def parts_of(family: Family) -> Family:
@@ -868,10 +878,10 @@ def load_error_of(mechanism: Mechanism, measurement: Measurement) -> float:
     What was set anew for each record averages out.
     """
     parts, count = uncertainties_of(mechanism, measurement), len(measurement.records())
-    refuse_load({path for part in parts for one in part for path in one}, measurement)
+    refuse_load({path for part in parts for item in part for path in item}, measurement)
     total = 0.0
     for places, each in ((0, 1.0 / count), (1, 1.0)):
-        for path in dict.fromkeys(one for part in parts for one in part[places]):
+        for path in dict.fromkeys(item for part in parts for item in part[places]):
             doubt = max(part[places].get(path, 0.0) for part in parts)
             slope, _ = load_slopes(mechanism, (), {path: doubt}).get(path, (0.0, 0.0))
             total += each * (slope * doubt) ** 2
@@ -887,22 +897,22 @@ def with_runs(rows: Rows) -> Rows:
 def _moves(rows: Rows) -> bool:
     """Return whether there are several speeds in a direction."""
     ways = [rows.velocity[rows.direction == way] for way in (-1.0, 1.0)]
-    return max(len(np.unique(one)) for one in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
+    return max(len(np.unique(way)) for way in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
 
 
 def joined_rows(parts: Sequence[Rows]) -> Rows:
     """Return the rows of several tables; only inputs that all have are kept."""
-    names = set.intersection(*(set(one.inputs) for one in parts))
+    names = set.intersection(*(set(part.inputs) for part in parts))
     return Rows(
-        velocity=np.concatenate([one.velocity for one in parts]),
-        load=np.concatenate([one.load for one in parts]),
+        velocity=np.concatenate([part.velocity for part in parts]),
+        load=np.concatenate([part.load for part in parts]),
         inputs={
             name: x
             for name in sorted(names)
-            if np.ptp(x := np.concatenate([one.inputs[name] for one in parts])) > 0.0
+            if np.ptp(x := np.concatenate([part.inputs[name] for part in parts])) > 0.0
         },
-        run=np.concatenate([one.run for one in parts]),
-        order=np.concatenate([one.order for one in parts]),
+        run=np.concatenate([part.run for part in parts]),
+        order=np.concatenate([part.order for part in parts]),
     )
 
 
@@ -919,13 +929,13 @@ def sweeps_of(velocity: Array) -> "NDArray[np.intp]":
     known, count = np.unique(velocity), len(velocity)
     sweeps = np.arange(count) // len(known)
     parts = [velocity[sweeps == k] for k in range(int(sweeps[-1]) + 1)]
-    alike = all(np.array_equal(np.sort(one), known) for one in parts)
+    alike = all(np.array_equal(np.sort(part), known) for part in parts)
     return sweeps if alike and len(parts) > 1 and len(known) > 2 else np.zeros(count, dtype=int)
 
 
 def slow_rows(table: Readings) -> "NDArray[np.intp]":
     """Return the slowest rows of each direction whose friction is below that at the next speeds."""
-    rows, found = table.rows, list[int]()
+    rows, result = table.rows, list[int]()
     for way in (-1.0, 1.0):
         at = np.flatnonzero(rows.direction == way)
         at = at[np.argsort(rows.speed[at], kind="stable")]
@@ -933,6 +943,6 @@ def slow_rows(table: Readings) -> "NDArray[np.intp]":
         for count in range(min(MOST_RESTS, len(at) - BESIDE_SLOWEST), 0, -1):
             bound = REST * np.median(size[count : count + BESIDE_SLOWEST])
             if np.all(size[:count] < bound):
-                found += at[:count].tolist()
+                result += at[:count].tolist()
                 break
-    return np.array(sorted(found), dtype=np.intp)
+    return np.array(sorted(result), dtype=np.intp)

@@ -173,31 +173,31 @@ class TravelLaw:
         """
         known = fields_of(type(law))
         again = [  # it breaks away in every cycle, which tells the level at rest too
-            one for one, x in known.items()
+            item for item, x in known.items()
             if x.scale == "level" and x.at_least is not None and under_cycles(trials)
         ]  # fmt: skip
         names = dict.fromkeys([*law.fit_order, *required_of(type(law)), *again, *named])
         coefficients, shape = list[str](), list[str]()
-        for one in names:
-            scale, absent = known[one].scale, getattr(law, one) is None
-            if one in held or absent or (scale in ("slope+", "slope-") and one not in named):
+        for entry in names:
+            scale, absent = known[entry].scale, getattr(law, entry) is None
+            if entry in held or absent or (scale in ("slope+", "slope-") and entry not in named):
                 continue
             if scale.rstrip("+-") in ("level", "slope", "drag"):
-                coefficients.append(one)
-            elif not (scale == "none" and law.states) or one in named:
-                shape.append(one)
+                coefficients.append(entry)
+            elif not (scale == "none" and law.states) or entry in named:
+                shape.append(entry)
         own = {p: (q, v) for p, q, v in parameters(trials[0].mechanism, "mechanism")}
         both = [*coefficients, *rig, *shape]
         matrix = np.eye(len(both))
         values = np.array([own[x][1] if x in rig else float(getattr(law, x)) for x in both])
-        for i, one in enumerate(coefficients):
-            base = known[one].at_least or one.replace("backward", "forward")
-            if base in coefficients and base != one:
+        for i, entry in enumerate(coefficients):
+            base = known[entry].at_least or entry.replace("backward", "forward")
+            if base in coefficients and base != entry:
                 matrix[i, coefficients.index(base)] = 1.0
         means = np.linalg.solve(matrix, values) if given else np.zeros(len(both))
-        means[len(coefficients) : len(both) - len(shape)] = [own[one][1] for one in rig]
+        means[len(coefficients) : len(both) - len(shape)] = [own[item][1] for item in rig]
         # a shape that was guessed is tried on the grid
-        means[[i for i, one in enumerate(both) if one in shape and one in guessed]] = 0.0
+        means[[i for i, item in enumerate(both) if item in shape and item in guessed]] = 0.0
         return cls(
             name=name, law=law, trials=trials, t_end=t_end,
             model=TravelModel(
@@ -225,8 +225,10 @@ class TravelLaw:
     def values(self, unknowns: Array) -> Array:
         """Return the values (k, p) of unknowns (k, p)."""
         # what must be above a limit is, where a linear step ends at it
-        limits = [0.0 if one.above is None else one.above + 1e-9 for one in self.quantities]
-        least = np.maximum([max(one.low, 0.0) for one in self.quantities], limits)
+        limits = [
+            0.0 if quantity.above is None else quantity.above + 1e-9 for quantity in self.quantities
+        ]
+        least = np.maximum([max(quantity.low, 0.0) for quantity in self.quantities], limits)
         least[self.rig] = self._ends[0][self.rig]
         if len(self.typical):  # a linear step may lead a shape that was fitted below 0
             least[self.count :] = np.maximum(least[self.count :], RESOLVED * self.typical)
@@ -253,8 +255,8 @@ class TravelLaw:
 
         def travels(levels: Array) -> Array:
             rows = np.column_stack([levels, np.tile(rest, (len(levels), 1))])
-            found = self.table(self.trials, np.clip(rows, low, None))
-            return np.where(np.isfinite(found), found, np.inf)
+            result = self.table(self.trials, np.clip(rows, low, None))
+            return np.where(np.isfinite(result), result, np.inf)
 
         tried = LEVELS[(low <= LEVELS) & (high >= LEVELS)]
         coarse, still = travels(tried), float(np.mean(measured**2))
@@ -264,12 +266,14 @@ class TravelLaw:
         top = tried[min(int(np.flatnonzero(moves).max(initial=0)) + 1, len(tried) - 1)]
         best = tried[int(np.argmin(np.mean((coarse - measured) ** 2, axis=1)))]
         fine = np.geomspace(min(top / SPAN, best / 3.0), min(top, high), FINE)
-        found = np.mean((travels(fine) - measured) ** 2, axis=1)
-        padded = np.pad(found, 1, constant_values=np.inf)
-        valleys = np.flatnonzero((found <= padded[:-2]) & (found <= padded[2:]) & (found < still))
-        order = valleys[np.argsort(found[valleys], kind="stable")]
+        results = np.mean((travels(fine) - measured) ** 2, axis=1)
+        padded = np.pad(results, 1, constant_values=np.inf)
+        valleys = np.flatnonzero(
+            (results <= padded[:-2]) & (results <= padded[2:]) & (results < still)
+        )
+        order = valleys[np.argsort(results[valleys], kind="stable")]
         levels = [float(fine[i]) for i in order[:BRANCHES]]
-        if not levels or float(found.min()) > POOR * still:  # other coefficients move these
+        if not levels or float(results.min()) > POOR * still:  # other coefficients move these
             levels += np.geomspace(10.0 * top / SPAN, top, BRANCHES).tolist()
         return levels, float(top)
 
@@ -285,7 +289,7 @@ class TravelLaw:
         """Return the shapes that are plausible (k, p - c); one that is empty without any."""
         level = size.level
         axes: list[Sequence[float]] = []
-        scales = [one.scale for one in self.quantities[self.count :]]
+        scales = [quantity.scale for quantity in self.quantities[self.count :]]
         for name, scale, mean in zip(
             self.names[self.count :], scales, self.means[self.count :], strict=True
         ):
@@ -313,35 +317,39 @@ class TravelLaw:
 
     def spreads(self, size: Size, points: Array) -> Array:
         """Return prior spreads (k, c) of coefficients of points (k, p); infinite of the first."""
-        found = np.full((len(points), self.count), np.inf)
+        result = np.full((len(points), self.count), np.inf)
         exponent = np.ones(len(points))
-        for i, one in enumerate(self.quantities):
-            if i >= self.count and one.scale == "none":
+        for i, quantity in enumerate(self.quantities):
+            if i >= self.count and quantity.scale == "none":
                 exponent = points[:, i]
         for i, unknown in enumerate(self.rig[: self.count]):
             scale = self.quantities[i].scale
             if unknown:
-                found[:, i] = LEADING * (abs(self.means[i]) or 1.0)
+                result[:, i] = LEADING * (abs(self.means[i]) or 1.0)
             elif i == 0:
                 continue
             elif scale.endswith("-"):
-                found[:, i] = SIDES * size.level
+                result[:, i] = SIDES * size.level
             elif scale.startswith("slope"):
-                found[:, i] = size.force / size.speed**exponent
+                result[:, i] = size.force / size.speed**exponent
             elif scale == "drag":
-                found[:, i] = size.force / size.speed**2
+                result[:, i] = size.force / size.speed**2
             else:
-                found[:, i] = SURPLUS * size.level
-        return found
+                result[:, i] = SURPLUS * size.level
+        return result
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
         """Least and largest values of the unknowns (p,) that the law and the mechanism allow."""
         pairs = []
-        for path, one, mean in zip(self.model.free, self.quantities, self.means, strict=True):
+        for path, quantity, mean in zip(self.model.free, self.quantities, self.means, strict=True):
             if is_rig(path):
-                least = one.low if one.above is None else one.above + RESOLVED * abs(mean)
-                pairs.append((least, one.high))
+                least = (
+                    quantity.low
+                    if quantity.above is None
+                    else quantity.above + RESOLVED * abs(mean)
+                )
+                pairs.append((least, quantity.high))
             else:
                 pairs.append(room_for(self.law, path.rpartition(".")[2], self.names))
         low, high = np.array(pairs, dtype=float).T
@@ -464,15 +472,15 @@ class TravelLaw:
                 law=self,
                 count=count,
                 unknowns=point,
-                predicted=measured - errors * one[:n],
+                predicted=measured - errors * item[:n],
                 slopes=-errors[:, None] * slope[:n, :count],
                 means=mean,
                 precisions=spread**-2.0,
             )
-            for point, one, slope, mean, spread in zip(
+            for point, item, slope, mean, spread in zip(
                 points, left, table, means, wide, strict=True
             )
-            if np.all(np.abs(one[:n]) < FAILED) and np.isfinite(slope).all()
+            if np.all(np.abs(item[:n]) < FAILED) and np.isfinite(slope).all()
         ]
 
     def _starts(
@@ -539,14 +547,14 @@ class TravelLaw:
     def _from(self, simpler: Sequence["TravelLaw"], shapes: Array) -> Array:
         """Return the points of the law without bristles that has most of the parameters."""
         own = self.names
-        nearest = max(simpler, key=lambda one: len({*one.names} & {*own}))
+        nearest = max(simpler, key=lambda item: len({*item.names} & {*own}))
         starts = list[Array]()
         for shape in shapes:
             row = np.zeros(len(own))
             row[self.count :] = shape
             best = None
-            for one in nearest.structures:
-                both = dict(zip(one.law.names, one.unknowns.tolist(), strict=True))
+            for structure in nearest.structures:
+                both = dict(zip(structure.law.names, structure.unknowns.tolist(), strict=True))
                 off = sum(
                     abs(math.log(both[name] / row[own.index(name)]))
                     for name in own[self.count :]
@@ -589,42 +597,42 @@ def descended(
     >>> ends.round(6).tolist()
     [[1.414214], [-1.414214]]
     """
-    found = np.array(starts, dtype=float)
-    left = residuals(found)
+    result = np.array(starts, dtype=float)
+    left = residuals(result)
     costs = np.sum(left**2, axis=1)
-    moving = np.broadcast_to(moving, found.shape)
-    damping = np.full(len(found), FIRST)
-    slopes = np.zeros((*left.shape, found.shape[1]))
-    stale = np.ones(len(found), dtype=bool)
+    moving = np.broadcast_to(moving, result.shape)
+    damping = np.full(len(result), FIRST)
+    slopes = np.zeros((*left.shape, result.shape[1]))
+    stale = np.ones(len(result), dtype=bool)
     live = np.isfinite(costs) & moving.any(axis=1)
     for _ in range(steps):
         if not live.any():
             break
         at = np.flatnonzero(live & stale)
         if len(at):
-            slopes[at] = slopes_of(residuals, found[at], left[at], low=low, high=high,
+            slopes[at] = slopes_of(residuals, result[at], left[at], low=low, high=high,
                                    sizes=sizes, moving=moving[at])  # fmt: skip
             stale[at] = False
         at = np.flatnonzero(live)
-        size = np.maximum(np.abs(found[at]), sizes)
-        step = size * _steps(slopes[at] * size[:, None, :], left[at], damping[at], found[at], low,
+        size = np.maximum(np.abs(result[at]), sizes)
+        step = size * _steps(slopes[at] * size[:, None, :], left[at], damping[at], result[at], low,
                              high, moving[at])  # fmt: skip
-        there = np.clip(found[at] + step, low, high)
-        moved = np.max(np.abs(there - found[at]) / size, axis=1)
+        there = np.clip(result[at] + step, low, high)
+        moved = np.max(np.abs(there - result[at]) / size, axis=1)
         left_there = residuals(there)
         cost = np.sum(left_there**2, axis=1)
         better = cost < costs[at]
         kept = at[better]
         gain = costs[kept] - cost[better]
         done = (moved[better] < DONE) | (gain <= WORTH * costs[kept])
-        found[kept], left[kept], costs[kept] = there[better], left_there[better], cost[better]
+        result[kept], left[kept], costs[kept] = there[better], left_there[better], cost[better]
         stale[kept] = True
         damping[kept] *= EASED
         damping[at[~better]] *= STIFFENED
         live[kept[done]] = False
         live[at[~better & (moved < DONE)]] = False
         live &= damping < MOST
-    return found, costs
+    return result, costs
 
 
 def slopes_of(
@@ -638,7 +646,7 @@ def slopes_of(
     moving: NDArray[np.bool_],
 ) -> Array:
     """Return derivatives of residuals (k, n, p) at points (k, p), by one-sided differences."""
-    found = np.zeros((*left.shape, points.shape[1]))
+    result = np.zeros((*left.shape, points.shape[1]))
     steps = STEP * np.maximum(np.abs(points), sizes)
     steps = np.where(points + steps <= high, steps, np.where(points - steps >= low, -steps, 0.0))
     columns, rows = np.nonzero(np.broadcast_to(moving, points.shape).T)
@@ -646,8 +654,8 @@ def slopes_of(
     step = steps[rows, columns]
     shifted[np.arange(len(rows)), columns] += step
     there = residuals(shifted) - left[rows]
-    found[rows, :, columns] = there / np.where(step == 0.0, math.inf, step)[:, None]
-    return found
+    result[rows, :, columns] = there / np.where(step == 0.0, math.inf, step)[:, None]
+    return result
 
 
 def _steps(
@@ -689,7 +697,7 @@ def force_and_speed(
     model: TravelModel, trials: Sequence[Trial], values: Sequence[float]
 ) -> tuple[float, float]:
     """Return the friction [N] of the first parameter as a level, and the largest speed [m/s]."""
-    trial = max(trials, key=lambda one: abs(one.travel))
+    trial = max(trials, key=lambda item: abs(item.travel))
     law = model.with_values(values)
     end = trial.until(model.t_end)
     run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
@@ -714,7 +722,7 @@ def room_for(law: FrictionLaw, name: str, free: Collection[str]) -> tuple[float,
 
 def moving_back(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> bool:
     """Return whether the body turns back in a trial: only then do directions differ."""
-    for trial in {one.run: one for one in trials}.values():
+    for trial in {item.run: item for item in trials}.values():
         end = trial.until(t_end)
         run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
         path = run.at(np.linspace(*run.span, 801))[slip_of(trial.mechanism)]

@@ -236,8 +236,8 @@ class TravelJudgement:
     def _doubts(self) -> tuple[list[str], Array]:
         """Paths of uncertain parameters that trials share, and what is set anew, as variances."""
         law = min(
-            (one for law in self.laws for one in law.structures),
-            key=lambda one: float(np.sum(((self.measured - one.predicted) / self.readings) ** 2)),
+            (structure for law in self.laws for structure in law.structures),
+            key=lambda item: float(np.sum(((self.measured - item.predicted) / self.readings) ** 2)),
         )
         self._reference = law.law.with_unknowns(law.unknowns)
         values = law.law.values(law.unknowns[None])[0].tolist()
@@ -268,38 +268,38 @@ class TravelJudgement:
         paths, _ = self._doubts
         offset = OFFSET * np.full(len(self.trials), float(np.median(self.readings)))
         extra = np.column_stack([self._columns, offset]) if paths else offset[:, None]
-        found, zeros = [], np.zeros(extra.shape[1])
+        result, zeros = [], np.zeros(extra.shape[1])
         for law in self.laws:
-            refined = any(one.count > law.count for one in law.structures)
-            for one in law.structures:
-                alike = sum(other.count == one.count for other in law.structures)
-                found.append(Linear(
-                    name=law.name, structure=one, predicted=one.predicted,
-                    columns=np.hstack([one.slopes, extra]),
-                    centre=np.concatenate([one.unknowns[: one.count], zeros]),
-                    means=np.concatenate([one.means, zeros]),
-                    precisions=np.concatenate([one.precisions, zeros + 1.0]),
+            refined = any(structure.count > law.count for structure in law.structures)
+            for item in law.structures:
+                alike = sum(other.count == item.count for other in law.structures)
+                result.append(Linear(
+                    name=law.name, structure=item, predicted=item.predicted,
+                    columns=np.hstack([item.slopes, extra]),
+                    centre=np.concatenate([item.unknowns[: item.count], zeros]),
+                    means=np.concatenate([item.means, zeros]),
+                    precisions=np.concatenate([item.precisions, zeros + 1.0]),
                     prior=-math.log(alike * (1 + refined)),
                 ))  # fmt: skip
-        return found
+        return result
 
     def _curves(self, best: Linear) -> list[Linear]:
         """Return the measured curve about a law, with several spreads of its factor."""
         base = best.predicted
         if not self.curve or not self.one_way or np.abs(base).min() < 0.02 * np.abs(base).max():
             return []
-        found = []
+        result = []
         for bending in BENDING:
             columns = bending * base[:, None] * self._smooth(self.settings)
             columns = np.hstack([best.columns, columns])
             more = np.zeros(columns.shape[1] - len(best.centre))
-            found.append(replace(
+            result.append(replace(
                 best, name="", columns=columns, centre=np.concatenate([best.centre, more]),
                 means=np.concatenate([best.means, more]), bending=bending,
                 precisions=np.concatenate([best.precisions, more + 1.0]),
                 prior=-math.log(len(BENDING)),
             ))  # fmt: skip
-        return found
+        return result
 
     def _smooth(self, settings: Array) -> Array:
         """Return the columns (m, q) of a curve's factor, with coefficients of spread 1."""
@@ -321,7 +321,7 @@ class TravelJudgement:
         largest = max(high * size, 0.2 * float(np.abs(self.measured).max()))
         parts = np.geomspace(low * size, largest, count)
         rough = self._solve_all(base, self.linears)
-        best = max(rough, key=lambda one: one.evidence - self.price(one.linear.name))
+        best = max(rough, key=lambda item: item.evidence - self.price(item.linear.name))
         self.linears.extend(self._curves(best.linear))
         relative = np.abs(self.measured) / max(float(np.abs(self.measured).mean()), 1e-300)
         tried = [(math.log(STATED if self.stated else 1.0 / (2 * count)), base)]
@@ -333,7 +333,7 @@ class TravelJudgement:
         if len(self.trials) == 1:
             return base
         sums = [
-            prior + float(logsumexp([one.evidence for one in self._solve_all(x, self.linears)]))
+            prior + float(logsumexp([item.evidence for item in self._solve_all(x, self.linears)]))
             for prior, x in tried
         ]
         return tried[int(np.argmax(sums))][1]
@@ -370,8 +370,8 @@ class TravelJudgement:
 
     def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
         shared = self._shared(errors)
-        found = [_solved(one, self.measured, errors, shared) for one in linears]
-        return [one for one in found if math.isfinite(one.evidence)]
+        result = [_solved(linear, self.measured, errors, shared) for linear in linears]
+        return [item for item in result if math.isfinite(item.evidence)]
 
     def _shared(self, errors: Array) -> Array:
         """Return what an error of the mean velocity makes of residuals, by setting (b, n)."""
@@ -388,7 +388,7 @@ class TravelJudgement:
     @cached_property
     def families(self) -> list[str]:
         """Names of the laws that are fitted, and the curve's, which is empty."""
-        return list(dict.fromkeys(one.linear.name for one in self.solved))
+        return list(dict.fromkeys(item.linear.name for item in self.solved))
 
     def price(self, name: str) -> float:
         """Return what a law costs for being unusual; the curve, nothing."""
@@ -403,12 +403,12 @@ class TravelJudgement:
     @cached_property
     def evidence(self) -> dict[str, float]:
         """Evidence of the laws, without the curve's, the most first."""
-        found = {name: -self.price(name) for name in self.families if name}
+        result = {name: -self.price(name) for name in self.families if name}
         if not self._alike:
-            for name in found:
+            for name in result:
                 parts = [s.evidence for s in self.solved if s.linear.name == name]
-                found[name] += float(logsumexp(parts))
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+                result[name] += float(logsumexp(parts))
+        return dict(sorted(result.items(), key=lambda item: -item[1]))
 
     @cached_property
     def named(self) -> str:
@@ -424,29 +424,29 @@ class TravelJudgement:
     @cached_property
     def scores(self) -> Array:
         """Scores (s, b) of all structures by setting."""
-        return np.array([block_scores(one.losses) for one in self.solved])
+        return np.array([block_scores(item.losses) for item in self.solved])
 
     @cached_property
     def raw_shares(self) -> Array:
         """Shares of structures (s,) before the curve gets its least."""
-        log = np.array([one.evidence - self.price(one.linear.name) for one in self.solved])
+        log = np.array([item.evidence - self.price(item.linear.name) for item in self.solved])
         if self._alike:
             return np.asarray(softmax([s.linear.prior - self.price(s.linear.name)
                                        for s in self.solved]))  # fmt: skip
-        priors = np.exp([one.linear.prior for one in self.solved])
+        priors = np.exp([item.linear.prior for item in self.solved])
         shares = stacked_shares(self.scores, priors)
         return np.asarray(softmax(0.5 * (np.log(shares + LEAST) + log)))
 
     @cached_property
     def shares(self) -> dict[str, float]:
         """Shares of the laws and of the curve in the ensemble, in sum 1."""
-        laws = np.array([bool(one.linear.name) for one in self.solved])
+        laws = np.array([bool(item.linear.name) for item in self.solved])
         order = np.argsort(self.scores.mean(axis=1), kind="stable")
-        found, raw = np.empty(len(order)), self.raw_shares[order]
-        found[order] = raw if laws.all() else with_curve(raw, laws[order])
+        result, raw = np.empty(len(order)), self.raw_shares[order]
+        result[order] = raw if laws.all() else with_curve(raw, laws[order])
         return {
-            name: float(sum(p for p, one in zip(found, self.solved, strict=True)
-                            if one.linear.name == name))
+            name: float(sum(p for p, item in zip(result, self.solved, strict=True)
+                            if item.linear.name == name))
             for name in self.families
         }  # fmt: skip
 
@@ -456,16 +456,16 @@ class TravelJudgement:
         Of a law whose leading coefficient was given, among values that leave the same up to one
         standard error, it is the one near that.
         """
-        own = [one for one in self.solved if one.linear.name == name]
+        own = [item for item in self.solved if item.linear.name == name]
         given = own[0].linear.structure.law.means[0] if name else 0.0
         if not given:
-            return max(own, key=lambda one: one.evidence)
-        costs = [float(one.left @ one.left) for one in own]
-        alike = [one for one, cost in zip(own, costs, strict=True) if cost <= min(costs) + 1.0]
+            return max(own, key=lambda item: item.evidence)
+        costs = [float(item.left @ item.left) for item in own]
+        alike = [item for item, cost in zip(own, costs, strict=True) if cost <= min(costs) + 1.0]
         return min(
             alike,
-            key=lambda one: (round(abs(math.log(abs(one.values[0] / given) + LEAST)), 1),
-                             -one.evidence),
+            key=lambda item: (round(abs(math.log(abs(item.values[0] / given) + LEAST)), 1),
+                             -item.evidence),
         )  # fmt: skip
 
     @cached_property
@@ -559,7 +559,7 @@ class TravelJudgement:
         rng = np.random.default_rng([self.seed, self.families.index(name)])
         if not name:
             return self._curve_drawn(count, rng)
-        own = [one for one in self.solved if one.linear.name == name]
+        own = [item for item in self.solved if item.linear.name == name]
         law = own[0].linear.structure.law
         wanted = PROPOSED * max(count, TRIED)
         if law.law.states or under_cycles(self.trials):
@@ -578,33 +578,33 @@ class TravelJudgement:
         self, own: Sequence[Solved], wanted: int, rng: np.random.Generator
     ) -> tuple[TravelDraws, Array]:
         """Return draws about the solutions of a family, and log weights (d,), when simulated."""
-        shares = np.asarray(softmax([one.evidence for one in own]))
+        shares = np.asarray(softmax([item.evidence for item in own]))
         law = own[0].linear.structure.law
         rows, weights = [], []
         k = self.nuisances_count
-        for one, n in zip(own, allotted(shares, wanted), strict=True):
+        for entry, n in zip(own, allotted(shares, wanted), strict=True):
             if not n:
                 continue
-            c = one.linear.structure.count
-            values, density = self._proposed(one, n, rng)
+            c = entry.linear.structure.count
+            values, density = self._proposed(entry, n, rng)
             # the fit itself meets the readings, whatever linear proposals do
-            values[0, :c], values[0, c:] = one.linear.centre[:c], 0.0
-            shape = np.tile(one.linear.structure.unknowns[c:], (n, 1))
+            values[0, :c], values[0, c:] = entry.linear.centre[:c], 0.0
+            shape = np.tile(entry.linear.structure.unknowns[c:], (n, 1))
             rows.append(np.column_stack([values[:, :c], shape, values[:, c : c + k]]))
-            off = values - one.linear.means
-            prior = -0.5 * off**2 @ one.linear.precisions
-            prior += 0.5 * float(np.sum(np.log(one.linear.precisions)))
-            weights.append(prior - density - math.log(n / wanted) + one.linear.prior)
+            off = values - entry.linear.means
+            prior = -0.5 * off**2 @ entry.linear.precisions
+            prior += 0.5 * float(np.sum(np.log(entry.linear.precisions)))
+            weights.append(prior - density - math.log(n / wanted) + entry.linear.prior)
         points, log = np.vstack(rows), np.concatenate(weights)
         size = len(law.names)
         draws = TravelDraws(law=law, unknowns=points[:, :size], nuisances=points[:, size:])
         c = own[0].linear.structure.count
         moved, freedom = own[0].linear.columns[:, c : c + k], own[0].freedom
-        found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
-        if _counting(found, 1.0) < 0.6 * len(found) / PROPOSED:
+        result = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        if _counting(result, 1.0) < 0.6 * len(result) / PROPOSED:
             draws = replace(draws, unknowns=self._met(draws, moved, rng))
-            found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
-        return draws, found
+            result = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        return draws, result
 
     def _met(self, draws: TravelDraws, moved: Array, rng: np.random.Generator) -> Array:
         """Return unknowns (d, p) whose leading one meets the readings, drawn again by their errors.
@@ -630,16 +630,16 @@ class TravelJudgement:
 
     def _curve_drawn(self, count: int, rng: np.random.Generator) -> TravelDraws:
         """Return draws of the curve, whose factor is linear: so it stays beside the law."""
-        own = [one for one in self.solved if not one.linear.name]
-        shares = np.asarray(softmax([one.evidence for one in own]))
+        own = [item for item in self.solved if not item.linear.name]
+        shares = np.asarray(softmax([item.evidence for item in own]))
         best = own[0].linear.structure
         size, k = best.count, self.nuisances_count
         rows, smooth = [], []
-        for one, n in zip(own, allotted(shares, count), strict=True):
+        for entry, n in zip(own, allotted(shares, count), strict=True):
             scale = _scales(n, rng) if self.assumed else 1.0
-            values = one.values + rng.normal(size=(n, len(one.values))) / scale @ one.root
+            values = entry.values + rng.normal(size=(n, len(entry.values))) / scale @ entry.root
             rows.append(values[:, : size + k])
-            smooth.append(values[:, size + k :] * one.linear.bending)
+            smooth.append(values[:, size + k :] * entry.linear.bending)
         points = np.vstack(rows)
         return TravelDraws(
             law=best.law,
@@ -652,8 +652,8 @@ class TravelJudgement:
     def _simulated(self, draws: TravelDraws, trials: Sequence[Trial], moved: Array) -> Array:
         """Return the travels (d, m) [m] of draws in trials; nuisances move them by (m, k)."""
         points, at = np.unique(draws.unknowns, axis=0, return_inverse=True)
-        found = draws.law.table(trials, points)[at.ravel()]
-        return np.asarray(found + draws.nuisances @ moved.T)
+        result = draws.law.table(trials, points)[at.ravel()]
+        return np.asarray(result + draws.nuisances @ moved.T)
 
     def _around(self, draws: TravelDraws, trials: Sequence[Trial], settings: Array) -> Array:
         """Return what a curve adds (d, m) [m] to the law about which it is."""
@@ -707,12 +707,12 @@ class TravelJudgement:
         if asked not in self._drawn:  # a band and what narrows it are of the same runs
             trials = self.at(settings)
             moved = self.nuisances(trials)
-            found = []
-            for one in self.draws:
-                found.append(self._simulated(one, trials, moved))
-                if one.smooth is not None:
-                    found[-1] += self._around(one, trials, settings)
-            every = np.vstack(found)
+            result = []
+            for draw in self.draws:
+                result.append(self._simulated(draw, trials, moved))
+                if draw.smooth is not None:
+                    result[-1] += self._around(draw, trials, settings)
+            every = np.vstack(result)
             self._drawn[asked] = np.asarray(every[np.isfinite(every).all(axis=1)])
         return self._drawn[asked]
 
@@ -730,9 +730,9 @@ class TravelJudgement:
     @cached_property
     def named_draws(self) -> dict[str, TravelDraws]:
         """Draws of each law that has a share or is named, by name."""
-        found = {one.law.name: one for one in self.draws if one.smooth is None}
-        found[self.named] = self.drawn(self.named, THRESHOLDS.draws)
-        return found
+        result = {draw.law.name: draw for draw in self.draws if draw.smooth is None}
+        result[self.named] = self.drawn(self.named, THRESHOLDS.draws)
+        return result
 
     def draws_of(self, name: str) -> TravelDraws:
         """Return draws of a law: those of the band, or as many as intervals ask for."""
@@ -889,11 +889,11 @@ def with_curve(shares: Array, laws: NDArray[np.bool_]) -> Array:
     least, curves = THRESHOLDS.curve_share, float(shares[~laws].sum())
     if curves >= least:
         return shares
-    found = np.where(laws, shares * (1.0 - least) / max(float(shares[laws].sum()), LEAST), 0.0)
+    result = np.where(laws, shares * (1.0 - least) / max(float(shares[laws].sum()), LEAST), 0.0)
     first = np.flatnonzero(~laws)[0]  # structures are in the order of their scores
-    found[~laws] = least * shares[~laws] / curves if curves > LEAST else 0.0
-    found[first] += 1.0 - found.sum()
-    return np.asarray(found)
+    result[~laws] = least * shares[~laws] / curves if curves > LEAST else 0.0
+    result[first] += 1.0 - result.sum()
+    return np.asarray(result)
 
 
 def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
@@ -947,19 +947,19 @@ def unexplained_error(errors: Array, known: Array, freedom: float) -> float:
     wanted = n / freedom * chdtri(freedom, even)  # falling
     tried = np.geomspace(1e-9, 1e9, count) * squares.max(initial=1e-300)
     total = np.sum(squares[:, None] / (known[:, None] + tried), axis=0)
-    found = np.exp(np.interp(-wanted, -total, np.log(tried)))
-    found[wanted >= total[0]] = 0.0
-    new = np.outer(np.sqrt(found), ndtri(0.5 + 0.5 * even))
+    result = np.exp(np.interp(-wanted, -total, np.log(tried)))
+    result[wanted >= total[0]] = 0.0
+    new = np.outer(np.sqrt(result), ndtri(0.5 + 0.5 * even))
     return float(np.quantile(new, 0.95) / stdtrit(THRESHOLDS.freedom, 0.975))
 
 
 def _settings(trials: Sequence[Trial]) -> NDArray[np.intp]:
     """Return the number of the setting of each trial (n,): numbers of one are about the same."""
-    firsts, found = list[Trial](), list[int]()
+    firsts, result = list[Trial](), list[int]()
     for trial in trials:
-        found.append(next((k for k, x in enumerate(firsts) if _same(x, trial)), len(firsts)))
-        firsts.extend([trial] * (found[-1] == len(firsts)))
-    return np.array(found)
+        result.append(next((k for k, x in enumerate(firsts) if _same(x, trial)), len(firsts)))
+        firsts.extend([trial] * (result[-1] == len(firsts)))
+    return np.array(result)
 
 
 def _same(one: Trial, other: Trial) -> bool:
@@ -1059,7 +1059,7 @@ def judged_travels(
         laws = {name: starting_law(law_type(name)) for name in USUAL_LAWS if name in listed()}
     fits = _Fits.of(trials, t_end)
     fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
-    for name in sorted(laws, key=lambda one: bool(laws[one].states)):
+    for name in sorted(laws, key=lambda item: bool(laws[item].states)):
         law, usual = laws[name], given is None or name in ordinary
         if given is None and isinstance(law, DirectionDependent):
             start = fits.leading.with_unknowns(np.array(fits.size.levels[:1]))
@@ -1116,8 +1116,8 @@ def fitted_travels(
     if law.states and not rig:  # begins where the law without bristles ends
         others = [law_type(name) for name in USUAL_LAWS if name in listed()]
         like = max(
-            (one for one in others if not starting_law(one).states),
-            key=lambda one: len(fields_of(one).keys() & fields_of(kind).keys() - held),
+            (other for other in others if not starting_law(other).states),
+            key=lambda other: len(fields_of(other).keys() & fields_of(kind).keys() - held),
         )
         plain = TravelLaw.of(like.name, starting_law(like), trials, t_end, held=held, given=False)
         with contextlib.suppress(StickslipError):
@@ -1238,7 +1238,7 @@ def propagated(
         return {
             path: np.array([slope(t, path, x[path]) * x[path] if path in x else 0.0
                             for t, x in pairs])
-            for path in dict.fromkeys(path for one in doubts for path in one)
+            for path in dict.fromkeys(path for doubt in doubts for path in doubt)
         }  # fmt: skip
 
     return errors([trial.doubts for trial in trials]), errors([trial.shared for trial in trials])

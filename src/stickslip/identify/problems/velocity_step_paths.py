@@ -75,13 +75,13 @@ class Path:
             brief = beside and lengths[piece] < JERK * lengths[beside].min()
             if brief and ways[piece] < JERK * ways[beside].max():
                 del kept[at]
-        found: list[tuple[int, int]] = []
+        result: list[tuple[int, int]] = []
         for piece in kept:
-            if found and not _differ(*np.abs(self.speeds[[found[-1][0], piece]])):
-                found[-1] = max(found[-1][0], piece, key=lengths.__getitem__), piece
+            if result and not _differ(*np.abs(self.speeds[[result[-1][0], piece]])):
+                result[-1] = max(result[-1][0], piece, key=lengths.__getitem__), piece
             else:
-                found.append((piece, piece))
-        return found
+                result.append((piece, piece))
+        return result
 
 
 def path_of(time: Array, pull: Array) -> Path:
@@ -195,14 +195,14 @@ def _together(t: Array, x: Array, changes: list[float]) -> list[float]:
         return np.asarray(x - table @ np.linalg.lstsq(table, x, rcond=None)[0])
 
     size = max(float(np.ptp(x)), 1e-300)
-    found = least_squares(
+    result = least_squares(
         lambda tried: left(tried) / size,
         changes,
         bounds=(t[0], t[-1]),
         x_scale=float(np.ptp(t)) / len(t),
         diff_step=1e-6,
     )
-    moved = np.sort(found.x).tolist()
+    moved = np.sort(result.x).tolist()
     return moved if _squares(t, x, moved) < _squares(t, x, changes) else changes
 
 

@@ -95,21 +95,21 @@ def coefficients_of(
     the reference speed [m/s]. A step errs by the tolerance at most.
     """
     run = _Run(sliders, reference, tolerance)
-    found = np.empty((len(times), len(sliders.direct)))
+    result = np.empty((len(times), len(sliders.direct)))
     first = np.full(len(sliders.direct), np.log(speeds[0] / reference))
     y = np.array([first, *(-first for _ in sliders.effects)])
     before = times <= knots[0]
-    found[before] = run.coefficient(y)
+    result[before] = run.coefficient(y)
     moving = False
     for start, end, speed in zip(knots[:-1], knots[1:], speeds, strict=True):
         here = (times > start) & (times <= end)
         if not moving and speed == speeds[0]:  # steady sliding goes on
-            found[here] = run.coefficient(y)
+            result[here] = run.coefficient(y)
             continue
         moving = True
-        y, found[here] = run.piece(y, float(end - start), float(speed), times[here] - start)
-    found[:, run.ended] = np.nan
-    return found
+        y, result[here] = run.piece(y, float(end - start), float(speed), times[here] - start)
+    result[:, run.ended] = np.nan
+    return result
 
 
 class _Run:
@@ -150,12 +150,12 @@ class _Run:
     def _rates(self, y: Array, speed: float) -> Array:
         """Return the derivatives of w and of each state by time (1 + s, k)."""
         V = self.reference * np.exp(y[0])
-        pulled, found = self.sliders.stiffness * (speed - V), np.empty_like(y)
-        found[1:] = self._renewals(y, V)[0] / self._distances
+        pulled, result = self.sliders.stiffness * (speed - V), np.empty_like(y)
+        result[1:] = self._renewals(y, V)[0] / self._distances
         if self._stressed:
-            found[1:] -= self._share * pulled
-        found[0] = (pulled - np.sum(self._effects[1:] * found[1:], axis=0)) / self._effects[0]
-        return found
+            result[1:] -= self._share * pulled
+        result[0] = (pulled - np.sum(self._effects[1:] * result[1:], axis=0)) / self._effects[0]
+        return result
 
     def _solver(self, y: Array, h: float) -> Callable[[Array], Array]:
         """Return what solves (1 / (h gamma) - J) x = r at a state."""
@@ -169,10 +169,10 @@ class _Run:
         lead = e - (by_speed - np.sum(effects * q, axis=0)) / direct - np.sum(carried * q, axis=0)
 
         def solved(right: Array) -> Array:
-            found = np.empty_like(right)
-            found[0] = (right[0] + np.sum(carried * right[1:], axis=0)) / lead
-            found[1:] = (right[1:] + q * found[0]) * inverse
-            return found
+            result = np.empty_like(right)
+            result[0] = (right[0] + np.sum(carried * right[1:], axis=0)) / lead
+            result[1:] = (right[1:] + q * result[0]) * inverse
+            return result
 
         return solved
 

@@ -150,12 +150,12 @@ class Record:
     def levels(self) -> tuple[float, float]:
         """Return a guess of a - b and of the level at first, from the last third of each piece."""
         knots, speeds = self.path.segments, self.path.lasting
-        found = []
+        result = []
         for start, end, speed in zip(knots[:-1], knots[1:], speeds, strict=True):
             late = (self.time > end - (end - start) / 3.0) & (self.time <= end)
             if speed > 1e-3 * self.speed and late.any():
-                found.append((np.log(speed / self.speed), self.coefficient[late].mean()))
-        logs, levels = np.array(found).T
+                result.append((np.log(speed / self.speed), self.coefficient[late].mean()))
+        logs, levels = np.array(result).T
         change = logs - logs.mean()
         rate = float(change @ levels / (change @ change)) if change.any() else 0.0
         return rate, float(levels[0])
@@ -314,7 +314,7 @@ class VelocitySteps(Simulated):
         simple = [name for name, law in laws.items()
                   if not law.form.second and law.form.evolution != "nagata"]  # fmt: skip
         self.stages = tuple(
-            one for one in (simple, [name for name in laws if name not in simple]) if one
+            item for item in (simple, [name for name in laws if name not in simple]) if item
         )
 
     def _always(self, drift: str) -> Always:
@@ -376,13 +376,13 @@ class VelocitySteps(Simulated):
     def values(self, family: str, points: Array) -> dict[str, Array]:
         """Return the parameters that runs depend on (k,), SI, at points (k, p)."""
         law, names = self.laws[family], self._free(family)
-        found = {name: np.full(len(points), value) for name, value in law.held.items()}
-        found.setdefault(STIFFNESS, np.full(len(points), self.stiffness))
+        results = {name: np.full(len(points), value) for name, value in law.held.items()}
+        results.setdefault(STIFFNESS, np.full(len(points), self.stiffness))
         for name, x in zip(names, points.T, strict=True):
-            found[name] = np.exp(np.minimum(x, 300.0)) if self._is_logarithm(family, name) else x
+            results[name] = np.exp(np.minimum(x, 300.0)) if self._is_logarithm(family, name) else x
         if FURTHER in names:
-            found[FURTHER] = found[FURTHER] * found[DISTANCE]
-        return found
+            results[FURTHER] = results[FURTHER] * results[DISTANCE]
+        return results
 
     def _point(self, family: str, values: Mapping[str, float]) -> Array:
         """Return the point (p,) with some values, and the prior's for the others."""
@@ -406,20 +406,20 @@ class VelocitySteps(Simulated):
         ]
         tried: list[Mapping[str, float]] = [{STIFFNESS: k} for k in stiff]
         if law.form.evolution == "none":
-            tried = [{DIRECT: rate, **one} for one in tried]
+            tried = [{DIRECT: rate, **item} for item in tried]
         else:
             floor = max(self.lowest, 0.0) + 1e-3 * self.size
             direct = [max(rate, 0.0) + x * self.size for x in (0.0005, 0.01, 0.03)]
             tried = [
-                {DIRECT: a, EVOLVED: max(a - rate, floor), DISTANCE: share * self.way, **one}
-                for a in direct for share in DISTANCES for one in tried
+                {DIRECT: a, EVOLVED: max(a - rate, floor), DISTANCE: share * self.way, **item}
+                for a in direct for share in DISTANCES for item in tried
             ]  # fmt: skip
             tried += self._from_simpler(family, ends)
             if law.form.evolution == "nagata":  # a step shows a / (1 + c) at once
-                tried = [one if STRESS in one else self._stressed(one) for one in tried]
+                tried = [item if STRESS in item else self._stressed(item) for item in tried]
         if law.given:
             tried.append(law.given)
-        points = [self._point(family, {**one, **law.held}) for one in tried]
+        points = [self._point(family, {**item, **law.held}) for item in tried]
         return np.array(points).reshape(len(tried), -1)
 
     @staticmethod
@@ -430,20 +430,20 @@ class VelocitySteps(Simulated):
 
     def _from_simpler(self, family: str, ends: Mapping[str, Array]) -> list[dict[str, float]]:
         """Return values of modes of laws that a law contains, with what it has besides."""
-        form, found = self.laws[family].form, list[dict[str, float]]()
+        form, results = self.laws[family].form, list[dict[str, float]]()
         for name, end in ends.items():
             other = self.laws[name].form
             if other.evolution == "none" or not form.contains(other):
                 continue
             values = {key: float(x[0]) for key, x in self.values(name, end[None]).items()}
             if not form.second or other.second:
-                found.append(values)
+                results.append(values)
                 continue
             for share, ratio in ((0.3, 4.0), (0.3, 12.0), (-0.2, 6.0)):
                 part = share * values[EVOLVED]
-                found.append({**values, EVOLVED: values[EVOLVED] - part, SECOND: part,
+                results.append({**values, EVOLVED: values[EVOLVED] - part, SECOND: part,
                               FURTHER: ratio * values[DISTANCE]})  # fmt: skip
-        return found
+        return results
 
     # ------------------------------------------------------------------ runs
     def simulate(self, asked: Mapping[str, Array]) -> dict[str, Array]:
@@ -452,18 +452,18 @@ class VelocitySteps(Simulated):
     def at(self, asked: Mapping[str, Array], times: Array) -> dict[str, Array]:
         """Return coefficients (n, k) at times, without what is always there."""
         values = {name: self.values(name, points) for name, points in asked.items()}
-        found: dict[str, Array] = {}
+        results: dict[str, Array] = {}
         for count in (1, 2):
             names = [name for name in asked if self._states(name) == count]
             names.sort(key=lambda name: self.laws[name].form.evolution)
             if names:
-                found |= self._evolving(names, values, times)
+                results |= self._evolving(names, values, times)
         for name in asked:
             if not self._states(name):
-                found[name] = self._without_state(values[name], len(asked[name]), times)
+                results[name] = self._without_state(values[name], len(asked[name]), times)
             if self.level is not None:
-                found[name] = found[name] + self.level
-        return found
+                results[name] = results[name] + self.level
+        return results
 
     def _states(self, family: str) -> int:
         form = self.laws[family].form
@@ -548,50 +548,50 @@ class VelocitySteps(Simulated):
         return {RATE: Quantity("a - b - b_2" if form.second else "a - b")}
 
     def quantities(self, family: str) -> Mapping[str, Quantity]:
-        own = {path_of_parameter(name): one for name, one in fields_of(RateState).items()}
+        own = {path_of_parameter(name): item for name, item in fields_of(RateState).items()}
         return {**own, path_of_parameter(STIFFNESS): Quantity("k", "N/m", above=0)}
 
     def read(self, family: str, points: Array, coefficients: Array) -> dict[str, Array]:
         values = self.values(family, points)
         values.setdefault(LEVEL, coefficients[:, 0])
         values[STIFFNESS] = values[STIFFNESS] * self.record.load
-        found = {path_of_parameter(name): x for name, x in values.items()}
+        results = {path_of_parameter(name): x for name, x in values.items()}
         zero = np.zeros_like(values[LEVEL])
         effects = [values.get(name, zero) for name in (DIRECT, EVOLVED, SECOND)]
-        return {**found, RATE: effects[0] - effects[1] - effects[2]}
+        return {**results, RATE: effects[0] - effects[1] - effects[2]}
 
     def result(self, family: str, values: Mapping[str, float]) -> tuple[RateState, TowedBlock]:
         law, form = self.laws[family], self.laws[family].form
         own = {name: values[path_of_parameter(name)] for name in form.fit_order}
-        found = RateState(
+        results = RateState(
             reference_velocity=self.reference,
             evolution=form.evolution,
             regularised=law.regularised,
             **{DIRECT: 0.0, **own},
         )
         stiffness = values[path_of_parameter(STIFFNESS)]
-        return found, replace(self.block, load=self.record.load, stiffness=stiffness)
+        return results, replace(self.block, load=self.record.load, stiffness=stiffness)
 
     def told(
         self, family: FamilyPosterior, name: str, estimates: Sequence[Estimate]
     ) -> list[Estimate]:
-        found = {one.path: one for one in estimates}
+        results = {estimate.path: estimate for estimate in estimates}
         draws = self.values(name, family.points)
         direct = (
             abs(float(self.values(name, family.mode[None])[DIRECT][0])) if DIRECT in draws else 0.0
         )
         for effect, distance in ((EVOLVED, DISTANCE), (SECOND, FURTHER)):
             own, way = path_of_parameter(effect), path_of_parameter(distance)
-            if way not in found:
+            if way not in results:
                 continue
             spent = float(np.quantile(np.abs(draws[effect]), ENDS[0]))
             if family.is_prior(distance) or spent < THRESHOLDS.material * direct:
-                symbols = (fields_of(RateState)[one].symbol for one in (effect, distance))
+                symbols = (fields_of(RateState)[item].symbol for item in (effect, distance))
                 why = "{} may be 0, and then {} has no effect".format(*symbols)
-                if own in found:  # draws end above 0, where a law has no state
-                    found[own] = replace(found[own], low=min(found[own].low, 0.0))
-                found[way] = replace(found[way], low=-math.inf, high=math.inf, reason=why)
-        return [*found.values()]
+                if own in results:  # draws end above 0, where a law has no state
+                    results[own] = replace(results[own], low=min(results[own].low, 0.0))
+                results[way] = replace(results[way], low=-math.inf, high=math.inf, reason=why)
+        return [*results.values()]
 
     def contains(self, name: str, other: str) -> bool:
         return self.laws[name].form.contains(self.laws[other].form)

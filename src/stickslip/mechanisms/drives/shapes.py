@@ -656,12 +656,12 @@ class SampledSwing(Straight, Profile):
 
 def _spline_series(label: str, values: Any) -> tuple[float, ...]:
     try:
-        found = tuple(_number(x) for x in values)
+        result = tuple(_number(x) for x in values)
     except (TypeError, ValueError):
         raise ParameterError(f"{label} must be a series of numbers, got {values!r}.") from None
-    if not all(map(math.isfinite, found)):
+    if not all(map(math.isfinite, result)):
         raise ParameterError(f"{label} must be finite numbers, one of them is not.")
-    return found
+    return result
 
 
 def _check_samples(times: Sequence[float], positions: Sequence[float]) -> None:
@@ -727,16 +727,16 @@ def _smoothed(
             return n * math.log(max(squares, tiny) / n) + 2.0 * p * n / (n - p - 1)
 
         count = min(counts, key=criterion)
-    found = _Spline(t, y, count)
-    if not math.isfinite(found.squares):
+    result = _Spline(t, y, count)
+    if not math.isfinite(result.squares):
         raise ParameterError(
             f"SampledSwing.spacing (h) is too small for samples as uneven as these, got"
             f" {number(end / count, 4)} s: increase it."
         )
-    h, c = end / count, found.weights
+    h, c = end / count, result.weights
     # Second derivative and value of cubic B-splines at their knots, from three weights each.
     bends = ((c[:-2] - 2.0 * c[1:-1] + c[2:]) / h**2).tolist()
-    noise = math.sqrt(found.squares / max(n - (count + 3), 1))
+    noise = math.sqrt(result.squares / max(n - (count + 3), 1))
     return _Smoothed(
         position=float(c[0] + 4.0 * c[1] + c[2]) / 6.0,
         rate=float(c[2] - c[0]) / (2.0 * h),
@@ -744,7 +744,7 @@ def _smoothed(
             Piece(k * h, u, (v - u) / h) for k, (u, v) in enumerate(itertools.pairwise(bends))
         ),
         noise=noise,
-        error=noise * found.bent_by_noise(h),
+        error=noise * result.bent_by_noise(h),
     )
 
 
@@ -770,7 +770,9 @@ class _Spline:
         self.factor = _banded_factor(bands.tolist())
         self.weights, residual = np.zeros(size), y
         for _ in range(2 if self.factor else 0):  # the second round takes off rounding
-            right = sum(np.bincount(cell + i, one * residual, size) for i, one in enumerate(basis))
+            right = sum(
+                np.bincount(cell + i, item * residual, size) for i, item in enumerate(basis)
+            )
             self.weights = self.weights + _banded_solution(self.factor, right)
             residual = y - sum(item * self.weights[cell + i] for i, item in enumerate(basis))
         self.squares = float(residual @ residual) if self.factor else math.inf
@@ -803,16 +805,16 @@ def _banded_factor(a: list[list[float]]) -> list[list[float]]:
 
 def _banded_solution(factor: list[list[float]], right: Any) -> Any:
     """Solve with the factor of `_banded_factor` for right sides (n,) or (n, m)."""
-    found, size = right.copy(), len(right)
+    result, size = right.copy(), len(right)
     for j in range(size):
         for k in range(1, min(4, j + 1)):
-            found[j] -= factor[k][j - k] * found[j - k]
-        found[j] /= factor[0][j]
+            result[j] -= factor[k][j - k] * result[j - k]
+        result[j] /= factor[0][j]
     for j in range(size - 1, -1, -1):
         for k in range(1, min(4, size - j)):
-            found[j] -= factor[k][j] * found[j + k]
-        found[j] /= factor[0][j]
-    return found
+            result[j] -= factor[k][j] * result[j + k]
+        result[j] /= factor[0][j]
+    return result
 
 
 # Pulse, sine, ramp, and drives given by points.
@@ -882,12 +884,12 @@ class Square(base.Straight):
         cycle = (base.Piece(self.start, self.high, 0.0), base.Piece(turn, self.low, 0.0))
         # a cycle more than begins: what holds at the end of a run is not the last there is
         span = until - base.least(self.start) + base.least(self.period)
-        found = list(base.repeated(type(self).__name__, cycle, self.period, span))
+        result = list(base.repeated(type(self).__name__, cycle, self.period, span))
         # a wave that is always high falls where it rises again, but for a rounding error
-        for i, following in enumerate(found[1:]):
-            start = base.earlier(found[i].start, following.start)
-            found[i] = base.Piece(start, found[i].value, found[i].slope)
-        return tuple(found)
+        for i, following in enumerate(result[1:]):
+            start = base.earlier(result[i].start, following.start)
+            result[i] = base.Piece(start, result[i].value, result[i].slope)
+        return tuple(result)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1012,14 +1014,14 @@ class Sine(base.Drive):
 
 def _numbers(owner: str, series: object) -> list[float]:
     """Return a series as floats, or say that it is none."""
-    found = []
+    result = []
     for x in series if isinstance(series, Iterable) else (series, None):
         if isinstance(x, bool) or not isinstance(x, numbers.Real):
             raise ParameterError(
                 f"{owner}.times [s] and .values must be series of numbers, got {series!r}."
             )
-        found.append(float(x))
-    return found
+        result.append(float(x))
+    return result
 
 
 def _series(
@@ -1158,8 +1160,8 @@ class PiecewiseAffine(base.Straight):
         _, k = _series(type(self).__name__, self.times, self.slopes)
         if k[-1] != 0.0:
             raise ParameterError(f"PiecewiseAffine.slopes must end with 0, got {k[-1]:g}.")
-        for name, found in (("times", t), ("values", u), ("slopes", k)):
-            object.__setattr__(self, name, tuple(found))
+        for name, match in (("times", t), ("values", u), ("slopes", k)):
+            object.__setattr__(self, name, tuple(match))
 
     @override
     def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:

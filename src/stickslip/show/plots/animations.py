@@ -79,15 +79,15 @@ def artists_of(
 ) -> list[Artist]:
     """Return shapes as matplotlib artists of axes whose limits are set, from back to front."""
     brush = _Brush(axes, modes, scales)
-    found: list[Artist] = []
+    result: list[Artist] = []
     for order, shape in enumerate(shapes):
         for artist in _PAINTERS[type(shape)](shape, brush):
             # forces are seen whatever stands before them
             front = 60 if isinstance(shape, (scenes.Arrow, scenes.Turn)) else 0
             artist.set_zorder(3 + 0.5 * order + front)
             axes.add_artist(artist)
-            found.append(artist)
-    return sorted(found, key=lambda artist: artist.get_zorder())
+            result.append(artist)
+    return sorted(result, key=lambda artist: artist.get_zorder())
 
 
 def _line(xs: Any, ys: Any, *, colour: str = INK, width: float = 1.4, **style: Any) -> Line2D:
@@ -130,7 +130,7 @@ def _ground(shape: scenes.Ground, brush: _Brush) -> list[Artist]:
     gaps = np.full_like(feet, np.nan)
     xs = np.column_stack([feet, feet - 0.7 * step, gaps]).ravel()
     ys = np.column_stack([np.full_like(feet, y), np.full_like(feet, y - 0.7 * step), gaps]).ravel()
-    found: list[Artist] = [
+    result: list[Artist] = [
         _line(xs, ys, colour=MUTED, width=0.8, alpha=0.6),
         _line([brush.left, brush.right], [y, y]),
     ]
@@ -142,8 +142,8 @@ def _ground(shape: scenes.Ground, brush: _Brush) -> list[Artist]:
             (low, y - deep), high - low, deep, facecolor=face, edgecolor=INK, linewidth=0.9
         )
         strip.set_gid("contact")
-        found.append(strip)
-    return found
+        result.append(strip)
+    return result
 
 
 def _wall(shape: scenes.Wall, brush: _Brush) -> list[Artist]:
@@ -428,8 +428,8 @@ def layout(figure: Figure, *, narrow: bool, flat: bool) -> tuple[Axes, list[Axes
         rows = [["scene", name] for name in names]
         heights, widths = [1.0] * 3, [1.15, 1.0]
     mosaic: Any = rows  # the stubs want a protocol that lists of lists do not meet
-    found = figure.subplot_mosaic(mosaic, width_ratios=widths, height_ratios=heights)
-    scene, *plots = (found[name] for name in ("scene", *names))
+    result = figure.subplot_mosaic(mosaic, width_ratios=widths, height_ratios=heights)
+    scene, *plots = (result[name] for name in ("scene", *names))
     scene.spines[:].set_visible(False)
     for plot in plots[1:]:
         plot.sharex(plots[0])
@@ -490,10 +490,10 @@ class Stage:
     ) -> None:
         looks = np.linspace(run.span[0], until, LOOKS)
         seen = run.at(looks)
-        found = scene or scenes.scene_of(mechanism)
+        result = scene or scenes.scene_of(mechanism)
         self.painted: Painted | None = None
         flat = False
-        if found is None:
+        if result is None:
             picture = scenes.PICTURES[mechanism.name](mechanism, seen)
             self.painted = Painted(picture, moments_of(run, mechanism, looks))
             flat = self.painted.whole.height < FLAT * self.painted.whole.width
@@ -505,7 +505,7 @@ class Stage:
         self.cursors = _curves(panels, run, mechanism, until, short=short)
         if self.painted is not None:
             self.painted.explain(self.axes, narrow=narrow)
-        self._update = None if found is None else found(self.axes, mechanism, seen)
+        self._update = None if result is None else result(self.axes, mechanism, seen)
         figure.align_ylabels(panels)
         figure.draw_without_rendering()  # finds places, which stay from here on
         figure.set_layout_engine("none")
@@ -574,7 +574,7 @@ def _curves(
     shown = {"angle" if unit == "rad" else "displacement": places, "velocity": rates}
     if not run.contacts:
         shown["friction"] = ["friction"]
-    found: list[Cursor] = []
+    result: list[Cursor] = []
     for axes, (title, names) in zip(panels, shown.items(), strict=False):
         factor, unit = scale_of(np.concatenate([seen[name] for name in names]), run.units[names[0]])
         dots = []
@@ -589,14 +589,14 @@ def _curves(
         if not run.contacts:
             shade(axes, within(run.stick_spans(), until))
             shade(axes, _spans(seen, -1), colour=SLIP_BACK)
-        found.append((axes.axvline(float(seen.t[0]), color=INK, linewidth=1.0), dots))
+        result.append((axes.axvline(float(seen.t[0]), color=INK, linewidth=1.0), dots))
     if run.contacts:
         raster(panels[-1], seen, MODE_COLOURS)
         along = {place.name: name for place in mechanism.contacts() for name in place.slips}
         for label, contact in zip(panels[-1].get_yticklabels(), run.contacts, strict=True):
             if (name := along[contact]) in places:  # a key to the curves above
                 label.set_color(CURVES[places.index(name) % len(CURVES)])
-        found.append((panels[-1].axvline(float(seen.t[0]), color=INK, linewidth=1.0), []))
+        result.append((panels[-1].axvline(float(seen.t[0]), color=INK, linewidth=1.0), []))
     below = [bool((spec := axes.get_subplotspec()) and spec.is_last_row()) for axes in panels]
     for axes, last in zip(panels, below, strict=True):
         axes.tick_params(labelbottom=last)
@@ -605,7 +605,7 @@ def _curves(
         panels[0].get_figure(root=True).supxlabel(text, fontsize=11)  # type: ignore[union-attr]  # they have one
     else:
         panels[-1].set_xlabel(text)
-    return found
+    return result
 
 
 def _key(run: Trajectory, seen: Trajectory, until: float) -> str:

@@ -120,13 +120,13 @@ def panel_grid(figure: Figure, count: int, columns: int, **layout: Any) -> list[
 
 def _axes_of(ax: object) -> list[Axes]:
     """Return the axes that were given, in one list."""
-    found = [ax] if isinstance(ax, Axes) else list(np.ravel(np.asarray(ax, dtype=object)))
-    if not found or not all(isinstance(panel, Axes) for panel in found):
+    result = [ax] if isinstance(ax, Axes) else list(np.ravel(np.asarray(ax, dtype=object)))
+    if not result or not all(isinstance(panel, Axes) for panel in result):
         raise InputError(
             "ax must be matplotlib Axes, a sequence of Axes for several panels, or a Figure, got"
             f" {ax!r}."
         )
-    axes = cast("list[Axes]", found)
+    axes = cast("list[Axes]", result)
     if any(panel.get_figure(root=True) is None for panel in axes):
         raise InputError("ax was removed from its figure; give axes that belong to one.")
     return axes
@@ -207,12 +207,12 @@ class _Stage:
     def subplot_mosaic(self, mosaic: str, **layout: Any) -> dict[str, Axes]:
         """Return panels by letter, those of the mosaic in the order of reading."""
         if self.given is None:
-            found = self.figure.subplot_mosaic(mosaic, **layout)
+            result = self.figure.subplot_mosaic(mosaic, **layout)
         else:
             letters = list(dict.fromkeys(letter for letter in mosaic if letter != ";"))
-            found = dict(zip(letters, self._all(len(letters)), strict=True))
-        self.panels += found.values()
-        return found
+            result = dict(zip(letters, self._all(len(letters)), strict=True))
+        self.panels += result.values()
+        return result
 
     def _all(self, count: int) -> list[Axes]:
         given = self.given or []
@@ -282,12 +282,12 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, LineStyl
     """
     names = list(names)
     chosen = names[0] if chosen is None and names else chosen
-    found = {}
+    result = {}
     rivals = [name for name in names if name != chosen]
     for index, name in enumerate(rivals):
         lap, place = divmod(index, len(RIVALS))
-        found[name] = LineStyle(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
-    return {name: found.get(name, LineStyle(theme.C1, "-", 3.0, 2)) for name in names}
+        result[name] = LineStyle(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
+    return {name: result.get(name, LineStyle(theme.C1, "-", 3.0, 2)) for name in names}
 
 
 def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -> Trajectory:
@@ -508,7 +508,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
             for box in [_box(paths[index], float(anchor), dx, dy, half)]
         ]
         # Cheapest place; of equal ones the leftmost, then the nearest.
-        box = min(tries, key=lambda found: found[:3])[3]
+        box = min(tries, key=lambda results: results[:3])[3]
         taken.append(box._replace(left=box.left - BESIDE / 2, right=box.right + BESIDE / 2))
         x, y = axes.transData.inverted().transform(
             ((box.left + box.right) / 2 / pixel, (box.bottom + box.top) / 2 / pixel)

@@ -160,15 +160,15 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
 def map_points(fit: RecordFit) -> MapPoints | None:
     """Return friction against velocity by a plain balance; None where there is none."""
     try:
-        found = PlainBalance.of(fit.mechanism, fit.measurement, inertia=False)
+        result = PlainBalance.of(fit.mechanism, fit.measurement, inertia=False)
         load_now = load_of(fit.mechanism)
     except InputError:  # too short, without a position, or of several coordinates
         return None
     return MapPoints(
-        found.velocity,
-        found.friction,
+        result.velocity,
+        result.friction,
         load_now,
-        trend=trend_of(found.time, found.velocity),
+        trend=trend_of(result.time, result.velocity),
     )
 
 
@@ -198,11 +198,11 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[drawing.Array, drawi
     if "position" not in record.quantities():
         return None
     try:
-        found = PlainBalance.of(fit.mechanism, record, inertia=False)
+        result = PlainBalance.of(fit.mechanism, record, inertia=False)
     except InputError:  # too short to be filtered
         position = np.asarray(record.values("position"), dtype=float)
         return record.time, np.gradient(position, record.time)
-    return found.time, found.velocity
+    return result.time, result.velocity
 
 
 def rows_of(fit: RecordFit) -> Rows:
@@ -237,12 +237,12 @@ def _shifts(spans: drawing.Array) -> dict[int, float]:
     order = np.unique(spans[:, 0]).astype(int).tolist()
     if len(order) == 1:
         return {order[0]: 0.0}
-    found, at = {}, 0.0
+    result, at = {}, 0.0
     for record in order:
         own = spans[spans[:, 0] == record]
-        found[record] = at - float(own[:, 1].min())
+        result[record] = at - float(own[:, 1].min())
         at += float(own[:, 2].max() - own[:, 1].min())
-    return found
+    return result
 
 
 def panel_of(
@@ -277,7 +277,7 @@ def residual_panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
     rows = rows_of(fit)
     residual = factor * rows.residual
     shown = sampled(len(residual), DOTS)
-    found = {}
+    result = {}
     against = {"time": rows.t, "velocity": rows.velocity, "position": rows.position}
     for name, x in against.items():
         if x is None or np.ptp(x) == 0.0:
@@ -285,8 +285,8 @@ def residual_panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
         by, unit = scale_of(x, "s" if name == "time" else fit.measurement.unit(name))
         panel = panel_of(f"{name}, {unit}", by * x, residual, fit.inference.effective, shown)
         if len(panel.centre):
-            found[name] = panel
-    return found
+            result[name] = panel
+    return result
 
 
 # Plots of fits and verdicts, made of what these hold.
@@ -317,7 +317,7 @@ def plot_joints(fit: JointLawFit | JointVerdict, ax: drawing.PanelTarget = None)
         If it is neither.
     """
     check_type("fit", fit, JointLawFit, JointVerdict)
-    drawings = {name: one.drawing() for name, one in fit.joints.items()}
+    drawings = {name: joint.drawing() for name, joint in fit.joints.items()}
     size = (880, 60 + 2 * PANEL * len(drawings))
     return drawing.on_panels(draw_joints(drawings), ax, size)
 

@@ -60,8 +60,8 @@ def _panel(axes: Axes, results: Mapping[str, characterization.Characteristic]) -
 
 def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
     """Name the curves of all panels once, where there are several."""
-    found = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
-    handles, labels = max(found, key=lambda legend: len(legend[1]), default=([], []))
+    result = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
+    handles, labels = max(result, key=lambda legend: len(legend[1]), default=([], []))
     if len(labels) < LEGEND:
         return
     if figure.get_layout_engine() is None:  # of a user: nothing makes room beside the panels

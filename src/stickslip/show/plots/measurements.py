@@ -196,11 +196,11 @@ def _travels(axes: Axes, measurement: data.Measurement) -> None:
     records = [trial for trial in measurement.records() if name in trial.quantities()]
     values = [np.ravel(trial.values(name)) for trial in records]
     factor, unit = scale_of(np.concatenate(values), measurement.unit(name))
-    for place, (record, found) in enumerate(zip(records, values, strict=True), 1):
+    for place, (record, value) in enumerate(zip(records, values, strict=True), 1):
         doubt = factor * record.uncertainty.get(name, 0.0)
         axes.errorbar(
-            np.full(found.size, place),
-            factor * found,
+            np.full(value.size, place),
+            factor * value,
             yerr=doubt if np.any(doubt) else None,
             fmt="o",
             color=theme.DATA,
@@ -622,15 +622,15 @@ def _colours(values: Sequence[float | str | None]) -> list[str]:
     numbers = [value for value in values if isinstance(value, float)]
     words = list(dict.fromkeys(value for value in values if isinstance(value, str)))
     low, span = min(numbers, default=0.0), max(np.ptp(numbers), 1e-300) if numbers else 1.0
-    found = []
+    result = []
     for value in values:
         if isinstance(value, float):
             share = (value - low) / span
             mixed = (1.0 - share) * np.array(to_rgb(theme.C1)) + share * np.array(to_rgb(theme.C2))
-            found.append(to_hex(mixed.tolist()))
+            result.append(to_hex(mixed.tolist()))
         else:
-            found.append(theme.DATA if value is None else WORDS[words.index(value) % len(WORDS)])
-    return found
+            result.append(theme.DATA if value is None else WORDS[words.index(value) % len(WORDS)])
+    return result
 
 
 def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> None:

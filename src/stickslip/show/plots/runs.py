@@ -631,13 +631,13 @@ def _series(
         seen = {name: run.at(run.t[run.t >= first]) for name, run in close.items()}
     if not view.difference:
         return {name: (run.t, run[view.column]) for name, run in seen.items()}
-    found = {}
+    result = {}
     for name in runs:
         if name != chosen:
             t = np.union1d(seen[name].t, seen[chosen].t)
             t = t[t <= min(runs[name].span[1], runs[chosen].span[1])]
-            found[name] = t, runs[name].at(t)[view.column] - runs[chosen].at(t)[view.column]
-    return found
+            result[name] = t, runs[name].at(t)[view.column] - runs[chosen].at(t)[view.column]
+    return result
 
 
 # A run in closed loop: where the body is, and what the controller makes of it.

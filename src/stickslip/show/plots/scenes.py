@@ -200,11 +200,11 @@ def standing_forces(
     """Return friction and normal force where a body stands on the ground at y = 0."""
     of = f":{contact}" if contact else ""
     friction, load = now.get(f"friction{of}", 0.0), now.get(f"normal_force{of}", 0.0)
-    found: list[Shape] = [Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=friction, role="friction")]
+    result: list[Shape] = [Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=friction, role="friction")]
     if normal:
         foot = (x + 0.25 * width, 0.0)
-        found.append(Arrow(at=foot, along=(0.0, 1.0), value=load, role="normal"))
-    return found
+        result.append(Arrow(at=foot, along=(0.0, 1.0), value=load, role="normal"))
+    return result
 
 
 class Extent(NamedTuple):
@@ -343,15 +343,15 @@ def block_chain(mechanism: mechanisms.BlockChain, run: Trajectory) -> Picture:
         lefts = [i * pitch + now[name] for i, name in enumerate(names)]
         high = 0.5 * TALL * size
         touched = tuple((left, left + size) for left in lefts)
-        found: list[Shape] = [Ground(touched=touched, contacts=tuple(contacts) if several else ())]
+        result: list[Shape] = [Ground(touched=touched, contacts=tuple(contacts) if several else ())]
         for value, other in itertools.pairwise(lefts):
             start, end = (value + size, high), (other, high)
-            found.append(Coil(start=start, end=end, radius=0.2 * TALL * size))
+            result.append(Coil(start=start, end=end, radius=0.2 * TALL * size))
         for left, contact in zip(lefts, contacts, strict=True):
             own = contact if several else ""
-            found.append(_rubbing((left, 0.0), size, TALL * size, own))
-            found += standing_forces(now, left + 0.5 * size, size, normal=False, contact=own)
-        return found
+            result.append(_rubbing((left, 0.0), size, TALL * size, own))
+            result += standing_forces(now, left + 0.5 * size, size, normal=False, contact=own)
+        return result
 
     return Picture(shapes=shapes)
 
@@ -367,20 +367,20 @@ def two_feet(mechanism: mechanisms.TwoFeet, run: Trajectory) -> Picture:
         x = now["x"]
         feet = {"front": x + mechanism.front, "rear": x - mechanism.rear}
         touched = tuple((at - foot, at + foot) for at in feet.values())
-        found: list[Shape] = [Ground(touched=touched, contacts=tuple(feet))]
+        result: list[Shape] = [Ground(touched=touched, contacts=tuple(feet))]
         left, low = feet["rear"] - foot, 0.5 * centre
         if mechanism.stiffness > 0.0:
-            found.append(Wall(start=(wall, 0.0), end=(wall, 2.0 * centre)))
-            found.append(Coil(start=(wall, centre), end=(left, centre), radius=0.25 * centre))
-        found.append(Box(left=left, bottom=low, width=width + 2.0 * foot, height=centre))
+            result.append(Wall(start=(wall, 0.0), end=(wall, 2.0 * centre)))
+            result.append(Coil(start=(wall, centre), end=(left, centre), radius=0.25 * centre))
+        result.append(Box(left=left, bottom=low, width=width + 2.0 * foot, height=centre))
         for contact, at in feet.items():
-            found.append(_rubbing((at - foot, 0.0), 2.0 * foot, low, contact))
-            found += standing_forces(now, at, 0.0, normal=True, contact=contact)
-        found.append(Ball(centre=(x, centre), radius=0.3 * foot, fill="solid"))
+            result.append(_rubbing((at - foot, 0.0), 2.0 * foot, low, contact))
+            result += standing_forces(now, at, 0.0, normal=True, contact=contact)
+        result.append(Ball(centre=(x, centre), radius=0.3 * foot, fill="solid"))
         if "drive" in now:
             push = Arrow(at=(x, centre), along=(1.0, 0.0), value=now["drive"], role="drive")
-            found.append(push)
-        return found
+            result.append(push)
+        return result
 
     return Picture(shapes=shapes)
 
@@ -424,7 +424,7 @@ def arm(
 
     def shapes(now: Moment) -> list[Shape]:
         joints, ends = points(now)
-        found: list[Shape] = [
+        result: list[Shape] = [
             Wall(start=(-3.0 * size, 2.0 * size), end=(3.0 * size, 2.0 * size))
             if planar
             else Wall(start=(3.0 * size, -size), end=(-3.0 * size, -size))
@@ -432,22 +432,22 @@ def arm(
         for body, joint in zip(bodies, joints, strict=True):
             base = (0.0, 2.0 * size if planar else -size)
             begin = joints[body.parent] if body.parent >= 0 else base
-            found.append(Rod(points=(begin, joint), width=3.0))
+            result.append(Rod(points=(begin, joint), width=3.0))
         for i, end in zip(leaves, ends, strict=True):
-            found.append(Rod(points=(joints[i], end), width=3.0))
-            found.append(Ball(centre=end, radius=0.5 * size, fill="solid"))
+            result.append(Rod(points=(joints[i], end), width=3.0))
+            result.append(Ball(centre=end, radius=0.5 * size, fill="solid"))
         several = len(contacts) > 1
         for body, joint, contact in zip(bodies, joints, contacts, strict=True):
             own = contact if several else ""
             if body.slides:
                 corner = (joint[0] - size, joint[1] - size)
-                found.append(_rubbing(corner, 2.0 * size, 2.0 * size, own))
+                result.append(_rubbing(corner, 2.0 * size, 2.0 * size, own))
             else:
-                found.append(Ball(centre=joint, radius=size, fill="mode", contact=own))
+                result.append(Ball(centre=joint, radius=size, fill="mode", contact=own))
         if planar:
             names = dict(zip(contacts, joints, strict=True))
-            found += _torques(now, names, 2.2 * size, several=several)
-        return found
+            result += _torques(now, names, 2.2 * size, several=several)
+        return result
 
     return Picture(shapes=shapes, names={"drive": "torque"})
 
@@ -456,13 +456,13 @@ def _torques(
     now: Moment, joints: Mapping[str, Point], radius: float, *, several: bool
 ) -> list[Shape]:
     """Return friction and drive at the joints of an arm in a plane."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     for i, (contact, centre) in enumerate(joints.items(), 1):
         friction = now.get(f"friction:{contact}" if several else "friction", 0.0)
         drive = now.get(f"torque-{i}", now.get(f"{contact}_drive", 0.0))
-        found.append(Turn(centre=centre, radius=radius, value=-friction, role="friction"))
-        found.append(Turn(centre=centre, radius=1.4 * radius, value=drive, role="drive"))
-    return found
+        result.append(Turn(centre=centre, radius=radius, value=-friction, role="friction"))
+        result.append(Turn(centre=centre, radius=1.4 * radius, value=drive, role="drive"))
+    return result
 
 
 def _range(seen: Trajectory, name: str) -> float:
@@ -510,38 +510,38 @@ def spring_block(mechanism: mechanisms.SpringBlock, run: Trajectory) -> Picture:
         x = now["x"]
         left = x if side > 0 else x - size
         middle = left + 0.5 * size
-        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        result: list[Shape] = [Ground(touched=((left, left + size),))]
         if mechanism.stiffness > 0:
             end = x if mechanism.attached or side * (x_0 - x) > 0 else x_0
             high = 0.5 * TALL * size
             corners = ((foot, 0.0), (foot, 1.6 * TALL * size))
             start, stop = corners if side > 0 else corners[::-1]
-            found.append(Wall(start=start, end=stop))
-            found.append(Coil(start=(foot, high), end=(end, high), radius=0.32 * TALL * size))
-        found += _stops(mechanism.lower_stop, mechanism.upper_stop, left - x, size)
-        found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
-        found += _plumb(
+            result.append(Wall(start=start, end=stop))
+            result.append(Coil(start=(foot, high), end=(end, high), radius=0.32 * TALL * size))
+        result += _stops(mechanism.lower_stop, mechanism.upper_stop, left - x, size)
+        result.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        result += _plumb(
             mechanism.incline, (left + 0.15 * size, 1.7 * TALL * size), 0.6 * TALL * size
         )
-        found += standing_forces(now, middle, size, normal=True)
+        result += standing_forces(now, middle, size, normal=True)
         if "drive" in now:
             top = (middle, 0.6 * TALL * size)
-            found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
-        return found
+            result.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return result
 
     return Picture(shapes=shapes)
 
 
 def _stops(lower: float | None, upper: float | None, left: float, size: float) -> list[Shape]:
     """Return hard stops of a block whose left face is at ``x + left``."""
-    found: list[Shape] = []
+    result: list[Shape] = []
     if lower is not None:
         place = lower + left
-        found.append(Wall(start=(place, 0.0), end=(place, 0.8 * TALL * size)))
+        result.append(Wall(start=(place, 0.0), end=(place, 0.8 * TALL * size)))
     if upper is not None:
         place = upper + left + size
-        found.append(Wall(start=(place, 0.8 * TALL * size), end=(place, 0.0)))
-    return found
+        result.append(Wall(start=(place, 0.8 * TALL * size), end=(place, 0.0)))
+    return result
 
 
 def towed_block(mechanism: mechanisms.TowedBlock, run: Trajectory) -> Picture:
@@ -556,7 +556,7 @@ def towed_block(mechanism: mechanisms.TowedBlock, run: Trajectory) -> Picture:
         x, far = now["x"], mechanism.speed * now["t"] + side * natural
         left, high = (x - size if side > 0 else x), 0.5 * TALL * size
         middle = left + 0.5 * size
-        found: list[Shape] = [
+        result: list[Shape] = [
             Ground(touched=((left, left + size),)),
             Coil(start=(x, high), end=(far, high), radius=0.25 * TALL * size),
             Rod(points=((far, 0.7 * high), (far, 1.3 * high)), width=3.0),
@@ -569,8 +569,8 @@ def towed_block(mechanism: mechanisms.TowedBlock, run: Trajectory) -> Picture:
         if "modulation" in now:
             top = (middle - 0.25 * size, TALL * size)
             value = now["modulation"]
-            found.append(Arrow(at=top, along=(0.0, -1.0), value=value, role="drive"))
-        return found
+            result.append(Arrow(at=top, along=(0.0, -1.0), value=value, role="drive"))
+        return result
 
     return Picture(shapes=shapes, names={"drive": "modulation"})
 
@@ -584,17 +584,17 @@ def axis(mechanism: mechanisms.Axis, run: Trajectory) -> Picture:
     def shapes(now: Moment) -> list[Shape]:
         x, left = now["x"], now["x"] - 0.5 * size
         high = 0.5 * TALL * size
-        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        result: list[Shape] = [Ground(touched=((left, left + size),))]
         if mechanism.stiffness > 0:
-            found.append(Wall(start=(foot, 0.0), end=(foot, 1.6 * TALL * size)))
-            found.append(Coil(start=(foot, high), end=(left, high), radius=0.3 * TALL * size))
-        found += _stops(mechanism.lower_stop, mechanism.upper_stop, -0.5 * size, size)
-        found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
-        found += standing_forces(now, x, size, normal=mechanism.load != 1.0)
+            result.append(Wall(start=(foot, 0.0), end=(foot, 1.6 * TALL * size)))
+            result.append(Coil(start=(foot, high), end=(left, high), radius=0.3 * TALL * size))
+        result += _stops(mechanism.lower_stop, mechanism.upper_stop, -0.5 * size, size)
+        result.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        result += standing_forces(now, x, size, normal=mechanism.load != 1.0)
         if "drive" in now:
             top = (x, 1.2 * high)
-            found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
-        return found
+            result.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return result
 
     return Picture(shapes=shapes)
 
@@ -616,16 +616,16 @@ def two_mass_axis(mechanism: mechanisms.TwoMassAxis, run: Trajectory) -> Picture
         high = 0.5 * TALL * size
         raised = 0.12 * TALL * size  # what does not rub runs on rollers
         touched = tuple((left, left + size) for left in rubbing.values())
-        found: list[Shape] = [Ground(touched=touched, contacts=names)]
-        found.append(Coil(start=(motor + size, high), end=(load, high), radius=0.3 * TALL * size))
+        result: list[Shape] = [Ground(touched=touched, contacts=names)]
+        result.append(Coil(start=(motor + size, high), end=(load, high), radius=0.3 * TALL * size))
         for side, place in sides.items():
             rubs = side in rubbing
             base = 0.0 if rubs else raised
             if not rubs:
                 for share in (0.25, 0.75):
                     centre = (place + share * size, 0.5 * raised)
-                    found.append(Ball(centre=centre, radius=0.5 * raised, fill="solid"))
-            found.append(
+                    result.append(Ball(centre=centre, radius=0.5 * raised, fill="solid"))
+            result.append(
                 Box(
                     left=place,
                     bottom=base,
@@ -638,11 +638,11 @@ def two_mass_axis(mechanism: mechanisms.TwoMassAxis, run: Trajectory) -> Picture
         for side, left in rubbing.items():
             middle, own = left + 0.5 * size, side if both else ""
             normal = mechanism.load != 1.0
-            found += standing_forces(now, middle, size, normal=normal, contact=own)
+            result += standing_forces(now, middle, size, normal=normal, contact=own)
         if "drive" in now:
             at = (motor + 0.5 * size, 1.2 * high)
-            found.append(Arrow(at=at, along=(1.0, 0.0), value=now["drive"], role="drive"))
-        return found
+            result.append(Arrow(at=at, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return result
 
     return Picture(shapes=shapes)
 
@@ -654,7 +654,7 @@ def pendulum(mechanism: mechanisms.Pendulum, _seen: Trajectory) -> Picture:
     def shapes(now: Moment) -> list[Shape]:
         theta = now["theta"]
         end = (l * math.sin(theta), -l * math.cos(theta))
-        found: list[Shape] = [
+        result: list[Shape] = [
             Wall(start=(-0.35 * l, 0.14 * l), end=(0.35 * l, 0.14 * l)),
             Rod(points=((0.0, 0.14 * l), (0.0, 0.0))),
             Rod(points=((0.0, 0.0), end), width=2.4),
@@ -663,8 +663,10 @@ def pendulum(mechanism: mechanisms.Pendulum, _seen: Trajectory) -> Picture:
             Turn(centre=(0.0, 0.0), radius=0.17 * l, value=-now["friction"], role="friction"),
         ]
         if "drive" in now:
-            found.append(Turn(centre=(0.0, 0.0), radius=0.25 * l, value=now["drive"], role="drive"))
-        return found
+            result.append(
+                Turn(centre=(0.0, 0.0), radius=0.25 * l, value=now["drive"], role="drive")
+            )
+        return result
 
     return Picture(shapes=shapes)
 
@@ -758,20 +760,20 @@ def capsule(mechanism: mechanisms.Capsule, run: Trajectory) -> Picture:
         x, place = now["x"], now["x"] + now["xi"]
         left, face = x - half, place - 0.5 * inner
         middle = 0.5 * tall
-        found: list[Shape] = [
+        result: list[Shape] = [
             Ground(touched=((left, x + half),)),
             Box(left=left, bottom=0.0, width=2.0 * half, height=tall, fill="mode"),
         ]
         if mechanism.stiffness > 0:
             coil = Coil(start=(left, middle), end=(face, middle), radius=0.16 * tall, turns=7)
-            found.append(coil)
+            result.append(coil)
         for stop, side in ((mechanism.lower_stop, -1.0), (mechanism.upper_stop, 1.0)):
             if stop is None:
                 continue
             near = x + stop + side * 0.5 * inner
             start = near if side > 0 else near - post
             for bottom in (0.0, 0.72 * tall):
-                found.append(
+                result.append(
                     Box(left=start, bottom=bottom, width=post, height=0.28 * tall, fill="solid")
                 )
         for elastic, side in soft:
@@ -779,16 +781,16 @@ def capsule(mechanism: mechanisms.Capsule, run: Trajectory) -> Picture:
                 continue
             touched = side * max(side * elastic.place, side * now["xi"]) + side * 0.5 * inner
             ends = (x + touched, 0.25 * tall), (x + side * half, 0.25 * tall)
-            found.append(Coil(start=ends[0], end=ends[1], radius=0.1 * tall, turns=4))
+            result.append(Coil(start=ends[0], end=ends[1], radius=0.1 * tall, turns=4))
         box = Box(left=face, bottom=0.15 * tall, width=inner, height=0.7 * tall)
         effort = _effort(mechanism.drive, now, "force")
-        found += [
+        result += [
             box,
             *_plumb(mechanism.incline, (x, 1.9 * tall), 0.7 * tall),
             *standing_forces(now, x, 1.8 * half, normal=True),
             Arrow(at=(place, middle), along=(1.0, 0.0), value=effort, role="drive"),
         ]
-        return found
+        return result
 
     return Picture(shapes=shapes, names={"drive": "force on the inner mass"})
 
@@ -807,20 +809,20 @@ def inclined_masses(
 
     def shapes(now: Moment) -> list[Shape]:
         x = now["x"]
-        found: list[Shape] = [
+        result: list[Shape] = [
             Ground(touched=((x - half, x + half),)),
             Box(left=x - half, bottom=0.0, width=2.0 * half, height=2.0 * half, fill="mode"),
         ]
         for name, mass in inner.items():
             along, up = math.cos(mass.angle or 0.0), math.sin(mass.angle or 0.0)
             ends = [(x + side * reach * along, half + side * reach * up) for side in (-1.0, 1.0)]
-            found.append(Rod(points=(ends[0], ends[1]), width=0.6))
+            result.append(Rod(points=(ends[0], ends[1]), width=0.6))
             middle = (x + along * now[name], half + up * now[name])
             if mass.stiffness > 0:
-                found.append(Coil(start=ends[0], end=middle, radius=0.1 * reach, turns=6))
-            found.append(Ball(centre=middle, radius=0.25 * reach))
-        found += _plumb(mechanism.incline, (x, 3.0 * half), half)
-        return [*found, *standing_forces(now, x, 1.8 * half, normal=True)]
+                result.append(Coil(start=ends[0], end=middle, radius=0.1 * reach, turns=6))
+            result.append(Ball(centre=middle, radius=0.25 * reach))
+        result += _plumb(mechanism.incline, (x, 3.0 * half), half)
+        return [*result, *standing_forces(now, x, 1.8 * half, normal=True)]
 
     return Picture(shapes=shapes, names={})
 
@@ -893,13 +895,13 @@ GROUP = "stickslip.scenes"
 
 @functools.cache
 def _registered() -> Mapping[str, Scene]:
-    found: dict[str, Scene] = {}
+    result: dict[str, Scene] = {}
     for entry in entry_points(group=GROUP):
         scene = entry.load()
         if not callable(scene):
             raise StickslipError(f"entry point {entry.value} of {GROUP} is not a function.")
-        found[entry.name] = scene
-    return MappingProxyType(found)
+        result[entry.name] = scene
+    return MappingProxyType(result)
 
 
 def scene_of(mechanism: mechanisms.Mechanism) -> Scene | None:
@@ -913,5 +915,5 @@ def scene_of(mechanism: mechanisms.Mechanism) -> Scene | None:
     >>> scene_of(Pendulum(mass=0.2, length=0.5)) is None
     True
     """
-    found = _registered().get(mechanism.name)
-    return found if found or mechanism.name in PICTURES else bars
+    result = _registered().get(mechanism.name)
+    return result if result or mechanism.name in PICTURES else bars

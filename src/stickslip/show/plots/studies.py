@@ -296,8 +296,8 @@ def draw_fixed_steps(
     callable
         Draws it; each panel covers the same number of steps, so that chatter is as wide.
     """
-    found = next((e.t for e in reversed(exact.events) if e.to_mode == 0), None)
-    stop = exact.span[1] if found is None else found
+    result = next((e.t for e in reversed(exact.events) if e.to_mode == 0), None)
+    stop = exact.span[1] if result is None else result
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(COLUMNS, len(fixed))
@@ -306,7 +306,7 @@ def draw_fixed_steps(
             axes.set_title(label)
             _stop_panel(axes, exact, run, stop, rate, named=index == 0)
         for axes in panels[-columns:]:
-            origin = "end of the run" if found is None else "exact stop"
+            origin = "end of the run" if result is None else "exact stop"
             axes.set_xlabel(f"time from the {origin}, ms")
 
     return draw

@@ -556,13 +556,13 @@ def _middles(chosen: Any) -> list[tuple[int, int]]:
     from scipy.ndimage import distance_transform_edt, label
 
     parts, count = label(chosen)
-    depth, found = distance_transform_edt(np.pad(chosen, 1))[1:-1, 1:-1], []
+    depth, result = distance_transform_edt(np.pad(chosen, 1))[1:-1, 1:-1], []
     for part in range(1, count + 1):
         own = parts == part
         if own.sum() >= NAMED * chosen.size:
             i, j = np.unravel_index(np.argmax(np.where(own, depth, 0.0)), own.shape)
-            found.append((int(i), int(j)))
-    return found
+            result.append((int(i), int(j)))
+    return result
 
 
 def draw_basins(result: Basins) -> Draw:

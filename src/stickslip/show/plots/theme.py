@@ -253,19 +253,19 @@ def _recolour(artist: Artist, name: str, colours: Mapping[str, tuple[float, ...]
 
 def _readers_palette(own: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
     """Return what stands for each colour of the palette, as far as the reader set it."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     if "axes.prop_cycle" in own:
         cycle = own["axes.prop_cycle"].by_key().get("color", [])
-        found |= dict(zip((C1, C2, C3, C4), itertools.cycle(cycle), strict=False)) if cycle else {}
+        result |= dict(zip((C1, C2, C3, C4), itertools.cycle(cycle), strict=False)) if cycle else {}
     named = {INK: "text.color", MUTED: "axes.labelcolor", LINE: "grid.color"}
-    found |= {colour: own[name] for colour, name in named.items() if name in own}
+    result |= {colour: own[name] for colour, name in named.items() if name in own}
     if "axes.facecolor" in own:
         paper = np.array(to_rgba(own["axes.facecolor"]))
-        found |= {SURFACE: paper}
+        result |= {SURFACE: paper}
         bands = {STICK: C2, SLIP_BACK: C1}
-        shades = {band: np.array(to_rgba(found.get(line, line))) for band, line in bands.items()}
-        found |= {band: paper + BAND * (line - paper) for band, line in shades.items()}
-    return {colour: tuple(to_rgba(value)) for colour, value in found.items()}
+        shades = {band: np.array(to_rgba(result.get(line, line))) for band, line in bands.items()}
+        result |= {band: paper + BAND * (line - paper) for band, line in shades.items()}
+    return {colour: tuple(to_rgba(value)) for colour, value in result.items()}
 
 
 def shade(axes: Axes, spans: Iterable[tuple[float, float]], *, colour: str = STICK) -> None:

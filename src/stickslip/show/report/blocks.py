@@ -730,18 +730,18 @@ def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:
     >>> section.id, section.heading, section.blocks[0].text.partition(".")[0]
     ('energy', 'Energy', 'ZeroDivisionError: float division by zero')
     """
-    found = []
+    result = []
     for part in parts:
         if isinstance(part, Section):
-            found.append(part)
+            result.append(part)
             continue
         try:
             section = part()
         except CAUGHT as error:
             section = failed_section(part.func.__name__.removesuffix("_section"), error)
         if section is not None:
-            found.append(section)
-    return tuple(found)
+            result.append(section)
+    return tuple(result)
 
 
 def failed_section(name: str, error: Exception) -> Section:

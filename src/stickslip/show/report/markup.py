@@ -58,11 +58,11 @@ def symbol(name: str) -> Markup:
     >>> print(symbol("mu_d"), symbol("F_v-"), symbol("a - b"))
     <i class="v">μ</i><sub>d</sub> <i class="v">F</i><sub>v−</sub> <i class="v">a</i> − ...
     """
-    found = []
+    result = []
     for letter, subscript in map(_parts, name.split(DIFFERENCE)):
         below = Markup("<sub>{}</sub>").format(subscript) if subscript else ""
-        found.append(Markup('<i class="v">{}</i>{}').format(letter, below))
-    return Markup(" − ").join(found)
+        result.append(Markup('<i class="v">{}</i>{}').format(letter, below))
+    return Markup(" − ").join(result)
 
 
 def symbol_text(name: str) -> str:
@@ -139,14 +139,14 @@ def equation_parts(latex: str) -> tuple[str, ...]:
     ('F = 0,', 'v < 1')
     """
     pairs = (("{", "}"), (r"\begin", r"\end"), (r"\left", r"\right"))
-    found = [""]
+    result = [""]
     for piece in latex.split(r"\quad"):
-        last = found[-1]
+        last = result[-1]
         if any(last.count(opened) != last.count(closed) for opened, closed in pairs):
-            found[-1] += rf"\quad{piece}"
+            result[-1] += rf"\quad{piece}"
         else:
-            found.append(piece)
-    return tuple(part.strip() for part in found if part.strip())
+            result.append(piece)
+    return tuple(part.strip() for part in result if part.strip())
 
 
 def mathml(latex: str, *, display: bool = True) -> Markup:
@@ -254,13 +254,13 @@ def branches(latex: str) -> Branches | None:
     >>> branches(r"s = \begin{cases} 1 & v > 0 \\ 0 & v = 0 \end{cases}").rows
     (('1', 'v > 0'), ('0', 'v = 0'))
     """
-    found = _CASES.fullmatch(latex)
-    if found is None:
+    result = _CASES.fullmatch(latex)
+    if result is None:
         return None
-    rows = [re.split(r"(?<!\\)&", row) for row in found[2].split(r"\\") if row.strip()]
+    rows = [re.split(r"(?<!\\)&", row) for row in result[2].split(r"\\") if row.strip()]
     width = max(map(len, rows), default=0)
     cells = tuple(tuple(cell.strip() for cell in row + [""] * (width - len(row))) for row in rows)
-    return Branches(found[1].strip(), cells, found[3].strip())
+    return Branches(result[1].strip(), cells, result[3].strip())
 
 
 def formula_text(latex: str) -> str:

@@ -710,8 +710,8 @@ def explained(band: Band) -> list[page.Block]:
         "Sobol indices of first order with 95 % intervals, from the draws of the band: what each"
         " parameter explains alone."
     )
-    for name, one in shares.items():
-        share, half = one.indices["first"], one.half_widths["first"]
+    for name, item in shares.items():
+        share, half = item.indices["first"], item.half_widths["first"]
         *_, second, first = np.argsort(share).tolist()
         if share[first] - share[second] > math.hypot(half[first], half[second]):
             text += f" To know the travel of {name} better, measure the {names[first]} first."
@@ -720,7 +720,8 @@ def explained(band: Band) -> list[page.Block]:
         else:
             both = f"{names[first]} and {names[second]}"
             text += (
-                f" {one.used} runs do not settle which of {both} spreads the travel of {name} more."
+                f" {item.used} runs do not settle which of {both} spreads the travel of {name}"
+                " more."
             )
     return [table, page.Caption(text=text)]
 
@@ -868,8 +869,8 @@ def _spread(about: RunReport) -> list[str]:
     shown = joined(
         [
             f"{name} changes by"
-            f" {scale_of([one.low, one.high], band.units[name]).interval(one.low, one.high)}"
-            for name, one in [*band.travels.items()][:MOST_SAID]
+            f" {scale_of([item.low, item.high], band.units[name]).interval(item.low, item.high)}"
+            for name, item in [*band.travels.items()][:MOST_SAID]
         ]
     )
     return [
@@ -910,8 +911,8 @@ def _resting(about: RunReport, distance: float) -> str:
     law = next(iter(about.laws.values()), None)
     if law is None:
         return ""
-    found = unfitted_bristles(law, about.estimates, distance, about.rig.mechanism)
-    return f"; depends on {joined(list(found))}, which no measurement determined" if found else ""
+    result = unfitted_bristles(law, about.estimates, distance, about.rig.mechanism)
+    return f"; depends on {joined(list(result))}, which no measurement determined" if result else ""
 
 
 def _settles(about: RunReport) -> tuple[str, ...]:

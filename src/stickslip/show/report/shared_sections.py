@@ -113,11 +113,11 @@ def figure(
 
 def record_and_checks(checks: Checks) -> page.Section | None:
     """Return the section on what was checked of the record."""
-    found = check_items(checks)
-    if not found:
+    result = check_items(checks)
+    if not result:
         return None
-    heading = checks_heading(sum(item.mark != "none" for item in found))
-    blocks = (page.KeyValues(items=found),)
+    heading = checks_heading(sum(item.mark != "none" for item in result))
+    blocks = (page.KeyValues(items=result),)
     return page.Section(id="record", nav="Record and checks", heading=heading, blocks=blocks)
 
 

@@ -78,8 +78,8 @@ class Characteristic(OnAxes, Tabular, ABC):
     def to_dict(self) -> dict[str, Any]:
         """Return sentence, conditions and numbers, as in JSON."""
         names = [part.name for part in dataclasses.fields(self)]
-        found: dict[str, Any] = json_value({name: getattr(self, name) for name in names})
-        return {"sentence": self.sentence, **found}
+        result: dict[str, Any] = json_value({name: getattr(self, name) for name in names})
+        return {"sentence": self.sentence, **result}
 
     @final
     def to_dataframe(self) -> "pd.DataFrame":
@@ -199,14 +199,14 @@ def _moved_at(
     law: FrictionLaw, v: float, z: Array, load: float, times: Array, latches: Latches
 ) -> Array:
     """Return the states (n, states) at increasing times of a motion at a constant slip velocity."""
-    found = []
+    result = []
     for time in times:
         # Flags of latches stay as they were at the beginning of the piece.
         with latches:
-            found.append(law.moved(v, load, tuple(map(float, z)), float(time)))
+            result.append(law.moved(v, load, tuple(map(float, z)), float(time)))
     latches.turn()
-    if found[0] is not None:
-        return np.array(found, dtype=np.float64)
+    if result[0] is not None:
+        return np.array(result, dtype=np.float64)
 
     def rates(_time: float, state: Array) -> Array:
         return np.asarray(law.rates(v, load, tuple(map(float, state))), dtype=np.float64)
@@ -276,16 +276,16 @@ class Bench(Parametrised):
     def levels(self) -> tuple[float, float]:
         """The lowest and the highest level of forward motion [N]: of sliding, and of rest."""
         scales = {name: quantity.scale for name, quantity in fields_of(type(self.law)).items()}
-        found = [
+        result = [
             float(value) * self.load
             for name, scale in scales.items()
             if scale in ("level", "level+") and (value := getattr(self.law, name)) is not None
         ]
-        found = [value for value in found if value > 0.0]
+        result = [value for value in result if value > 0.0]
         held = float(self.curve.towards(1).break_away(self.load))
         slow = abs(float(self.curve.steady(USUAL_SPEED, self.load)))
-        found = found or ([held] if held > 0.0 else [slow])
-        return min(found), max(*found, held)
+        result = result or ([held] if held > 0.0 else [slow])
+        return min(result), max(*result, held)
 
     @property
     def force(self) -> float:
@@ -302,8 +302,8 @@ class Bench(Parametrised):
             for name, quantity in fields_of(type(self.law)).items()
             if quantity.scale == "speed"
         ]
-        found = [float(getattr(self.law, name)) for name in names if getattr(self.law, name)]
-        return min(found, default=USUAL_SPEED)
+        result = [float(getattr(self.law, name)) for name in names if getattr(self.law, name)]
+        return min(result, default=USUAL_SPEED)
 
     @functools.cached_property
     def length(self) -> float:
@@ -580,10 +580,10 @@ def _first_peak(run: Trajectory, times: Array) -> float:
     # A peak counts only where friction falls below it later, by more than ripples do.
     lowest_later = np.minimum.accumulate(force[::-1])[::-1][2:]
     falls = lowest_later < force[1:-1] - LATE_FALL * np.abs(force).max()
-    found = np.flatnonzero(inner & falls)
-    if not len(found):
+    result = np.flatnonzero(inner & falls)
+    if not len(result):
         return float("nan")
-    i = int(found[0]) + 1
+    i = int(result[0]) + 1
     near = np.linspace(times[max(i - 2, 0)], times[min(i + 2, len(times) - 1)], FINE)
     return float(run.at(near)["friction"].max())
 
@@ -1112,10 +1112,10 @@ def passivity(bench: Bench) -> Passivity:
 
     def searched(speed: Array, way: Array) -> Array:
         with np.errstate(all="ignore"):  # of motions that are too fast for the steps
-            found = cycle_energy(
+            result = cycle_energy(
                 law, speed, way / np.abs(speed), load=load, cycles=ENERGY_CYCLES // 2
             )
-        return np.where(np.isfinite(found), found, np.inf)
+        return np.where(np.isfinite(result), result, np.inf)
 
     random = np.random.default_rng(0)
     way, speed = (
@@ -1223,17 +1223,17 @@ class Characterization(InPanels):
     @property
     def results(self) -> Mapping[str, Characteristic]:
         """The tests that were made, by name."""
-        found = {name: getattr(self, name.replace("-", "_")) for name in TESTS}
-        return {name: value for name, value in found.items() if value is not None}
+        result = {name: getattr(self, name.replace("-", "_")) for name in TESTS}
+        return {name: value for name, value in result.items() if value is not None}
 
     @property
     def by_test(self) -> dict[str, dict[str, Characteristic]]:
         """Results of all laws by test, and by the title of the law for each."""
-        found: dict[str, dict[str, Characteristic]] = {}
+        output: dict[str, dict[str, Characteristic]] = {}
         for law in self.all:
             for name, result in law.results.items():
-                found.setdefault(name, {})[law.title] = result
-        return found
+                output.setdefault(name, {})[law.title] = result
+        return output
 
     def to_dict(self) -> dict[str, Any]:
         """Return laws, sentences and numbers, as in JSON."""
@@ -1342,7 +1342,7 @@ def characterize(
         same = (benches[0].force, benches[0].speed) if benches and match else None
         benches.append(Bench.of(member, load, rig, at, same))
     count, done = len(chosen) * len(tried), itertools.count(1)
-    found: list[Characterization] = []
+    result: list[Characterization] = []
     for title, bench, (_, member, _, note) in zip(titles, benches, tried, strict=True):
         results: dict[str, Any] = {}
         failed: dict[str, str] = {}
@@ -1359,12 +1359,12 @@ def characterize(
                 )
             if progress is not None:
                 progress(next(done), count)
-        found.append(
+        result.append(
             Characterization(
                 title=title, law=member, load=load, matched=note, failed=failed, **results
             )
         )
-    return dataclasses.replace(found[0], others=tuple(found[1:]))
+    return dataclasses.replace(result[0], others=tuple(result[1:]))
 
 
 def law_with_values(given: Given, load: float) -> FrictionLaw:
@@ -1442,8 +1442,8 @@ def _refuse_unused(
 def _distinct(titles: Sequence[str]) -> list[str]:
     """Return titles of which no two are equal."""
     seen: dict[str, int] = {}
-    found = []
+    result = []
     for title in titles:
         seen[title] = seen.get(title, 0) + 1
-        found.append(title if seen[title] == 1 else f"{title} ({seen[title]})")
-    return found
+        result.append(title if seen[title] == 1 else f"{title} ({seen[title]})")
+    return result

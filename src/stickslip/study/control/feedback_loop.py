@@ -47,8 +47,8 @@ class Place(NamedTuple):
 
     def drive(self, mechanism: Mechanism) -> Drive | None:
         """Return the drive that a mechanism has there; None if there is none."""
-        found: Drive | None = _got(mechanism, self.path)
-        return found
+        result: Drive | None = _got(mechanism, self.path)
+        return result
 
     def driven(self, mechanism: Mechanism, drive: Drive) -> tuple[Mechanism, list[str]]:
         """Return a mechanism with a drive there, and the names by which it lists that."""
@@ -137,10 +137,10 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     if drive in known:
         return known[drive]
     short = drive.removeprefix("mechanism.")
-    found = [p for p in known.values() if short in (p.name, p.path[0], p.path[-1])]
-    if len(found) != 1:
+    result = [p for p in known.values() if short in (p.name, p.path[0], p.path[-1])]
+    if len(result) != 1:
         raise UnknownNameError("drive", drive, known)
-    return found[0]
+    return result[0]
 
 
 def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[str, Place]:
@@ -159,10 +159,10 @@ def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[
     if drives is None or isinstance(drives, str):
         place = place_of(mechanism, drives)
         return {place.name: place}
-    found = {name: place_of(mechanism, name) for name in drives}
-    if not found or len(set(found.values())) < len(drives):
+    result = {name: place_of(mechanism, name) for name in drives}
+    if not result or len(set(result.values())) < len(drives):
         raise InputError(f"drive must name different drives, one or more, got {list(drives)!r}.")
-    return found
+    return result
 
 
 def every_place(mechanism: Mechanism) -> dict[str, Place]:
@@ -298,31 +298,31 @@ class Evaluator:
         from stickslip.engine.kernels.equations import FORCES, LOADS, evaluate, turn_states
         from stickslip.engine.kernels.state_layout import FORWARD
 
-        equations, w, whole = self.equations, self.equations.w, self.equations.whole
-        n, count, first = whole[at.N_COORDINATES], whole[at.N_CONTACTS], whole[at.Y]
+        equations, w, iw = self.equations, self.equations.w, self.equations.iw
+        n, count, first = iw[at.N_COORDINATES], iw[at.N_CONTACTS], iw[at.Y]
         equations.load_at(t)
         if drive >= 0:
             w[self.places[drive]] += 1.0
         w[first : first + 2 * n], w[at.TIME] = state, t
         # Twice: first what turns states, then what depends on the turned state.
-        prepare(t, w, whole)
-        turn_states(first, 0, w, whole)
-        set_own_flags(0, w, whole)
+        prepare(t, w, iw)
+        turn_states(first, 0, w, iw)
+        set_own_flags(0, w, iw)
         # All slip: friction is given, and nothing holds.
-        for i in range(whole[at.N_DIRECTIONS]):
-            whole[whole[at.MODES] + i] = FORWARD
-        prepare(t, w, whole)
-        put_mass(t, w, whole, first)
-        factorise(w, whole)
-        evaluate(FORCES, 0, whole[at.FLAGS], t, w, first, whole[at.FORCE])
-        evaluate(LOADS, 0, whole[at.FLAGS], t, w, first, whole[at.LOAD])
+        for i in range(iw[at.N_DIRECTIONS]):
+            iw[iw[at.MODES] + i] = FORWARD
+        prepare(t, w, iw)
+        put_mass(t, w, iw, first)
+        factorise(w, iw)
+        evaluate(FORCES, 0, iw[at.FLAGS], t, w, first, iw[at.FORCE])
+        evaluate(LOADS, 0, iw[at.FLAGS], t, w, first, iw[at.LOAD])
         # A given friction, whatever the loads are.
         for c in range(count):
-            w[whole[at.FRICTION_CONSTANT] + c] = 1.0 if c == contact else 0.0
-            w[whole[at.FRICTION_FACTOR] + c] = 0.0
-        if whole[at.N_REACTIONS] > 0:
-            react(w, whole)
-        forces, load = whole[at.FORCE], whole[at.LOAD]
+            w[iw[at.FRICTION_CONSTANT] + c] = 1.0 if c == contact else 0.0
+            w[iw[at.FRICTION_FACTOR] + c] = 0.0
+        if iw[at.N_REACTIONS] > 0:
+            react(w, iw)
+        forces, load = iw[at.FORCE], iw[at.LOAD]
         return np.array(w[forces : forces + n]), np.array(w[load : load + count])
 
     def __call__(self, t: float, state: Sequence[float]) -> dict[str, Any]:
@@ -331,19 +331,19 @@ class Evaluator:
         from stickslip.engine.kernels.equations import factor_of
 
         h, loads = self.at(t, state)
-        w, whole = self.equations.w, self.equations.whole
-        n, count = whole[at.N_COORDINATES], whole[at.N_CONTACTS]
+        w, iw = self.equations.w, self.equations.iw
+        n, count = iw[at.N_COORDINATES], iw[at.N_CONTACTS]
 
         def matrix(place: int) -> Any:
             return np.array(w[place : place + n * n]).reshape(n, n)
 
-        mass = matrix(whole[at.MASS])
-        turn = matrix(whole[at.TURN]) if whole[at.IS_TURNED] else np.eye(n)
+        mass = matrix(iw[at.MASS])
+        turn = matrix(iw[at.TURN]) if iw[at.IS_TURNED] else np.eye(n)
         slips = np.zeros((n, count))
         for c in range(count):
             for j in range(n):
-                along = factor_of(whole[whole[at.SLIPS] + c], j, w, whole)
-                slips[j, c] = along * w[whole[at.SLIP_FACTORS] + c]
+                along = factor_of(iw[iw[at.SLIPS] + c], j, w, iw)
+                slips[j, c] = along * w[iw[at.SLIP_FACTORS] + c]
         frictions = [self.at(t, state, contact=c)[1] - loads for c in range(count)]
         commands = [self.at(t, state, drive=d) for d in range(len(self.places))]
         # Back in coordinates of the mechanism: T^T M T and T^T h.
@@ -418,19 +418,19 @@ def dynamics_at(
     places = every_place(mechanism) if every else places_of(mechanism, drive)
     evaluator = Evaluator(mechanism, places)
     state = _states(q or {}, mechanism.coordinates) + _states(q_dot or {}, mechanism.rates)
-    found = evaluator(t, state)
+    result = evaluator(t, state)
     single = not every and (drive is None or isinstance(drive, str))
     if single:
         for name in ("command_direction", "normal_by_command"):
-            found[name] = found[name][:, 0]
+            result[name] = result[name][:, 0]
     if not several:
-        found["friction_direction"] = found["friction_direction"][:, 0]
-        found["normal"] = float(found["normal"][0])
-        found["normal_by_friction"] = float(found["normal_by_friction"][0, 0])
-        by_command = found["normal_by_command"][0]
-        found["normal_by_command"] = float(by_command) if single else by_command
-        found["contacts"] = ()
-    return Dynamics(**found, drives=() if single else tuple(places))
+        result["friction_direction"] = result["friction_direction"][:, 0]
+        result["normal"] = float(result["normal"][0])
+        result["normal_by_friction"] = float(result["normal_by_friction"][0, 0])
+        by_command = result["normal_by_command"][0]
+        result["normal_by_command"] = float(by_command) if single else by_command
+        result["contacts"] = ()
+    return Dynamics(**result, drives=() if single else tuple(places))
 
 
 # Closes the loop: a controller that samples, computes and holds, around an exact simulation.
@@ -463,11 +463,11 @@ class Timing(Parametrised):
 
     def lag(self) -> tuple[int, float]:
         """Return the delay as whole periods and a rest [s]."""
-        whole = round(self.delay / self.period)
-        if abs(self.delay - whole * self.period) <= ROUNDING * self.period:
-            return whole, 0.0
-        whole = math.floor(self.delay / self.period)
-        return whole, self.delay - whole * self.period
+        iw = round(self.delay / self.period)
+        if abs(self.delay - iw * self.period) <= ROUNDING * self.period:
+            return iw, 0.0
+        iw = math.floor(self.delay / self.period)
+        return iw, self.delay - iw * self.period
 
     def within(self, command: float) -> float:
         """Return a command in whole steps, within the limit."""
@@ -563,12 +563,12 @@ class Sensors:
 
     def read(self, state: Sequence[float]) -> dict[str, float]:
         """Return what is measured of a state, by name."""
-        found = dict(zip(self.names, state, strict=False))  # bristles are seen by nobody
+        result = dict(zip(self.names, state, strict=False))  # bristles are seen by nobody
         for name, spread in self._noise.items():
-            found[name] += spread * float(self._random.standard_normal())
+            result[name] += spread * float(self._random.standard_normal())
         for name, step in self._steps.items():
-            found[name] = step * round(found[name] / step)
-        return found
+            result[name] = step * round(result[name] / step)
+        return result
 
 
 class Controller(Protocol):
@@ -1038,13 +1038,13 @@ def _crossings(t: Any, x: Any) -> Any:
     side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
     sided = np.flatnonzero(side)
     ups = [k for k in range(1, len(sided)) if side[sided[k]] > 0 > side[sided[k - 1]]]
-    found = []
+    result = []
     for k in ups:
         a, b = sided[k - 1], sided[k]
         # The first sample above the middle, and a straight line from the one before.
         i = a + int(np.flatnonzero(x[a + 1 : b + 1] > middle)[0])
-        found.append(t[i] + (t[i + 1] - t[i]) * (middle - x[i]) / (x[i + 1] - x[i]))
-    return np.array(found)
+        result.append(t[i] + (t[i + 1] - t[i]) * (middle - x[i]) / (x[i + 1] - x[i]))
+    return np.array(result)
 
 
 def _spread(values: Any) -> float:
@@ -1182,9 +1182,9 @@ class PID(Parametrised):
         if self.feedforward is not None:
             command += self.feedforward(t, measured)
         # The integral part is added within the limit, so that it does not wind up there.
-        found, integral = self._integrated(command, error, since)
+        result, integral = self._integrated(command, error, since)
         memory.t, memory.place, memory.speed, memory.integral = t, place, speed, integral
-        return found
+        return result
 
     def _speed(self, measured: Mapping[str, float], place: float, since: float) -> float:
         """Return the measured rate, or an estimate."""
@@ -1203,12 +1203,12 @@ class PID(Parametrised):
         before = self._memory.integral
         grown = before + self.integral * error * since
         limit = math.inf if self.limit is None else self.limit
-        found, integral = within_limit(command, before, grown, limit)
+        result, integral = within_limit(command, before, grown, limit)
         if self.tracking_time is not None:
             share = min(since / self.tracking_time, 1.0)
             # Back-calculation: what the limit took off is led back within the tracking time.
-            return found, grown + share * (found - (command + grown))
-        return found, integral
+            return result, grown + share * (result - (command + grown))
+        return result, integral
 
 
 def _seen(what: str, measured: Mapping[str, float], name: str) -> float:

@@ -263,12 +263,12 @@ def _measured(
 
 def _sizes(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     """Return what must not grow too large: columns, lost load, forces, given accelerations."""
-    found = {name: np.abs(seen[name]) for name in seen.names}
-    found |= {SHARE + name: -share for name, share in _load_shares(mechanism, seen).items()}
-    found |= {FORCE + name: np.abs(effort) for name, effort in efforts_of(mechanism, seen).items()}
+    result = {name: np.abs(seen[name]) for name in seen.names}
+    result |= {SHARE + name: -share for name, share in _load_shares(mechanism, seen).items()}
+    result |= {FORCE + name: np.abs(effort) for name, effort in efforts_of(mechanism, seen).items()}
     drives = mechanism.drives()
     given = [values_of(drives[guide.drive], seen.t) for guide in mechanism.guided().values()]
-    return found | ({ACCELERATION: np.max(np.abs(given), axis=0)} if given else {})
+    return result | ({ACCELERATION: np.max(np.abs(given), axis=0)} if given else {})
 
 
 def _nodes(mechanism: Mechanism, run: Trajectory, begin: float, end: float, cycles: int) -> Array:
@@ -283,14 +283,14 @@ def _nodes(mechanism: Mechanism, run: Trajectory, begin: float, end: float, cycl
 
 def _load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     """Return normal forces over those at rest, by contact that bears any."""
-    found = {}
+    result = {}
     for contact, force in static_normal_forces(mechanism).items():
         if force == 0.0:  # bears nothing at rest
             continue
         for column in ("normal_force", f"normal_force:{contact}"):
             if column in seen.names:
-                found[column] = seen[column] / force
-    return found
+                result[column] = seen[column] / force
+    return result
 
 
 def _extremes(
@@ -376,12 +376,12 @@ def units_of(mechanism: Mechanism, slip: str) -> dict[str, str]:
     driven = [*guided] or [name for name in columns if name != slip] or [slip]
     efforts = {guide.effort: guide.unit for guide in guided.values()}
     force = "N m" if columns[driven[0]] == "rad" else "N"
-    found = {"speed": f"{length}/s", "energy": f"J/{length}", "back_slip": length}
-    found |= {"load_share": "1", "peak_force": force, "unsettled": "1"}
+    result = {"speed": f"{length}/s", "energy": f"J/{length}", "back_slip": length}
+    result |= {"load_share": "1", "peak_force": force, "unsettled": "1"}
     if guided:
-        found[ACCELERATION] = f"{columns[driven[0]]}/s^2"
+        result[ACCELERATION] = f"{columns[driven[0]]}/s^2"
     rates = zip(mechanism.rates, mechanism.units, strict=True)
-    return found | columns | {rate: f"{unit}/s" for rate, unit in rates} | efforts
+    return result | columns | {rate: f"{unit}/s" for rate, unit in rates} | efforts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -581,11 +581,11 @@ class OptimisationProblem:
 
     def values(self, point: Array) -> dict[str, float]:
         """Return the parameters at a point of the unit cube (n,)."""
-        found = {}
+        result = {}
         for (path, (low, high)), u in zip(self.ends.items(), np.clip(point, 0.0, 1.0), strict=True):
             value = low * (high / low) ** u if low > 0.0 else low + (high - low) * u
-            found[path] = min(max(float(value), low), high)
-        return found
+            result[path] = min(max(float(value), low), high)
+        return result
 
     def place(self, values: Mapping[str, float]) -> Array:
         """Return the point (n,) of values by full path, moved into the unit cube."""
@@ -627,13 +627,13 @@ class OptimisationProblem:
         return Motion(parameters=dict(values), goals=goals, margins=margins, cycles=cycles)
 
     def _over_scenarios(self, goal: Goal, cycles: Sequence[Cycle]) -> float:
-        found = np.array([goal.value(cycle) for cycle in cycles])
-        if not np.isfinite(found).all():
-            return float(found[~np.isfinite(found)][0])
+        result = np.array([goal.value(cycle) for cycle in cycles])
+        if not np.isfinite(result).all():
+            return float(result[~np.isfinite(result)][0])
         if self.quantile == "mean":
-            return float(found.mean())
+            return float(result.mean())
         share = self.quantile if goal.sign > 0.0 else 1.0 - self.quantile
-        return float(np.quantile(found, share))
+        return float(np.quantile(result, share))
 
     def _margins(self, cycles: Sequence[Cycle]) -> Iterator[Margin]:
         for name, allowed in self.limits.items():
@@ -800,12 +800,12 @@ def optimise(
             f"no motion keeps the limits among the {len(tried)} candidates tried (the mechanism as"
             f" given: {start.reason}): widen limits or ranges, or increase evaluations."
         )
-    best, found = with_values(mechanism, law, motions[0].parameters)
-    run = measure(best, found, coordinate=slip).run
+    best, result = with_values(mechanism, law, motions[0].parameters)
+    run = measure(best, result, coordinate=slip).run
     assert run is not None
     return Optimum(
         mechanism=best,
-        law=found,
+        law=result,
         goals=problem.goals,
         units={goal.name: units_of(mechanism, slip)[goal.name] for goal in problem.goals},
         coordinate=slip,
@@ -827,7 +827,7 @@ def _ends(
     if not isinstance(given, Mapping) or not given:  # type: ignore[redundant-expr]  # by users
         raise InputError(f"parameters must map paths to (low, high), at least one, got {given!r}.")
     known = known_paths(mechanism, law)
-    found = {}
+    result = {}
     for name, pair in given.items():
         path = full_path(name, known)
         try:
@@ -842,8 +842,8 @@ def _ends(
             raise InputError(
                 f"{path} has no value yet: give it one in the mechanism to begin with."
             )
-        found[path] = (low, high)
-    return found
+        result[path] = (low, high)
+    return result
 
 
 def known_paths(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, Quantity]:
@@ -855,19 +855,19 @@ def known_paths(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, Quan
     >>> list(known_paths(Axis(inertia=1.0), Coulomb(kinetic_coefficient=0.2)))[0]
     'mechanism.inertia'
     """
-    found = all_paths(mechanism, "mechanism") | all_paths(law, "friction")
+    result = all_paths(mechanism, "mechanism") | all_paths(law, "friction")
     if "rad" not in mechanism.units:  # profiles and motors of what moves along a line
-        for path, quantity in found.items():
+        for path, quantity in result.items():
             if quantity.or_unit and ("rad" in quantity.unit or "N m" in quantity.unit):
-                found[path] = dataclasses.replace(quantity, unit=quantity.or_unit, or_unit="")
-    for path in [*found]:
+                result[path] = dataclasses.replace(quantity, unit=quantity.or_unit, or_unit="")
+    for path in [*result]:
         owner, _, _ = path.rpartition(".")
         if owner == "mechanism" or not owner.startswith("mechanism."):
             continue
         for name, value in vars(value_at(mechanism, owner)).items():
             if isinstance(value, tuple) and all(isinstance(item, float | int) for item in value):
-                found |= {f"{owner}.{name}.{k}": Quantity(name) for k in range(len(value))}
-    return found
+                result |= {f"{owner}.{name}.{k}": Quantity(name) for k in range(len(value))}
+    return result
 
 
 def _goals(given: GoalName | Sequence[GoalName]) -> tuple[Goal, ...]:
@@ -952,7 +952,7 @@ def _known_values(
 ) -> list[dict[str, float]]:
     """Return the values of known motions by full path, moved between the ends."""
     given = dict(zip(problem.ends, problem.present(), strict=True))
-    known, found = known_paths(problem.mechanism, problem.law), []
+    known, result = known_paths(problem.mechanism, problem.law), []
     for start in starts:
         if not isinstance(start, Mapping):  # by users
             raise InputError(f"starts must be values by path, got {start!r}.")
@@ -962,8 +962,8 @@ def _known_values(
                 raise UnknownNameError("parameter of starts", path, problem.ends)
         values = given | own
         ends = problem.ends.items()
-        found.append({path: min(max(values[path], low), high) for path, (low, high) in ends})
-    return found
+        result.append({path: min(max(values[path], low), high) for path, (low, high) in ends})
+    return result
 
 
 def _single(

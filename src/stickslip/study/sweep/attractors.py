@@ -113,7 +113,7 @@ def cycles_in(
     loads = [name for name in run.names if name.partition(":")[0] == "normal_force"]
     first, last = run.span
     count = math.floor((last - first) / period * (1.0 + WHOLE))
-    found = []
+    result = []
     samples = max(min(GRID, MOST_STEPS // max(count, 1)), 2)
     for k in range(count):
         begin, end = first + k * period, min(first + (k + 1) * period, last)
@@ -122,7 +122,7 @@ def cycles_in(
         seen = run.at(np.union1d(np.linspace(begin, end, samples), own))
         x = seen[slip]
         travel = float(x[-1] - x[0])
-        found.append(
+        result.append(
             DrivenCycle(
                 begin=begin,
                 period=period,
@@ -132,7 +132,7 @@ def cycles_in(
                 least_normal_force=min(float(seen[name].min()) for name in loads),
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def period_of(samples: Array, scale: Array | float, tolerance: float = ALIKE) -> int:
@@ -330,13 +330,13 @@ def basins(
     begun = {path.removeprefix("initial."): values for path, values in axes.items()}
     sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in names])
     samples = _samples(runs, names, keep * cycle)
-    index, found = _sorted(*_clusters(runs, *samples, sizes, tolerance))
+    index, result = _sorted(*_clusters(runs, *samples, sizes, tolerance))
     shape = tuple(map(len, begun.values()))
     return Basins(
         starts=begun,
         states=names,
         index=index.reshape(shape),
-        attractors=found,
+        attractors=result,
         status=runs.status.reshape(shape),
         units={name: runs.units[f"initial.{name}"] for name in begun},
     )
@@ -354,9 +354,9 @@ def _axes(
 
 
 def _outputs(place: str, names: Sequence[str], times: Sequence[float]) -> dict[str, Output]:
-    found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in names}
-    found["place"] = Samples(place, [times[0], times[-1]])
-    return found
+    result: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in names}
+    result["place"] = Samples(place, [times[0], times[-1]])
+    return result
 
 
 def _samples(runs: Ensemble, names: Sequence[str], duration: float) -> tuple[Array, Array]:
@@ -373,9 +373,9 @@ def _clusters(
     index = np.full(len(runs), -1, dtype=np.int64)
     good = np.array([status.complete for status in runs.status])
     good &= np.isfinite(points).all(axis=(1, 2))
-    found: list[Attractor] = []
+    result: list[Attractor] = []
     if not good.any():
-        return index, found
+        return index, result
     # what has come to rest has no size of its own: then that of the starts counts
     largest = np.maximum(np.abs(points[good]).max(axis=(0, 1)), sizes)
     scale = np.maximum(largest, np.finfo(float).tiny)
@@ -384,16 +384,16 @@ def _clusters(
         closes = period_of(orbit, scale, tolerance)
         same = (
             i
-            for i, attractor in enumerate(found)
+            for i, attractor in enumerate(result)
             if _same(attractor, orbit, closes, tolerance * scale)
         )
-        number = next(same, len(found))
-        if number == len(found):
-            found.append(
+        number = next(same, len(result))
+        if number == len(result):
+            result.append(
                 Attractor(points=orbit, period=closes, velocity=float(velocity[row]), share=0.0)
             )
         index[row] = number
-    return index, found
+    return index, result
 
 
 def _same(attractor: Attractor, orbit: Array, closes: int, limit: Array) -> bool:

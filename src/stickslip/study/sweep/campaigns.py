@@ -213,8 +213,8 @@ class CampaignRuns(Tabular):
                 raise UnknownNameError(f"column of {self.folder}", name, self.columns)
         wanted = None if columns is None else [*columns]
         tables = (self._read(part, wanted).to_pandas() for part in self.parts)
-        found: pd.DataFrame = pd.concat([*tables], ignore_index=True)
-        return found
+        result: pd.DataFrame = pd.concat([*tables], ignore_index=True)
+        return result
 
     def _column_units(self) -> Mapping[str, str]:
         return self.units
@@ -726,7 +726,7 @@ class _Ledger:
         """Return the manifest of a campaign; None if there is none."""
         path = self.folder / MANIFEST
         try:
-            found = json.loads(_content(path))
+            result = json.loads(_content(path))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, RecursionError) as error:
@@ -735,9 +735,9 @@ class _Ledger:
                 f"{path} cannot be read: {reason}. Choose another folder, or delete"
                 f" {self.folder}, whose runs are then made again."
             ) from None
-        if not (isinstance(found, dict) and found.get("schema") == SCHEMA):
+        if not (isinstance(result, dict) and result.get("schema") == SCHEMA):
             raise InputError(f"{path} is of no campaign: choose another folder.")
-        return found
+        return result
 
     def _listed(self, manifest: Mapping[str, Any] | None) -> dict[str, _Finished]:
         """Return the files of the manifest and of the journal, whose last line may be cut off.
@@ -917,8 +917,8 @@ def campaign(
     return Campaign(
         cases=(Case(mechanism=mechanism, law=law, t_end=t_end, y0=y0),),
         factors={
-            path: one if isinstance(one, Factor) else Levels(values=one)  # type: ignore[arg-type]
-            for path, one in parameters.items()
+            path: parameter if isinstance(parameter, Factor) else Levels(values=parameter)  # type: ignore[arg-type]
+            for path, parameter in parameters.items()
         },
         design=design,
         runs=runs,

@@ -233,13 +233,13 @@ class Branch(OnAxes, Tabular):
 
         Where an event is known at which stability changes, that is there, else at the last point.
         """
-        found = []
+        result = []
         for begin, end in runs_of(self.stable).tolist():
             before = [event.value for event in self.events if event.index == begin - 1]
             after = [event.value for event in self.events if event.index == end - 1]
             first = before[-1] if before else float(self.values[begin])
-            found.append((begin, end, first, after[0] if after else float(self.values[end - 1])))
-        return found
+            result.append((begin, end, first, after[0] if after else float(self.values[end - 1])))
+        return result
 
     def mean_velocity(self, coordinate: str | None = None) -> Array:
         """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, 0 if it comes back.
@@ -480,16 +480,16 @@ class Point:
     @cached_property
     def slopes(self) -> Array:
         """dF/du (k, k + 1)."""
-        found: Array = self.shot.jacobian * self.scale / self.scale[:-1, None]
-        return found
+        result: Array = self.shot.jacobian * self.scale / self.scale[:-1, None]
+        return result
 
     @cached_property
     def tangent(self) -> Array:
         """Null vector of dF/du (k + 1,); its part along what is lost to sticking is exactly 0."""
-        found = np.asarray(np.linalg.svd(self.slopes)[2][-1], dtype=np.float64)
-        found[:-1][self.shot.lost] = 0.0
-        up = float(found[-1] if self.along is None else found @ self.along)
-        return found / (_length(found) if up >= 0.0 else -_length(found))
+        result = np.asarray(np.linalg.svd(self.slopes)[2][-1], dtype=np.float64)
+        result[:-1][self.shot.lost] = 0.0
+        up = float(result[-1] if self.along is None else result @ self.along)
+        return result / (_length(result) if up >= 0.0 else -_length(result))
 
     @cached_property
     def multipliers(self) -> NDArray[np.complex128]:
@@ -504,8 +504,8 @@ class Point:
     @cached_property
     def half(self) -> Array:
         """States after half the period less those at the start (k,)."""
-        found: Array = self.shot.half / self.scale[:-1]
-        return found
+        result: Array = self.shot.half / self.scale[:-1]
+        return result
 
 
 @dataclass(frozen=True)
@@ -558,8 +558,8 @@ class _Predictor:
         u0 = self.here.unknowns
         if ds > self.reach:
             return u0 + ds * self.here.tangent
-        found: Array = u0 + np.cumprod(ds - self.places) @ self.terms
-        return found
+        result: Array = u0 + np.cumprod(ds - self.places) @ self.terms
+        return result
 
 
 @dataclass(frozen=True)
@@ -671,8 +671,8 @@ class Curve:
         """
         u = u0 + distance * normal / float(normal @ normal) if start is None else start
         try:
-            found = self.newton(u0, normal, distance, u, reach, known, shot)
-            return found and (found[0].sensed(), found[1])
+            result = self.newton(u0, normal, distance, u, reach, known, shot)
+            return result and (result[0].sensed(), result[1])
         except (SimulationError, InputError, np.linalg.LinAlgError):
             return None
 
@@ -839,8 +839,8 @@ class Curve:
     def look_behind(self, here: Point) -> None:
         """Note orbits behind a change, perhaps of other branches, if a search asks for them."""
         for far in BEHIND if self.searching else ():
-            found = self.correct(here.unknowns, here.tangent, far, reach=far)
-            self.beyond += [] if found is None else [found[0]]
+            result = self.correct(here.unknowns, here.tangent, far, reach=far)
+            self.beyond += [] if result is None else [result[0]]
 
     def stalled(self, points: list[Point]) -> str:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
@@ -885,19 +885,19 @@ class Curve:
         shot = self.alike(here, ahead(ds))
         if shot is None and self.hops:
             # a border may run so near that the predictor is beyond it, and the curve is not
-            found = self.correct(u0, here.tangent, ds, ahead(ds), ds)
-            there = found and self.point(found[0], here.tangent)
-            if found and there and self.is_next(here, there, u0, ds):
-                return _Step(there, ds, found[1], free)
+            result = self.correct(u0, here.tangent, ds, ahead(ds), ds)
+            there = result and self.point(result[0], here.tangent)
+            if result and there and self.is_next(here, there, u0, ds):
+                return _Step(there, ds, result[1], free)
         if shot is None:
             ds, free = self.clear(here, ahead, ds)
             if ds == 0.0:
                 return ds
-        found = self.correct(u0, here.tangent, ds, ahead(ds), ds, (here,), shot)
-        there = found and self.point(found[0], here.tangent)
-        if not found or not there or not self.is_next(here, there, u0, ds):
+        result = self.correct(u0, here.tangent, ds, ahead(ds), ds, (here,), shot)
+        there = result and self.point(result[0], here.tangent)
+        if not result or not there or not self.is_next(here, there, u0, ds):
             return min(0.5 * ds, self.short_of_pole(points))
-        return _Step(there, ds, found[1], free)
+        return _Step(there, ds, result[1], free)
 
     def alike(self, here: Point, start: Array) -> Shot | None:
         """Return the run from a start, if the same happens in it as at a point."""
@@ -1039,11 +1039,11 @@ class Curve:
         if share > 0.0:  # else the last point stands right there
             u0, chord = here.unknowns, there.unknowns - here.unknowns
             across = np.eye(len(u0))[i]
-            found = self.correct(u0, across, edge / self.scale[i] - u0[i], u0 + share * chord)
-            if found is not None:
+            result = self.correct(u0, across, edge / self.scale[i] - u0[i], u0 + share * chord)
+            if result is not None:
                 with suppress(SimulationError, InputError):
-                    value = edge if i == -1 else found[0].value
-                    shot = self.map.shoot(found[0].y, value).sensed()
+                    value = edge if i == -1 else result[0].value
+                    shot = self.map.shoot(result[0].y, value).sensed()
                     points.append(self.point(shot, there.tangent))
         inside = [e for e in events if self.low <= e.value <= self.high]
         return points, f"It reaches {quantity(edge, unit, 6)}.", inside
@@ -1096,8 +1096,8 @@ class Curve:
             places = begins + along[:, None] * chords
             near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
             for i in np.flatnonzero(near & (along > 0.0) & (along <= sizes)):
-                found = self.correct(u, chords[i], 0.0, places[i])
-                point = found and self.point(found[0])
+                result = self.correct(u, chords[i], 0.0, places[i])
+                point = result and self.point(result[0])
                 if not point or _length(point.unknowns - u) > max(ALIKE * sizes[i], SAME):
                     continue
                 # along another direction it crosses, but where a body rests in any of many places
@@ -1110,8 +1110,8 @@ class Curve:
         a, b = part.a.unknowns, part.b.unknowns
         h, rest = _length(b - a), 1.0 - share
         bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
-        found: Array = a + share * (b - a) + share * rest * bends
-        return found
+        result: Array = a + share * (b - a) + share * rest * bends
+        return result
 
     def straight(self, points: list[Point]) -> float:
         """Return the step in which the tangent turns as far as it is meant to, as in the last."""
@@ -1127,8 +1127,8 @@ class Curve:
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
-        found = next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
-        return found or next(filter(None, (self.through(here, arc) for arc in BEHIND)), None)
+        result = next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
+        return result or next(filter(None, (self.through(here, arc) for arc in BEHIND)), None)
 
     def through(self, here: Point, arc: float) -> Point | None:
         """Return a point behind a hard stop that is touched, by the normal form of the map there.
@@ -1153,8 +1153,8 @@ class Curve:
                 du = np.linalg.solve(np.vstack([here.slopes, e]), np.append(-b, 0.0))
                 depth = (arc / _length(du) / speed) ** 2 * ds * float(e @ here.tangent)
                 along = du / _length(du)
-                found = self.correct(u0, along, arc, u0 + arc * along + depth * e, MOST_STEP)
-                point = found and self.point(found[0], along)
+                result = self.correct(u0, along, arc, u0 + arc * along + depth * e, MOST_STEP)
+                point = result and self.point(result[0], along)
                 return point if point and point.signature == far.signature else None
         return None
 
@@ -1173,11 +1173,11 @@ class Curve:
             null = self.point(guess).tangent
             alike = abs(float(null @ here.tangent)) > TURN
             for normal in (null,) if alike else (null, here.tangent):
-                found = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)
-                if found is None:
+                result = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)
+                if result is None:
                     continue
-                off = self.point(found[0]).unknowns - u0
-                point = self.point(found[0], off)
+                off = self.point(result[0]).unknowns - u0
+                point = self.point(result[0], off)
                 ahead = float(here.tangent @ off) >= 0.5 * ds
                 if (point.signature != here.signature or ahead) and _length(off) < MOST_STEP:
                     return point
@@ -1282,22 +1282,22 @@ class Curve:
 
     def between(self, here: Point, there: Point, u0: Array, ds: float, index: int) -> list[Event]:
         """Return the events in a step in which the same happens, each located."""
-        found: list[tuple[float, Event]] = []
+        result: list[tuple[float, Event]] = []
         step = _Part(0.0, ds, here, there)
         for kind, sentence, test in self.tests:
             ends = test(here), test(there)
             if ends[0] * ends[1] < 0.0:
                 least = ROUNDING * max(map(abs, ends))
                 s, point = self.located(step, u0, here.tangent, test, least)
-                found.append((s, self.event(kind, point, index, sentence)))
-        crossed = {event.kind for _, event in found}
+                result.append((s, self.event(kind, point, index, sentence)))
+        crossed = {event.kind for _, event in result}
         if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
-            found = [pair for pair in found if pair[1].kind != "fold"]
+            result = [pair for pair in result if pair[1].kind != "fold"]
         near_torus = self.torus(step, u0, here.tangent) if self.tests is TESTS else None
         if near_torus is not None:
             s, a = near_torus
-            found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
-        return [event for _, event in sorted(found, key=lambda pair: pair[0])]
+            result.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
+        return [event for _, event in sorted(result, key=lambda pair: pair[0])]
 
     def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, Point] | None:
         """Return where a complex pair of multipliers passes the unit circle, if it does."""
@@ -1330,11 +1330,11 @@ class Curve:
                 break
             share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
             middle = low + share * (high - low)
-            found = self.correct(u0, normal, middle, self.amid(_Part(low, high, a, b), share))
-            found = found or self.correct(u0, normal, middle)
-            if found is None:
+            result = self.correct(u0, normal, middle, self.amid(_Part(low, high, a, b), share))
+            result = result or self.correct(u0, normal, middle)
+            if result is None:
                 break
-            point = self.point(found[0], normal)
+            point = self.point(result[0], normal)
             value = test(point)
             if least is not None and abs(value) <= least:
                 return middle, point
@@ -1370,15 +1370,15 @@ class Curve:
         v /= _length(v)
         u0 = self.point(shot).unknowns
         for off in OFF:
-            found = self.correct(u0, v, off, reach=10.0 * off)
-            if found is None:
+            result = self.correct(u0, v, off, reach=10.0 * off)
+            if result is None:
                 continue
             try:
-                half = base.shoot(found[0].y, found[0].value)
+                half = base.shoot(result[0].y, result[0].value)
             except (SimulationError, InputError):
                 continue
             if half.error > 100.0 * self.map.tolerance:
-                return self.point(found[0])
+                return self.point(result[0])
         raise SimulationError(
             f"no branch of period {self.map.cycles} leaves at"
             f" {quantity(value, self.unit, 6)}: what is near there closes after {orbit.cycles}."
@@ -1392,8 +1392,8 @@ def _nothing(_: Point) -> None:
 def units_of(map_: ReturnMap) -> dict[str, str]:
     """Return the SI units of all states."""
     known = path_units(map_.mechanism, map_.law)
-    found = {name: known.get(f"initial.{name}", "1") for name in map_.states}
-    return found | ({CYCLE: "s"} if map_.section else {})
+    result = {name: known.get(f"initial.{name}", "1") for name in map_.states}
+    return result | ({CYCLE: "s"} if map_.section else {})
 
 
 def _halves_meet(here: Point, there: Point) -> bool:

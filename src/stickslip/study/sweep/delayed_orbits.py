@@ -125,8 +125,8 @@ def delayed_multipliers(orbit: Undelayed, mechanism: Mechanism) -> Complex:
     def determinant(z: Complex) -> Complex:
         inner = chebyshev.chebval(z**count / radius, coefficients)
         matrices = np.moveaxis(inner, 0, -1).reshape(*z.shape, size, size)
-        found: Complex = np.linalg.det(z[..., None, None] * matrices - np.eye(size))
-        return found
+        result: Complex = np.linalg.det(z[..., None, None] * matrices - np.eye(size))
+        return result
 
     circle = REACH * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     taylor = np.fft.fft(determinant(circle)) / CIRCLE
@@ -171,15 +171,15 @@ def _periods(orbit: Undelayed, mechanism: Mechanism) -> int:
 
 def _motions(orbit: Undelayed, mechanism: Mechanism) -> dict[str, Array]:
     """Return lines along each state that is fed back, over one period (lines, 3)."""
-    playback, found = orbit.playback, {}
+    playback, result = orbit.playback, {}
     breaks = np.unique([0.0, *orbit.events, orbit.period]).tolist()
     for part in delays_of(mechanism):
         index = orbit.states.index(part.state)
         x = playback.played(np.linspace(0.0, orbit.period, PLACES))[0][:, index]
         size = float(np.abs(x).max()) or 1.0
         lines = lines_of(playback, index, breaks, PAST * size)
-        found[part.state] = np.vstack([lines, [orbit.period, x[-1], 0.0]])
-    return found
+        result[part.state] = np.vstack([lines, [orbit.period, x[-1], 0.0]])
+    return result
 
 
 def _with_feedback(mechanism: Mechanism, motions: Mapping[str, Array], s: float) -> Mechanism:
@@ -195,5 +195,5 @@ def _with_feedback(mechanism: Mechanism, motions: Mapping[str, Array], s: float)
             instead += [Feedback(state=part.state, gain=gain), motion]
         return without_delays(drive, *instead)
 
-    found: Mechanism = redriven(mechanism, change)
-    return found
+    result: Mechanism = redriven(mechanism, change)
+    return result

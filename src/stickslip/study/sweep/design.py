@@ -90,8 +90,8 @@ class Levels(Factor):
         count = len(self.values)
         # A share of exactly 1 belongs to the last value.
         places = np.minimum((share * count).astype(np.intp), count - 1)
-        found: Array = self.levels()[places]
-        return found
+        result: Array = self.levels()[places]
+        return result
 
     def levels(self) -> Array:
         return np.array(self.values)
@@ -129,11 +129,11 @@ class Uniform(Factor):
         ends = (self.low, self.high)
         if self.log:
             low, high = np.log(ends)
-            found = np.exp(low + share * (high - low))
+            result = np.exp(low + share * (high - low))
         else:
-            found = self.low + share * (self.high - self.low)
+            result = self.low + share * (self.high - self.low)
         # Rounding must not put a value beyond an end that a parameter may not exceed.
-        inside: Array = np.clip(found, *ends)
+        inside: Array = np.clip(result, *ends)
         return inside
 
     def levels(self) -> Array:
@@ -177,8 +177,8 @@ class Normal(Factor):
         below, above = special.ndtr((np.array([self.low, self.high]) - self.mean) / self.sd)
         least = np.finfo(float).tiny  # the end of a distribution without one
         inside = np.clip(below + share * (above - below), least, 1.0 - np.finfo(float).eps)
-        found: Array = np.clip(self.mean + self.sd * special.ndtri(inside), self.low, self.high)
-        return found
+        result: Array = np.clip(self.mean + self.sd * special.ndtri(inside), self.low, self.high)
+        return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,17 +293,17 @@ class Design(metaclass=Described):
         if self.kind == "grid":
             levels = [factor.levels() for factor in self.factors.values()]
             at = np.unravel_index(np.arange(start, stop), [len(level) for level in levels])
-            found = dict(
+            result = dict(
                 zip(self.factors, (x[i] for x, i in zip(levels, at, strict=True)), strict=True)
             )
         else:
             columns = zip(self.factors.items(), self.shares(start, stop).T, strict=True)
-            found = {path: range_.at(share) for (path, range_), share in columns}
+            result = {path: range_.at(share) for (path, range_), share in columns}
         # Multiples last, once all other factors have their values.
         for path, factor in self.factors.items():
             if factor.times:
-                found[path] = found[path] * found[factor.times]
-        return found
+                result[path] = result[path] * result[factor.times]
+        return result
 
 
 @functools.lru_cache(maxsize=4)
@@ -313,11 +313,11 @@ def _sampled(kind: str, many: int, blocks: int, seed: int) -> Array:
     problem = unit_cube(many)
     if kind == "saltelli":
         library: Any = salib("sample.sobol")
-        found = library.sample(problem, blocks, calc_second_order=False, seed=seed)
+        result = library.sample(problem, blocks, calc_second_order=False, seed=seed)
     else:
         library = salib("sample.morris")
-        found = library.sample(problem, blocks, num_levels=MORRIS_LEVELS, seed=seed)
-    return np.asarray(found, dtype=np.float64)
+        result = library.sample(problem, blocks, num_levels=MORRIS_LEVELS, seed=seed)
+    return np.asarray(result, dtype=np.float64)
 
 
 def salib(module: str, instead: str = 'use the design "sobol"') -> Any:
@@ -447,13 +447,13 @@ def indices_of(
     many = len(design.factors)
     options = {"num_resamples": RESAMPLES, "conf_level": LEVEL, "seed": design.seed}
     if design.kind == "saltelli":
-        found = salib("analyze.sobol").analyze(
+        result = salib("analyze.sobol").analyze(
             unit_cube(many), left, calc_second_order=False, **options
         )
         names = {"first": "S1", "total": "ST"}
     else:
         points = design.shares(0, len(design)).reshape(-1, design.block, many)[good]
-        found = salib("analyze.morris").analyze(
+        result = salib("analyze.morris").analyze(
             unit_cube(many), points.reshape(-1, many), left, num_levels=MORRIS_LEVELS, **options
         )
         names = {"mu_star": "mu_star", "mu": "mu", "sigma": "sigma"}
@@ -462,11 +462,11 @@ def indices_of(
         method={"saltelli": "sobol"}.get(design.kind, design.kind),
         unit=unit,
         factors=tuple(design.factors),
-        indices={own: np.asarray(found[key], dtype=np.float64) for own, key in names.items()},
+        indices={own: np.asarray(result[key], dtype=np.float64) for own, key in names.items()},
         half_widths={
-            own: np.asarray(found[f"{key}_conf"], dtype=np.float64)
+            own: np.asarray(result[f"{key}_conf"], dtype=np.float64)
             for own, key in names.items()
-            if f"{key}_conf" in found
+            if f"{key}_conf" in result
         },
         used=int(good.sum()),
         left_out=int((~good).sum()),
@@ -496,7 +496,7 @@ def first_order_of(
         with np.errstate(all="ignore"):
             correlation = float(np.corrcoef(table[:, combination], table[:, other])[0, 1])
         refuse_correlated(names[combination], names[other], correlation, limit)
-    found = salib("analyze.rbd_fast", "leave shares of the spread out").analyze(
+    result = salib("analyze.rbd_fast", "leave shares of the spread out").analyze(
         unit_cube(many), table, values, num_resamples=RESAMPLES, conf_level=LEVEL, seed=seed
     )
     return SensitivityIndices(
@@ -504,8 +504,8 @@ def first_order_of(
         method="rbd-fast",
         unit=unit,
         factors=tuple(draws),
-        indices={"first": np.asarray(found["S1"], dtype=np.float64)},
-        half_widths={"first": np.asarray(found["S1_conf"], dtype=np.float64)},
+        indices={"first": np.asarray(result["S1"], dtype=np.float64)},
+        half_widths={"first": np.asarray(result["S1_conf"], dtype=np.float64)},
         used=count,
         left_out=0,
     )

@@ -124,11 +124,11 @@ class _Level:
     def __call__(self, run: BareRun, mechanism: Mechanism, t: Array) -> Array:
         columns = run.playback(t)
         friction, load, mode = (_column(columns, n, self.contact) for n in (*_HOLDS, "mode"))
-        found = np.full(len(t), np.inf)
+        result = np.full(len(t), np.inf)
         for k in np.flatnonzero(mode == 0):
             level = level_of(self.law, self.contact, friction[k], load[k])
-            found[k] = 1.0 - abs(friction[k]) / level
-        return found
+            result[k] = 1.0 - abs(friction[k]) / level
+        return result
 
     def met(self, run: BareRun, mechanism: Mechanism) -> list[float]:
         events = (e for e in run.events() if e.contact == self.contact)
@@ -173,8 +173,8 @@ class _Singular:
 
     def matrix(self, shot: Shot) -> Array:
         """Return M + s in scaled states."""
-        found: Array = shot.monodromy * self.scale / self.scale[:, None]
-        return found + self.sign * np.eye(len(found))
+        result: Array = shot.monodromy * self.scale / self.scale[:, None]
+        return result + self.sign * np.eye(len(result))
 
     def accept(self, shot: Shot, scale: Array, at: float) -> None:
         self.scale = scale
@@ -232,16 +232,16 @@ class _Distance:
 
     def slope(self, plane: "Plane", shot: Shot, value: float) -> Array:
         base, sizes = self(shot)[0], plane.sizes(shot)
-        u, found = np.array([*shot.y.tolist(), shot.value, value]), np.empty(len(sizes))
+        u, result = np.array([*shot.y.tolist(), shot.value, value]), np.empty(len(sizes))
         for i, size in enumerate(sizes):
             for step in (self.aside, -self.aside):  # to whichever side there is no contact
                 moved = u + step * size * np.eye(len(u))[i]
                 near = plane.at(moved[-1]).shoot(moved[:-2], moved[-2])
                 g, beyond = self(near)
-                found[i] = (g - base) / step
+                result[i] = (g - base) / step
                 if not beyond:
                     break
-        return found
+        return result
 
 
 class _Touch(_Distance):
@@ -361,14 +361,14 @@ class Plane:
             law = self.second.startswith("friction.")
             root, prefix = (base.law, "friction") if law else (base.mechanism, "mechanism")
             moved: Any = replaced(root, prefix, self.second, q)
-            found = replace(base, **{"law" if law else "mechanism": moved})
-            known = found.__dict__
+            result = replace(base, **{"law" if law else "mechanism": moved})
+            known = result.__dict__
             if base.form is not None and self.second in base.form.model.parameter_paths:
                 known["form"] = base.form.at(self.second, q)
                 known["signatures"] = base.signatures
             if len(self.maps) > 2:
                 self.maps.clear()
-            self.maps[q] = found
+            self.maps[q] = result
         return self.maps[q]
 
     def speeds(self, mechanism: Mechanism) -> Array:
@@ -381,10 +381,10 @@ class Plane:
 
     def shoot(self, y: Array, value: float = np.nan, most: Array | None = None) -> Shot:
         """Run over the period from free states and the first parameter in one vector."""
-        found = self.near(np.append(y, value))
-        if most is not None and (np.abs(found.residual) > most).any():
+        result = self.near(np.append(y, value))
+        if most is not None and (np.abs(result.residual) > most).any():
             raise SimulationError("a step along a curve has led away from it.")
-        return found
+        return result
 
     def near(self, u: Array) -> Shot:
         """Return what a run from unknowns tells, or one in front of a contact near them."""
@@ -439,8 +439,8 @@ class Plane:
 
     def base_of(self, shot: Shot) -> Shot:
         """Return the run of the orbit alone."""
-        found: Any = shot.derivatives
-        return found.shot if isinstance(found, Sensing) else shot
+        result: Any = shot.derivatives
+        return result.shot if isinstance(result, Sensing) else shot
 
     def signature(self, mechanism: Mechanism, run: BareRun) -> Signature:
         """Return what happens in a run."""
@@ -735,7 +735,7 @@ def _curve(
 ) -> EventCurve:
     """Follow a curve from its first orbit to both sides."""
     begin = curve.point(first)
-    found, events, ends = curve.both(begin)
+    result, events, ends = curve.both(begin)
     (low, high), met = curve.box[1][1:3], []
     for event in events:
         own = event.orbit
@@ -753,9 +753,9 @@ def _curve(
                     orbit=own,
                 )
             )
-    multipliers = np.array([point.multipliers for point in found])
+    multipliers = np.array([point.multipliers for point in result])
     order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
-    unknowns = np.array([curve.unscaled(point.shot) for point in found])
+    unknowns = np.array([curve.unscaled(point.shot) for point in result])
     return EventCurve(
         kind=kind,
         paths=(paths[0], paths[1]),
@@ -795,7 +795,7 @@ def _touched(kind: str, shot: Shot) -> _Condition:
     """Return what is touched in a run: whatever comes nearest to it."""
     run, mechanism, period = shot.run, shot.mechanism, shot.period
     times = np.linspace(0.0, period, 32 * ORBIT_TIMES * shot.derivatives.map.cycles)[:-1]
-    found: list[tuple[float, _Condition]] = []
+    result: list[tuple[float, _Condition]] = []
 
     def consider(gap: _Gap) -> None:
         values = gap(run, mechanism, times)
@@ -807,7 +807,7 @@ def _touched(kind: str, shot: Shot) -> _Condition:
         for phase in (times[least] / period).tolist():
             touch = _Touch(gap, phase, size)
             with suppress(SimulationError):
-                found.append((abs(touch(shot)[0]), touch))
+                result.append((abs(touch(shot)[0]), touch))
 
     if kind == "grazing":
         for i in range(len(stops_of(mechanism))):
@@ -821,8 +821,8 @@ def _touched(kind: str, shot: Shot) -> _Condition:
         for turn in run.events():
             if turn.reason in ("stop", "reversal"):
                 at = _Turn(turn.contact, turn.t / period, turn.reason == "stop")
-                found.append((abs(at(shot)[0]), at))
-    nearest = min(found, key=lambda pair: pair[0], default=(math.inf, None))
+                result.append((abs(at(shot)[0]), at))
+    nearest = min(result, key=lambda pair: pair[0], default=(math.inf, None))
     if nearest[1] is None or nearest[0] > _Distance.touch:
         raise SimulationError("nothing is touched in the orbit at the event.")
     return nearest[1]

@@ -184,15 +184,15 @@ def lyapunov_exponents(
         motion, law, y0 = _continued(motion, period)
     if law is None:
         raise InputError(f"{owner}: give the law of friction of {type(motion).__name__}.")
-    found = event_driven_law(motion, law)
+    result = event_driven_law(motion, law)
     counted(owner, "cycles", cycles, 20)
     counted(owner, "settle", settle, 0)
-    begin = initial_state(owner, motion, found, dict(y0 or {}))
+    begin = initial_state(owner, motion, result, dict(y0 or {}))
     if period is None:
         whole_run(owner, motion, cycles + settle)
     else:
         PERIOD.check(owner, "period", period)
-    map_ = return_map(motion, found, 1, period, compiled(solver))
+    map_ = return_map(motion, result, 1, period, compiled(solver))
     cycle = map_.duration(motion, np.nan)
     if _cuts(motion, cycle):
         return _at_once(map_, np.array(begin)[list(map_.free)], cycle, settle, cycles)
@@ -290,11 +290,11 @@ def closing(samples: Array, periods: Array) -> tuple[NDArray[np.int64], Array]:
     for part in (slice(0, k), slice(k, None)):  # what hardly moves beside others is as large
         least = ALIKE * sizes[:, part].max(axis=1, keepdims=True, initial=0.0)
         sizes[:, part] = np.maximum(sizes[:, part], least)
-    found = np.zeros(len(samples), dtype=np.int64)
+    result = np.zeros(len(samples), dtype=np.int64)
     for cycles in range(ways.shape[1] // 2, 0, -1):
         off = np.abs(ways[:, cycles:] - ways[:, :-cycles]) <= ALIKE * sizes[:, None]
-        found[off.all(axis=(1, 2))] = cycles
-    return found, sizes
+        result[off.all(axis=(1, 2))] = cycles
+    return result, sizes
 
 
 def _of_orbit(orbit: Orbit) -> LyapunovExponents:

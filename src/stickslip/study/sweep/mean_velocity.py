@@ -108,8 +108,8 @@ class VelocityMap(OnAxes):
         turns = np.flatnonzero(v[1:] * v[:-1] < 0.0)
         apart = rows[turns + 1] - rows[turns] > 1
         share = np.where(apart, 0.5, v[turns] / (v[turns] - v[turns + 1]))
-        found: Array = x[turns] + share * (x[turns + 1] - x[turns])
-        return found
+        result: Array = x[turns] + share * (x[turns + 1] - x[turns])
+        return result
 
     def early_ends(self) -> tuple[str, ...]:
         """Return where there is no velocity, and why: a sentence for each reason."""
@@ -413,10 +413,10 @@ class VelocityBand(OnAxes, Tabular):
         # quantiles instead of draws: a band has the same ends each time
         off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
         every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
-        found = np.full(len(self.values), np.nan)
+        result = np.full(len(self.values), np.nan)
         known = np.isfinite(every).any(axis=0)
-        found[known] = np.nanquantile(every[:, known], share, axis=0)
-        return found
+        result[known] = np.nanquantile(every[:, known], share, axis=0)
+        return result
 
     @property
     def fastest(self) -> float:

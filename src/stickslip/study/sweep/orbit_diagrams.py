@@ -367,9 +367,9 @@ def orbit_diagram(
         if not tally.going:
             break
     for _ in range(len(grid) * int(starts)):  # as many again at most: chaos has no last branch
-        if not tally.going or (found := search.place()) is None:
+        if not tally.going or (result := search.place()) is None:
             break
-        search.settle_at(*found)
+        search.settle_at(*result)
         tally.tell(len(grid))
     return search.diagram()
 
@@ -392,11 +392,11 @@ def _excited_map(
         driven = vary(mechanism, prefix, {path: value}) if prefix == "mechanism" else mechanism
         own = vary(law, prefix, {path: value}) if prefix == "friction" else law
         begin = initial_state("orbit_diagram", driven, own, dict(y0 or {}))
-        found = passes_of(driven, own, states, begin, solver, settle + 2, section)
-        if not found.lack:
-            cycle = float(found.times[-1] - found.times[-2])
-            return return_map(mechanism, law, 1, None, solver, path, found.section, cycle)
-        lack = lack or found.lack
+        result = passes_of(driven, own, states, begin, solver, settle + 2, section)
+        if not result.lack:
+            cycle = float(result.times[-1] - result.times[-2])
+            return return_map(mechanism, law, 1, None, solver, path, result.section, cycle)
+        lack = lack or result.lack
     raise SimulationError(f"orbit_diagram, at the first of all values: {lack}")
 
 
@@ -492,7 +492,7 @@ class Search:
         Behind is where the stable part would go on.
         """
         low, high = self.between
-        found: list[tuple[float, Mapping[str, Array]]] = []
+        result: list[tuple[float, Mapping[str, Array]]] = []
         values = branch.values
         for begin, end, *ends in branch.stretches:
             inside = values[min(begin + 1, end - 1)], values[max(end - 2, begin)]
@@ -503,8 +503,8 @@ class Search:
                 }
                 beyond = edge + float(np.sign(edge - before)) * RIGHT_BEHIND * (high - low)
                 if beyond != edge and low < beyond < high:
-                    found.append((beyond, columns))
-        return found
+                    result.append((beyond, columns))
+        return result
 
     def is_new(self, value: float, reach: float) -> bool:
         """Whether nobody has looked within reach of a value, which is noted then."""
@@ -639,15 +639,15 @@ class Search:
             for i, name in zip(map_.free, map_.names, strict=True):
                 known = name != map_.section.state and f"initial.{name}" in columns
                 start[i] = float(columns[f"initial.{name}"][row]) if known else start[i]
-            found = passes_of(
+            result = passes_of(
                 mechanism, law, map_.states, start, map_.solver, settle + keep + 1, map_.section
             )
-            status[row] = found.status
-            if not found.lack:
-                points[row] = found.starts[-1 - keep : -1, map_.free]
-                points[row, :, map_.slot] = np.diff(found.times[-1 - keep :])
-                came = found.starts[-1, map_.moving] - found.starts[-1 - keep, map_.moving]
-                velocities[row] = came / (found.times[-1] - found.times[-1 - keep])
+            status[row] = result.status
+            if not result.lack:
+                points[row] = result.starts[-1 - keep : -1, map_.free]
+                points[row, :, map_.slot] = np.diff(result.times[-1 - keep :])
+                came = result.starts[-1, map_.moving] - result.starts[-1 - keep, map_.moving]
+                velocities[row] = came / (result.times[-1] - result.times[-1 - keep])
         return points, velocities, status
 
     def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
@@ -658,7 +658,7 @@ class Search:
         mechanism, law = self.map.pair(value)
         begin = initial_state("orbit_diagram", mechanism, law, self.y0)
         stops = stops_of(mechanism)
-        found = {}
+        result = {}
         sizes = np.where(self.sizes > 0.0, self.sizes, 1.0)
         for k, i in enumerate(self.map.free):
             name = self.map.states[i]
@@ -669,8 +669,8 @@ class Search:
                 column = bound(column, place)
             if from_beginning:
                 column[0] = begin[i]
-            found[f"initial.{name}"] = column
-        return found
+            result[f"initial.{name}"] = column
+        return result
 
     def is_near(self, closed: int, value: float, points: Array) -> bool:
         """Whether a settled motion, by its points once a cycle, lies on a branch that is known."""

@@ -155,8 +155,8 @@ class Orbit(metaclass=Described):
                 self._monodromy_of,
             )
             return delayed_multipliers(orbit, self.controlled)
-        found = np.linalg.eigvals(self.monodromy).astype(np.complex128)
-        return found[np.argsort(-np.abs(found), kind="stable")]
+        result = np.linalg.eigvals(self.monodromy).astype(np.complex128)
+        return result[np.argsort(-np.abs(result), kind="stable")]
 
     @property
     def stable(self) -> bool:
@@ -300,12 +300,12 @@ def periodic_orbit(
         found_orbit = replace(orbit, controlled=mechanism)
         _ = found_orbit.multipliers  # a delay with which they are not known is refused
         return found_orbit
-    found = event_driven_law(mechanism, law)
+    result = event_driven_law(mechanism, law)
     counted("periodic_orbit", "cycles", cycles, 1)
     counted("periodic_orbit", "settle", settle, 0)
-    begin = initial_state("periodic_orbit", mechanism, found, dict(start or {}))
+    begin = initial_state("periodic_orbit", mechanism, result, dict(start or {}))
     if period is None and is_excited(mechanism):
-        return _excited(mechanism, found, int(cycles), begin, settle, section, compiled(solver))
+        return _excited(mechanism, result, int(cycles), begin, settle, section, compiled(solver))
     if section is not None:
         raise InputError(
             "periodic_orbit: section is for cycles of unknown period, but"
@@ -316,7 +316,7 @@ def periodic_orbit(
     else:
         PERIOD.check("periodic_orbit", "period", period)
         refuse_cut(mechanism, cycles * period)
-    map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
+    map_ = return_map(mechanism, result, int(cycles), period, compiled(solver))
     return map_.orbit(solved(map_, map_.settled("periodic_orbit", begin, settle)))
 
 
@@ -346,12 +346,12 @@ def _excited(
     """Return the cycle to which a run settles that nothing drives in time."""
     states = states_of(mechanism, law)
     section, least = given_section(states, given), settle + cycles + 1
-    found = passes_of(mechanism, law, states, begin, solver, least, section)
-    if found.lack:
-        raise SimulationError(f"periodic_orbit, {found.lack}")
-    length = float(found.times[-1] - found.times[-1 - cycles]) / cycles
-    map_ = return_map(mechanism, law, cycles, None, solver, section=found.section, cycle=length)
-    y = found.starts[-1 - cycles, map_.free]
+    result = passes_of(mechanism, law, states, begin, solver, least, section)
+    if result.lack:
+        raise SimulationError(f"periodic_orbit, {result.lack}")
+    length = float(result.times[-1] - result.times[-1 - cycles]) / cycles
+    map_ = return_map(mechanism, law, cycles, None, solver, section=result.section, cycle=length)
+    y = result.starts[-1 - cycles, map_.free]
     y[map_.slot] = length
     shot = solved(map_, y)
     # where time is in the equations, an end may be a start once, but not again
@@ -391,38 +391,38 @@ class Derivatives:
         """
         map_, n = self.map, len(self.map.free)
         taken = self.at(self.run.differentiate.t_end)[map_.kept]
-        found = np.zeros((len(taken), max(n + 1, taken.shape[1])))
-        found[:, : taken.shape[1]] = taken
-        return found
+        result = np.zeros((len(taken), max(n + 1, taken.shape[1])))
+        result[:, : taken.shape[1]] = taken
+        return result
 
     @cached_property
     def all(self) -> Array:
         """The same; a run that lacks one is a `SimulationError`."""
-        map_, n, found = self.map, len(self.map.free), self.raw
-        if not math.isfinite(found.sum()):
+        map_, n, result = self.map, len(self.map.free), self.raw
+        if not math.isfinite(result.sum()):
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
         if map_.path is not None:
-            found = found.copy()
+            result = result.copy()
             for column, path in enumerate(map_.paths[n:], n):
                 carried, level = map_.drift(self.mechanism, path)
-                found[:, column] -= self.period * carried
+                result[:, column] -= self.period * carried
                 if map_.section is not None:
-                    found[:, column] += found[:, map_.slot] * level
+                    result[:, column] += result[:, map_.slot] * level
                 elif stretch := map_.stretch(self.mechanism, self.value, path):
-                    found[:, column] += self.rate * stretch
-        return found
+                    result[:, column] += self.rate * stretch
+        return result
 
     @cached_property
     def by_unknowns(self) -> Array:
         """With respect to y and p, among which the length of a cycle may be (n + 1 columns)."""
-        found, map_ = self.all, self.map
+        result, map_ = self.all, self.map
         if map_.section is not None:
-            found = found.copy()
-            found[:, map_.slot] = map_.cycles * self.rate
-        return found
+            result = result.copy()
+            result[:, map_.slot] = map_.cycles * self.rate
+        return result
 
     def at(self, time: float) -> Array:
         """Return those of all states at a time (states, paths), which may not be finite."""
@@ -436,10 +436,10 @@ class Derivatives:
     def monodromy(self) -> Array:
         """M (n, n); with a section, of the return to it (n - 1, n - 1)."""
         n, map_ = len(self.map.free), self.map
-        found = self.all[:n, :n]
+        result = self.all[:n, :n]
         if map_.section is None:
-            return found
-        back = found - np.outer(self.rate[:n] / self.rate[map_.slot], found[map_.slot])
+            return result
+        back = result - np.outer(self.rate[:n] / self.rate[map_.slot], result[map_.slot])
         return np.delete(np.delete(back, map_.slot, axis=0), map_.slot, axis=1)
 
 
@@ -484,7 +484,7 @@ class Shot:
         later = (self.run.at(times) - times[:, None] * map_.speeds(self.mechanism))[:, map_.free]
         if map_.section is not None:
             later[:, map_.slot] = self.y[map_.slot]
-        return np.vstack([self.y, *(np.append(one, self.y[len(one) :]) for one in later)])
+        return np.vstack([self.y, *(np.append(item, self.y[len(item) :]) for item in later)])
 
     @property
     def monodromy(self) -> Array:
@@ -523,10 +523,10 @@ class Shot:
         value = abs(self.value) if math.isfinite(self.value) else 0.0
         end = np.abs(self.derivatives.by_unknowns[: len(self.y)])
         sizes = np.array([*self.scale.tolist(), value])
-        found = np.asarray(end[:, : len(sizes)] @ sizes <= LOST * self.scale)
+        result = np.asarray(end[:, : len(sizes)] @ sizes <= LOST * self.scale)
         if self.derivatives.map.section is not None:
-            found[self.derivatives.map.slot] = False
-        return found
+            result[self.derivatives.map.slot] = False
+        return result
 
     def moved(self, y: Array) -> Array:
         """Return a start, with what is lost exactly where it ends."""
@@ -535,15 +535,15 @@ class Shot:
     @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
-        found, map_ = self.derivatives.by_unknowns[: len(self.y)].copy(), self.derivatives.map
-        found.flat[:: found.shape[1] + 1] -= 1.0
+        result, map_ = self.derivatives.by_unknowns[: len(self.y)].copy(), self.derivatives.map
+        result.flat[:: result.shape[1] + 1] -= 1.0
         if map_.section is not None:
             # its start is at the level, and it ends too late by what it is off over its velocity
-            found[map_.slot, map_.slot] += 1.0
+            result[map_.slot, map_.slot] += 1.0
             for column, path in enumerate(map_.paths[len(self.y) :], len(self.y)):
-                found[map_.slot, column] -= map_.drift(self.mechanism, path)[1]
-            found[map_.slot] /= self.derivatives.rate[map_.slot]
-        return found
+                result[map_.slot, column] -= map_.drift(self.mechanism, path)[1]
+            result[map_.slot] /= self.derivatives.rate[map_.slot]
+        return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -618,10 +618,10 @@ class ReturnMap:
         value = value_of(mechanism, path)
         h = PERIOD_STEP * (abs(value) or 1.0)
         above, below = (replaced(mechanism, "mechanism", path, value + s) for s in (h, -h))
-        found = (self.speeds(above) - self.speeds(below))[self.kept] / (2.0 * h)
+        result = (self.speeds(above) - self.speeds(below))[self.kept] / (2.0 * h)
         if self.section is None:
-            return found, 0.0
-        return found, (self.section.at(above) - self.section.at(below)) / (2.0 * h)
+            return result, 0.0
+        return result, (self.section.at(above) - self.section.at(below)) / (2.0 * h)
 
     @cached_property
     def paths(self) -> list[str]:
@@ -694,10 +694,10 @@ class ReturnMap:
         if idle:
             modes = first_modes(mechanism, run, kept)
             counts.update({(name, f"mode {modes[name]}"): 1 for name in idle})
-        found = tuple(sorted((*key, count) for key, count in counts.items()))
+        result = tuple(sorted((*key, count) for key, count in counts.items()))
         if not idle and not early:
-            self.signatures[what_came] = found
-        return found
+            self.signatures[what_came] = result
+        return result
 
     def form_at(self, value: float) -> Form | None:
         """Return the equations with a value of the parameter, if they are known."""
@@ -714,8 +714,8 @@ class ReturnMap:
     def _varied(self, root: T, prefix: str, value: float) -> T:
         path = str(self.path)
         if self.between is not None and self.between[0] <= value <= self.between[1]:
-            found: T = replaced(root, prefix, path, value)
-            return found
+            result: T = replaced(root, prefix, path, value)
+            return result
         return vary(root, prefix, {path: value})
 
     def duration(self, mechanism: Mechanism, value: float, y: Array | None = None) -> float:
@@ -990,12 +990,14 @@ def _translations(
     run = solver.bare(mechanism, law, y0=start, t_end=TRIAL_SHARE * cycle)
     if not free or not run.status.complete:
         return ()
-    found = run.differentiate(
+    result = run.differentiate(
         np.array([TRIAL_SHARE * cycle]), [f"initial.{name}" for name in free]
     )[0]
     exact = np.array([[float(name == q) for q in free] for name in states])
     return tuple(
-        q for q, gap in zip(free, np.abs(found - exact).max(axis=0), strict=True) if gap <= ROUNDING
+        q
+        for q, gap in zip(free, np.abs(result - exact).max(axis=0), strict=True)
+        if gap <= ROUNDING
     )
 
 

@@ -54,7 +54,7 @@ def axis_of(
     """
     known = {f"initial.{name}": Quantity(name) for name in states_of(mechanism, law)}
     for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
-        known |= {found: quantity for found, quantity, _ in parameters(root, prefix)}
+        known |= {match: quantity for match, quantity, _ in parameters(root, prefix)}
     full = full_path(path, known)
     array = np.atleast_1d(as_numbers(full, values))
     if array.ndim > 1 or not array.size or not np.isfinite(array).all():
@@ -117,7 +117,7 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
     if period is not None:
         return np.full(count, PERIOD.check("sweep", "period", period))
     own = {path: values for path, values in columns.items() if path.startswith("mechanism.")}
-    found = np.empty(count)
+    result = np.empty(count)
     seen: dict[tuple[float, ...], float] = {}
     for row in range(count):
         changes = {path: float(values[row]) for path, values in own.items()}
@@ -125,8 +125,8 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
         if key not in seen:
             with concerning(f"run {row}:"):
                 seen[key] = cycle_of(vary(mechanism, "mechanism", changes))
-        found[row] = seen[key]
-    return found
+        result[row] = seen[key]
+    return result
 
 
 def pair_of(
@@ -167,7 +167,7 @@ def energies_of(
     >>> energies_of(axis, law, speeds, spans, None, compiled(None))["power friction"].tolist()
     [0.125, 0.5]
     """
-    found = {name: np.full(len(spans), np.nan) for name in columns_of(mechanism)}
+    result = {name: np.full(len(spans), np.nan) for name in columns_of(mechanism)}
     for row in np.flatnonzero(np.isfinite(spans).all(axis=1)).tolist():
         at = {path: float(values[row]) for path, values in columns.items()}
         own, laws = pair_of(mechanism, law, at)
@@ -180,8 +180,8 @@ def energies_of(
                 own, run, coordinate=coordinate, since=since, until=min(until, run.span[1])
             )
             for name, value in balance.columns().items():
-                found[name][row] = value
-    return found
+                result[name][row] = value
+    return result
 
 
 def counted(owner: str, name: str, value: object, least: int) -> int:
@@ -204,8 +204,8 @@ def _whole(value: object) -> int | None:
     """Return a whole number as such; floats count where they are whole."""
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         return None
-    found = float(value)
-    return int(found) if found.is_integer() else None
+    result = float(value)
+    return int(result) if result.is_integer() else None
 
 
 def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:

@@ -105,14 +105,14 @@ def passes_of(
         times = np.append(inner, steps[-1])
         seen = run.at(times) - times[:, None] * speeds
         here = section or _chosen(mechanism, states, seen[times >= 0.5 * length])
-        found = np.empty(0) if here is None else _passes(mechanism, states, run, here, times, seen)
-        if len(found) >= least or (
-            (len(steps) > FEWEST_STEPS or length > LONGEST) and len(found) < 2
+        result = np.empty(0) if here is None else _passes(mechanism, states, run, here, times, seen)
+        if len(result) >= least or (
+            (len(steps) > FEWEST_STEPS or length > LONGEST) and len(result) < 2
         ):
             break
         length *= LONGER
-    starts, lack = run.at(found) - found[:, None] * speeds, ""
-    if len(found) < max(least, 2):
+    starts, lack = run.at(result) - result[:, None] * speeds, ""
+    if len(result) < max(least, 2):
         what = "nothing moves to and fro"
         if here is not None:
             level = number(here.at(mechanism), 4)
@@ -122,10 +122,10 @@ def passes_of(
             " steadily; begin elsewhere, or give the section that it passes."
         )
     else:
-        lap = seen[(times >= found[-2]) & (times <= found[-1])]
+        lap = seen[(times >= result[-2]) & (times <= result[-1])]
         if (np.ptp(lap, axis=0) <= STEADY * np.abs(lap).max(axis=0)).all():
             lack = "there is no cycle: the motion becomes steady sliding."
-    return Passes(here, found, starts, run.status, lack)
+    return Passes(here, result, starts, run.status, lack)
 
 
 def given_section(states: Sequence[str], given: Mapping[str, float] | None) -> Section | None:

@@ -203,8 +203,8 @@ class Band(OnAxes, Tabular):
     def at(self, name: str, t: ArrayLike) -> Array:
         """Return lower end, median and upper end (3, n) of a state at some of the times `t`."""
         places = np.searchsorted(self.t, np.asarray(t, dtype=np.float64))
-        found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
-        return found
+        result: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
+        return result
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the band as a pandas DataFrame: ``x_low``, ``x_median``, ``x_high`` over ``t``."""
@@ -245,7 +245,7 @@ class Band(OnAxes, Tabular):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
-        found: dict[str, Mapping[str, Any]] = {
+        result: dict[str, Mapping[str, Any]] = {
             "travel": {name: spread._asdict() for name, spread in self.travels.items()},
             "mean_velocity": {name: mean._asdict() for name, mean in self.mean_velocities.items()},
             "travel_by_cycle": {
@@ -260,7 +260,7 @@ class Band(OnAxes, Tabular):
             "reasons": list(self.reasons),
             "seed": self.seed,
             "parameters": {path: _spread(values)._asdict() for path, values in self.draws.items()},
-            **{name: _only(name, of) if alone else of for name, of in found.items()},
+            **{name: _only(name, of) if alone else of for name, of in result.items()},
         }
 
 
@@ -611,8 +611,8 @@ class ValidatedTravel(metaclass=Described):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        found = {"residual": self.residual, "relative_error": self.relative_error}
-        return {**vars(self), **found, "inside": self.inside}
+        result = {"residual": self.residual, "relative_error": self.relative_error}
+        return {**vars(self), **result, "inside": self.inside}
 
     @property
     def relative_error(self) -> float | None:
@@ -729,12 +729,12 @@ class Validation(InPanels):
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
         names = ("agrees", "verdict", "records", "travels", "drawn", "kept", "seed", "reasons")
-        found = {name: getattr(self, name) for name in names} | {
+        result = {name: getattr(self, name) for name in names} | {
             "uncertainty_of_travels_stated": self.stated if self.travels else None,
             "share_with_as_large_residuals_of_travels": self.travels_as_large,
             "draws": self.count,
         }
-        return dict(json_value(found))
+        return dict(json_value(result))
 
     def _summary(self) -> Summary:
         first, *rest = self.sentences()
@@ -865,14 +865,14 @@ class _Uncertain:
         index: int,
     ) -> dict[str, Array]:
         """Return draws for a record or trial of an index; what it does not share is its own."""
-        found: dict[str, Array] = {}
+        result: dict[str, Array] = {}
         if self.known is not None or shared:
-            found |= draws_of(mechanism, self.law, self.known, shared, self.count, self.seed)
+            result |= draws_of(mechanism, self.law, self.known, shared, self.count, self.seed)
         if separate:
             seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
-            found |= draws_of(mechanism, self.law, None, separate, self.count, seed)
-        self.paths |= dict.fromkeys(found)
-        return found
+            result |= draws_of(mechanism, self.law, None, separate, self.count, seed)
+        self.paths |= dict.fromkeys(result)
+        return result
 
     def lasted(self, runs: Ensemble) -> NDArray[np.bool_]:
         """Return which runs with draws lasted (n,), and note why others did not.
@@ -1047,8 +1047,8 @@ def _shifted(
     tried = np.linspace(-most, most, 81)
     best = int(np.argmin([size(shift) for shift in tried]))
     near = (float(tried[max(best - 1, 0)]), float(tried[min(best + 1, 80)]))
-    found = minimize_scalar(size, bounds=near, method="bounded")
-    return float(found.x), float(found.fun)
+    result = minimize_scalar(size, bounds=near, method="bounded")
+    return float(result.x), float(result.fun)
 
 
 def _travels(
@@ -1319,7 +1319,7 @@ def compare_estimates(
             f"compare_estimates takes a fit of {law.name}, got one of {fit.law.name}: fit that law."
         )
     values = {path: value for path, _, value in parameters(law, "friction")}
-    found = []
+    result = []
     for estimate in fit.estimates:
         if estimate.path not in values:
             continue
@@ -1332,7 +1332,7 @@ def compare_estimates(
                 spread_of(values[estimate.path], low, high, estimates.interval),
                 spread_of(estimate.value, estimate.low, estimate.high, estimate.interval),
             )
-        found.append(
+        result.append(
             ParameterAgreement(
                 path=estimate.path,
                 symbol=estimate.quantity.symbol,
@@ -1344,4 +1344,4 @@ def compare_estimates(
                 standard_error=error,
             )
         )
-    return tuple(found)
+    return tuple(result)

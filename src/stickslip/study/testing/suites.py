@@ -121,14 +121,14 @@ def examine(
 
 def _found(case: Case, suite: "Suite[Case]") -> list[ConformanceFinding]:
     """Return what checks find; one that cannot be made has found something, too."""
-    found = []
+    result = []
     for name, check in suite.items():
         try:
             problems = list(islice(check(case), MOST_PROBLEMS))
         except Exception as error:  # code of somebody else may raise anything
             problems = [f"{type(error).__name__}: {error}"]
-        found += [ConformanceFinding(check=name, problem=problem) for problem in problems]
-    return found
+        result += [ConformanceFinding(check=name, problem=problem) for problem in problems]
+    return result
 
 
 # The suite for friction laws.

@@ -11,7 +11,7 @@ those that minimise the sum of their squares over the levels, within these: as i
 way elastically, at one deflection up to their level, and then no more.
 """
 
-from stickslip.engine.kernels.backend import Vector, Wholes, rare
+from stickslip.engine.kernels.backend import IntVector, Vector, rare
 from stickslip.engine.kernels.equations import combined, factor_of, size_along
 from stickslip.engine.kernels.state_layout import (
     BORNE,
@@ -46,27 +46,27 @@ BEYOND = 1e-9
 """Share of a force that deflections may leave where held contacts have reached their levels."""
 
 
-def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
+def crossing(cut: int, direction: int, w: Vector, iw: IntVector) -> float:
     """Return the rate of a direction in the motion of a cut."""
-    n, directions = whole[N_COORDINATES], whole[N_DIRECTIONS]
+    n, directions = iw[N_COORDINATES], iw[N_DIRECTIONS]
     # Rates of closing slips in the motions of cuts stand behind all rows of the coordinates.
     if direction < n:
-        return w[whole[LOOPS] + (cut - n) * n + direction]
-    first = whole[LOOPS] + (whole[N_PAIRS] - n) * n
+        return w[iw[LOOPS] + (cut - n) * n + direction]
+    first = iw[LOOPS] + (iw[N_PAIRS] - n) * n
     return w[first + (cut - directions) * (directions - n) + direction - n]
 
 
 @rare
-def scale_cuts(w: Vector, whole: Wholes) -> None:
+def scale_cuts(w: Vector, iw: IntVector) -> None:
     """Divide the motion of each cut by its largest rate; at values where it is none, leave zeros.
 
     Minors of rows have any size. Where rows are dependent at the values at hand, their minors are
     0, and the loop breaks open along other cuts.
     """
-    n, directions = whole[N_COORDINATES], whole[N_DIRECTIONS]
-    first = whole[LOOPS] + (whole[N_PAIRS] - n) * n
-    for cut in range(directions, whole[N_PAIRS]):
-        row, crossed = whole[LOOPS] + (cut - n) * n, first + (cut - directions) * (directions - n)
+    n, directions = iw[N_COORDINATES], iw[N_DIRECTIONS]
+    first = iw[LOOPS] + (iw[N_PAIRS] - n) * n
+    for cut in range(directions, iw[N_PAIRS]):
+        row, crossed = iw[LOOPS] + (cut - n) * n, first + (cut - directions) * (directions - n)
         largest = 0.0
         for j in range(n):
             largest = max(largest, abs(w[row + j]))
@@ -76,23 +76,23 @@ def scale_cuts(w: Vector, whole: Wholes) -> None:
             w[row + j] = w[row + j] / largest if abs(w[row + j]) > NOTHING * largest else 0.0
         for d in range(directions - n):
             if w[crossed + d] != 0.0:  # what no motion of the cut crosses stays 0
-                rate = combined(n + d, row, w, whole)
-                beyond = abs(rate) > NOTHING * size_along(n + d, row, w, whole)
+                rate = combined(n + d, row, w, iw)
+                beyond = abs(rate) > NOTHING * size_along(n + d, row, w, iw)
                 w[crossed + d] = rate if beyond else 0.0
 
 
-def leave(to: int, d: int, w: Vector, whole: Wholes) -> None:
+def leave(to: int, d: int, w: Vector, iw: IntVector) -> None:
     """Leave of a row over the coordinates what held ones and the first `d` closing slips do not."""
-    n = whole[N_COORDINATES]
+    n = iw[N_COORDINATES]
     # The size of the row before anything is left out tells what of it is rounding.
     size = 0.0
     for j in range(n):
         size = max(size, abs(w[to + j]))
-        if whole[whole[MODES] + j] == HELD_FAST:
+        if iw[iw[MODES] + j] == HELD_FAST:
             w[to + j] = 0.0
     # Rows of followers are free of each other (`find_followers`), so that one pass does.
     for e in range(d):
-        follower, other = whole[whole[FOLLOWERS] + e], whole[FOLLOWED] + e * n
+        follower, other = iw[iw[FOLLOWERS] + e], iw[FOLLOWED] + e * n
         if follower >= 0 and w[to + follower] != 0.0:
             factor = w[to + follower]
             for j in range(n):
@@ -104,20 +104,20 @@ def leave(to: int, d: int, w: Vector, whole: Wholes) -> None:
 
 
 @rare
-def find_followers(w: Vector, whole: Wholes) -> None:
+def find_followers(w: Vector, iw: IntVector) -> None:
     """Choose the coordinates that follow from others, for the modes at hand; set those of cuts.
 
     A cut is watched as a held coordinate is as long as a held direction has a part in it.
     """
-    n, directions, modes = whole[N_COORDINATES], whole[N_DIRECTIONS], whole[MODES]
+    n, directions, modes = iw[N_COORDINATES], iw[N_DIRECTIONS], iw[MODES]
     for d in range(directions - n):
-        row = whole[FOLLOWED] + d * n
-        whole[whole[FOLLOWERS] + d] = -1
-        if whole[modes + n + d] != HELD_FAST:
+        row = iw[FOLLOWED] + d * n
+        iw[iw[FOLLOWERS] + d] = -1
+        if iw[modes + n + d] != HELD_FAST:
             continue
         for j in range(n):
-            w[row + j] = factor_of(n + d, j, w, whole)
-        leave(row, d, w, whole)
+            w[row + j] = factor_of(n + d, j, w, iw)
+        leave(row, d, w, iw)
         # The largest entry is divided by: it follows, and the others stay below 1.
         best, largest = -1, 0.0
         for j in range(n):
@@ -128,36 +128,36 @@ def find_followers(w: Vector, whole: Wholes) -> None:
         pivot = w[row + best]
         for j in range(n):
             w[row + j] /= pivot
-        whole[whole[FOLLOWERS] + d] = best
+        iw[iw[FOLLOWERS] + d] = best
         # Earlier rows lose the new follower, as Gauss and Jordan do.
         for e in range(d):
-            other = whole[FOLLOWED] + e * n
-            if whole[whole[FOLLOWERS] + e] >= 0 and w[other + best] != 0.0:
+            other = iw[FOLLOWED] + e * n
+            if iw[iw[FOLLOWERS] + e] >= 0 and w[other + best] != 0.0:
                 factor = w[other + best]
                 for j in range(n):
                     w[other + j] -= factor * w[row + j]
                 w[other + best] = 0.0
-    watch_cuts(w, whole)
+    watch_cuts(w, iw)
 
 
-def watch_cuts(w: Vector, whole: Wholes) -> None:
+def watch_cuts(w: Vector, iw: IntVector) -> None:
     """Set the modes of all cuts, for those of the directions."""
-    directions, modes = whole[N_DIRECTIONS], whole[MODES]
+    directions, modes = iw[N_DIRECTIONS], iw[MODES]
     # A cut is one more direction to watch, but never one to be decided: its mode follows.
-    for cut in range(directions, whole[N_PAIRS]):
-        whole[modes + cut] = FREE
+    for cut in range(directions, iw[N_PAIRS]):
+        iw[modes + cut] = FREE
         for i in range(directions):
-            if whole[modes + i] == HELD_FAST and crossing(cut, i, w, whole) != 0.0:
-                whole[modes + cut] = HELD_FAST
+            if iw[modes + i] == HELD_FAST and crossing(cut, i, w, iw) != 0.0:
+                iw[modes + cut] = HELD_FAST
 
 
 @rare
-def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
+def is_bound(i: int, w: Vector, iw: IntVector) -> bool:
     """Return whether nothing can move along a direction, for others are held."""
-    n, row = whole[N_COORDINATES], whole[SHARES]
+    n, row = iw[N_COORDINATES], iw[SHARES]
     for j in range(n):
-        w[row + j] = factor_of(i, j, w, whole)
-    leave(row, whole[N_DIRECTIONS] - n, w, whole)
+        w[row + j] = factor_of(i, j, w, iw)
+    leave(row, iw[N_DIRECTIONS] - n, w, iw)
     free = False
     for j in range(n):
         free = free or w[row + j] != 0.0
@@ -165,29 +165,29 @@ def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
 
 
 @rare
-def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
+def close_loops(waiting: bool, w: Vector, iw: IntVector) -> None:
     """Hold all that others hold already, or of these what is to be decided."""
-    find_followers(w, whole)
-    for i in range(whole[N_DIRECTIONS]):
-        mode = whole[whole[MODES] + i]
-        decided = whole[whole[LOOPED] + i] == 1 and whole[whole[RIGID] + i] == 1
-        decided = decided and (not waiting or whole[whole[CANDIDATES] + i] == 1)
-        if decided and mode not in (HELD_FAST, FREE) and is_bound(i, w, whole):
-            whole[whole[MODES] + i] = HELD_FAST
-    find_followers(w, whole)  # what is held now makes others follow
+    find_followers(w, iw)
+    for i in range(iw[N_DIRECTIONS]):
+        mode = iw[iw[MODES] + i]
+        decided = iw[iw[LOOPED] + i] == 1 and iw[iw[RIGID] + i] == 1
+        decided = decided and (not waiting or iw[iw[CANDIDATES] + i] == 1)
+        if decided and mode not in (HELD_FAST, FREE) and is_bound(i, w, iw):
+            iw[iw[MODES] + i] = HELD_FAST
+    find_followers(w, iw)  # what is held now makes others follow
 
 
 @rare
-def project_mass(w: Vector, whole: Wholes) -> int:
+def project_mass(w: Vector, iw: IntVector) -> int:
     """Write the mass matrix of the coordinates from which others follow; return its place.
 
     Rows of followers are those of 1.
     """
-    n, to = whole[N_COORDINATES], whole[PROJECTED]
+    n, to = iw[N_COORDINATES], iw[PROJECTED]
     for i in range(n * n):
-        w[to + i] = w[whole[MASS] + i]
-    for d in range(whole[N_DIRECTIONS] - n):
-        p, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n
+        w[to + i] = w[iw[MASS] + i]
+    for d in range(iw[N_DIRECTIONS] - n):
+        p, row = iw[iw[FOLLOWERS] + d], iw[FOLLOWED] + d * n
         if p < 0:
             continue
         # T^T M T, where T gives all coordinates by those that are left: columns first, then rows.
@@ -206,12 +206,12 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 
 
 @rare
-def fold(right: int, w: Vector, whole: Wholes) -> None:
+def fold(right: int, w: Vector, iw: IntVector) -> None:
     """Add forces on followers to those on what they follow from."""
-    n = whole[N_COORDINATES]
+    n = iw[N_COORDINATES]
     # Virtual work: a force on a follower acts on what it follows from with its factor, negated.
-    for d in range(whole[N_DIRECTIONS] - n):
-        p, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n
+    for d in range(iw[N_DIRECTIONS] - n):
+        p, row = iw[iw[FOLLOWERS] + d], iw[FOLLOWED] + d * n
         if p >= 0:
             for j in range(n):
                 if j != p:
@@ -219,69 +219,69 @@ def fold(right: int, w: Vector, whole: Wholes) -> None:
             w[right + p] = 0.0
 
 
-def mass_along(i: int, w: Vector, whole: Wholes) -> float:
+def mass_along(i: int, w: Vector, iw: IntVector) -> float:
     """Return the inertia of a motion along a coordinate, or that of a cut."""
-    n = whole[N_COORDINATES]
+    n = iw[N_COORDINATES]
     if i < n:
-        return w[whole[MASS] + i * n + i]
-    return mass_of_sum(i, w, whole)
+        return w[iw[MASS] + i * n + i]
+    return mass_of_sum(i, w, iw)
 
 
 @rare
-def mass_of_sum(i: int, w: Vector, whole: Wholes) -> float:
+def mass_of_sum(i: int, w: Vector, iw: IntVector) -> float:
     """Return the inertia of the motion of a cut."""
-    n, total = whole[N_COORDINATES], 0.0
+    n, total = iw[N_COORDINATES], 0.0
     for j in range(n):
-        total += factor_of(i, j, w, whole) * combined(i, whole[MASS] + j * n, w, whole)
+        total += factor_of(i, j, w, iw) * combined(i, iw[MASS] + j * n, w, iw)
     return total
 
 
 @rare
-def cut_levels(levels: int, w: Vector, whole: Wholes) -> None:
+def cut_levels(levels: int, w: Vector, iw: IntVector) -> None:
     """Write the levels of all cuts, from those of the held directions that have a part in each."""
-    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+    for cut in range(iw[N_DIRECTIONS], iw[N_PAIRS]):
         w[levels + 2 * cut] = 0.0
         w[levels + 2 * cut + 1] = 0.0
-        for i in range(whole[N_DIRECTIONS]):
-            rate = crossing(cut, i, w, whole)
-            if whole[whole[MODES] + i] == HELD_FAST and rate != 0.0:
+        for i in range(iw[N_DIRECTIONS]):
+            rate = crossing(cut, i, w, iw)
+            if iw[iw[MODES] + i] == HELD_FAST and rate != 0.0:
                 along = 0 if rate > 0.0 else 1
                 w[levels + 2 * cut] += abs(rate) * w[levels + 2 * i + along]
                 w[levels + 2 * cut + 1] += abs(rate) * w[levels + 2 * i + 1 - along]
 
 
 @rare
-def share_in_loops(w: Vector, whole: Wholes) -> None:
+def share_in_loops(w: Vector, iw: IntVector) -> None:
     """Write the force along each cut, and the needed friction of each held direction of a loop.
 
     Forces grow in proportion up to those at hand, and deflections with them. A direction whose
     level is reached has that, unless its deflection falls again; directions of a level of 0 have
     nothing.
     """
-    n, directions, needed = whole[N_COORDINATES], whole[N_DIRECTIONS], whole[NEEDED]
-    for cut in range(directions, whole[N_PAIRS]):
-        held = whole[whole[MODES] + cut] == HELD_FAST
-        w[needed + cut] = combined(cut, whole[BORNE], w, whole) if held else 0.0
+    n, directions, needed = iw[N_COORDINATES], iw[N_DIRECTIONS], iw[NEEDED]
+    for cut in range(directions, iw[N_PAIRS]):
+        held = iw[iw[MODES] + cut] == HELD_FAST
+        w[needed + cut] = combined(cut, iw[BORNE], w, iw) if held else 0.0
     # Scratch behind the equations of the deflections: their growth, and where levels are reached.
-    rates = whole[SHARES] + n * (n + 2)
+    rates = iw[SHARES] + n * (n + 2)
     clamped = rates + directions
     for i in range(directions):
         w[clamped + i] = 0.0
-        if whole[whole[LOOPED] + i]:
+        if iw[iw[LOOPED] + i]:
             w[needed + i] = 0.0
     reached = 0.0
     for _ in range(MOST_LOADINGS * directions):
-        if reached >= 1.0 or not grow(rates, clamped, w, whole):
+        if reached >= 1.0 or not grow(rates, clamped, w, iw):
             return
         # Where something was let go, growth is another: nothing is loaded before it is known.
-        if not release(rates, clamped, w, whole):
-            reached += load_on(1.0 - reached, rates, clamped, w, whole)
+        if not release(rates, clamped, w, iw):
+            reached += load_on(1.0 - reached, rates, clamped, w, iw)
 
 
-def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
+def release(rates: int, clamped: int, w: Vector, iw: IntVector) -> bool:
     """Let directions at their levels go whose deflections fall; return whether there are any."""
     released = False
-    for i in range(whole[N_DIRECTIONS]):
+    for i in range(iw[N_DIRECTIONS]):
         # it moves back from the side at which it is clamped
         if w[clamped + i] * w[rates + i] < 0.0:
             w[clamped + i] = 0.0
@@ -289,76 +289,76 @@ def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
     return released
 
 
-def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> float:
+def load_on(rest: float, rates: int, clamped: int, w: Vector, iw: IntVector) -> float:
     """Load until a level is reached, or all of the rest is on; return the share that was added."""
-    needed, step, which = whole[NEEDED], rest, -1
-    for i in range(whole[N_DIRECTIONS]):
+    needed, step, which = iw[NEEDED], rest, -1
+    for i in range(iw[N_DIRECTIONS]):
         # Deflections grow at one rate; forces by their stiffnesses, up to the first level.
-        rate = stiffness(i, w, whole) * w[rates + i]
+        rate = stiffness(i, w, iw) * w[rates + i]
         if w[clamped + i] == 0.0 and rate != 0.0:
-            level = w[whole[LEVELS] + 2 * i + (0 if rate > 0.0 else 1)]
+            level = w[iw[LEVELS] + 2 * i + (0 if rate > 0.0 else 1)]
             side = 1.0 if rate > 0.0 else -1.0
             room = max((level - side * w[needed + i]) / abs(rate), 0.0)
             if room < step:
                 step, which = room, i
-    for i in range(whole[N_DIRECTIONS]):
+    for i in range(iw[N_DIRECTIONS]):
         if w[clamped + i] == 0.0:
-            w[needed + i] += step * stiffness(i, w, whole) * w[rates + i]
+            w[needed + i] += step * stiffness(i, w, iw) * w[rates + i]
     if which >= 0:
         forward = w[rates + which] > 0.0
         w[clamped + which] = 1.0 if forward else -1.0
         # The level itself: rounding of many stages must not add up.
-        level = w[whole[LEVELS] + 2 * which + (0 if forward else 1)]
+        level = w[iw[LEVELS] + 2 * which + (0 if forward else 1)]
         w[needed + which] = level if forward else -level
     return step
 
 
-def stiffness(i: int, w: Vector, whole: Wholes) -> float:
+def stiffness(i: int, w: Vector, iw: IntVector) -> float:
     """Return the stiffness with which a held direction of a loop shares: the mean of its levels."""
-    if not whole[whole[LOOPED] + i] or whole[whole[MODES] + i] != HELD_FAST:
+    if not iw[iw[LOOPED] + i] or iw[iw[MODES] + i] != HELD_FAST:
         return 0.0
-    return 0.5 * (w[whole[LEVELS] + 2 * i] + w[whole[LEVELS] + 2 * i + 1])
+    return 0.5 * (w[iw[LEVELS] + 2 * i] + w[iw[LEVELS] + 2 * i + 1])
 
 
-def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
+def grow(rates: int, clamped: int, w: Vector, iw: IntVector) -> bool:
     """Write how deflections grow with the forces, unless too few are below their levels."""
-    n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
+    n, wide, rows = iw[N_COORDINATES], iw[N_COORDINATES] + 1, iw[SHARES]
     growth, size = rows + n * wide, 0.0
-    put_stiffness(clamped, w, whole)
+    put_stiffness(clamped, w, iw)
     for j in range(n):
         w[growth + j] = 0.0
         size = max(size, abs(w[rows + j * wide + n]))
-    eliminate(growth, w, whole)
+    eliminate(growth, w, iw)
     for j in range(n):
         used = w[growth + j] != 0.0
         w[growth + j] = w[rows + j * wide + n] if used else 0.0
         # A force that no stiffness below its level can balance: the rest cannot be put on.
         if not used and abs(w[rows + j * wide + n]) > BEYOND * size:
             return False
-    for i in range(whole[N_DIRECTIONS]):
-        w[rates + i] = combined(i, growth, w, whole)
+    for i in range(iw[N_DIRECTIONS]):
+        w[rates + i] = combined(i, growth, w, iw)
     return size > 0.0
 
 
-def put_stiffness(clamped: int, w: Vector, whole: Wholes) -> None:
+def put_stiffness(clamped: int, w: Vector, iw: IntVector) -> None:
     """Write the equations of the deflections: stiffnesses of what is not at its level, forces."""
-    n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
+    n, wide, rows = iw[N_COORDINATES], iw[N_COORDINATES] + 1, iw[SHARES]
     for j in range(n):
         for k in range(n):
             w[rows + j * wide + k] = 0.0
-        w[rows + j * wide + n] = w[whole[BORNE] + j]
-    for i in range(whole[N_DIRECTIONS]):
-        weight = stiffness(i, w, whole) if w[clamped + i] == 0.0 else 0.0
+        w[rows + j * wide + n] = w[iw[BORNE] + j]
+    for i in range(iw[N_DIRECTIONS]):
+        weight = stiffness(i, w, iw) if w[clamped + i] == 0.0 else 0.0
         for j in range(n):
-            own = weight * factor_of(i, j, w, whole)
+            own = weight * factor_of(i, j, w, iw)
             if own != 0.0:
                 for k in range(n):
-                    w[rows + j * wide + k] += own * factor_of(i, k, w, whole)
+                    w[rows + j * wide + k] += own * factor_of(i, k, w, iw)
 
 
-def eliminate(used: int, w: Vector, whole: Wholes) -> None:
+def eliminate(used: int, w: Vector, iw: IntVector) -> None:
     """Solve the equations of deflections as far as there are stiffnesses; mark rows used."""
-    n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
+    n, wide, rows = iw[N_COORDINATES], iw[N_COORDINATES] + 1, iw[SHARES]
     largest = 0.0
     for j in range(n):
         largest = max(largest, w[rows + j * wide + j])

@@ -31,7 +31,7 @@ import numpy as np
 from stickslip.engine import kernels
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels import backend, entries, equations
-from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.backend import IntVector, Vector
 from stickslip.engine.solver.compile import translation
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
 from stickslip.errors import CompilationError
@@ -118,14 +118,14 @@ def _chosen(numbers: dict[str, int]) -> list[str]:
 @functools.lru_cache(maxsize=256)
 def numbered(model: Model) -> dict[str, int]:
     """Return the numbers by which kernels call the functions of a model's equations."""
-    found = {name: i for i, name in enumerate(equations.CALLED)}
+    result = {name: i for i, name in enumerate(equations.CALLED)}
     for numbers, start in LAW_FUNCTIONS.items():
-        found |= {
+        result |= {
             match[0]: start + int(match[1])
             for name in model.sizes.lengths()
             if (match := numbers.fullmatch(name))
         }
-    return {name: number for name, number in found.items() if f"def {name}(" in model.text}
+    return {name: number for name, number in result.items() if f"def {name}(" in model.text}
 
 
 @functools.lru_cache(maxsize=256)
@@ -141,7 +141,7 @@ def code_of(model: Model) -> EquationsCode:
 
 KINDS: dict[Any, str] = {
     Vector: translation.VECTOR,
-    Wholes: translation.WHOLES,
+    IntVector: translation.WHOLES,
     float: translation.REAL,
     int: translation.WHOLE,
     bool: translation.TRUTH,
@@ -149,7 +149,7 @@ KINDS: dict[Any, str] = {
 """Kinds of values by their annotations."""
 CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
-    backend.call_contacts: ("name", "t", "w", "whole", "at", "to"),
+    backend.call_contacts: ("name", "t", "w", "iw", "at", "to"),
 }
 """What is called by an address in a vector, and what it is given."""
 NUMBERS: Mapping[str, Any] = {translation.REAL: ctypes.c_double, translation.WHOLE: ctypes.c_int64}
@@ -216,18 +216,18 @@ def _name() -> str:
 
 def _reached() -> list[FunctionType]:
     """Return the functions that the entries call, directly or not."""
-    found = dict[FunctionType, None]()
+    result = dict[FunctionType, None]()
     waiting = [getattr(entries, name) for name in entries.__all__]
     while waiting:
         function = waiting.pop()
         if (
-            function not in found
+            function not in result
             and function not in CALLED_BY_ADDRESS
             and function is not backend.rare
         ):
-            found[function] = None
+            result[function] = None
             waiting += _callees(function)
-    return list(found)
+    return list(result)
 
 
 def _callees(function: FunctionType) -> Iterator[FunctionType]:
@@ -243,8 +243,8 @@ def _outside(function: FunctionType, name: str) -> object:
     module, _, last = name.rpartition(".")
     if not module:
         return function.__globals__.get(last)
-    found = function.__globals__.get(module)
-    return getattr(found, last, None) if isinstance(found, ModuleType) else None
+    result = function.__globals__.get(module)
+    return getattr(result, last, None) if isinstance(result, ModuleType) else None
 
 
 @functools.cache
@@ -289,10 +289,10 @@ def function_of(function: FunctionType) -> translation.Function:
     """Return a kernel as it is translated, with what the names in it stand for."""
 
     def meaning(name: str) -> translation.Meaning | None:
-        found = _outside(function, name)
-        if isinstance(found, FunctionType):
-            return signature_of(found)
-        return found if isinstance(found, bool | int | float | tuple) else None
+        result = _outside(function, name)
+        if isinstance(result, FunctionType):
+            return signature_of(result)
+        return result if isinstance(result, bool | int | float | tuple) else None
 
     title = f"{function.__module__}.{function.__name__}"
     return translation.Function(_definition(function), signature_of(function), meaning, title)

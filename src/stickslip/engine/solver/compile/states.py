@@ -92,13 +92,13 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
         h, v, n = (Written(name, lines) for name in STEP)
         own = bound(own, {name: Written(f"x_{name}", lines) for name in shape.inputs})
         z = tuple(Written(f"z{i}", lines) for i in range(len(law.states)))
-        found = own.moved(v, n, z, h)
-        entry = RATES if found is None else FORMULA
+        output = own.moved(v, n, z, h)
+        entry = RATES if output is None else FORMULA
         # The entry for rates integrates one state.
-        if found is None and len(z) > 1:
+        if output is None and len(z) > 1:
             return None
-        found = own.rates(v, n, z) if found is None else found
-        results = [lines.word(value) for value in found]
+        output = own.rates(v, n, z) if output is None else output
+        results = [lines.word(value) for value in output]
     except (TypeError, ValueError, ArithmeticError, AttributeError, CompilationError):
         # Equations of others may ask of numbers what no program can do: they run in NumPy.
         return None

@@ -320,12 +320,12 @@ class _Body:
                 self._store(target, self._value(value, names), names)
             case ast.Tuple(elts=targets):
                 values = self._several(value, len(targets), names)
-                for node, found in zip(targets, values, strict=True):
+                for node, results in zip(targets, values, strict=True):
                     match node:
                         case ast.Name(id=name):
-                            self._store_local(name, found, names, node)
+                            self._store_local(name, results, names, node)
                         case ast.Subscript():
-                            self._store(node, found, names)
+                            self._store(node, results, names)
                         case _:
                             raise self._refused(node)
             case _:
@@ -387,21 +387,21 @@ class _Body:
             self._line("ret void")
             return
         if len(wanted) == 1:
-            found = [self._value(value, names)]
+            results = [self._value(value, names)]
         else:
-            found = self._several(value, len(wanted), names)
-        found = [
-            self._real_of(one) if kind == REAL else one
-            for one, kind in zip(found, wanted, strict=True)
+            results = self._several(value, len(wanted), names)
+        results = [
+            self._real_of(item) if kind == REAL else item
+            for item, kind in zip(results, wanted, strict=True)
         ]
-        if tuple(one.kind for one in found) != wanted:
+        if tuple(item.kind for item in results) != wanted:
             raise self._refused(node, f"does not return {_words(wanted)}")
-        if len(found) == 1:
-            self._line(f"ret {wanted[0]} {found[0].text}")
+        if len(results) == 1:
+            self._line(f"ret {wanted[0]} {results[0].text}")
             return
         # A result of several values is built up from an undefined one.
         whole = Value(signature.result, "undef")
-        for i, result in enumerate(found):
+        for i, result in enumerate(results):
             text = f"insertvalue {whole.kind} {whole.text}, {result.kind} {result.text}, {i}"
             whole = self._result(signature.result, text)
         self._line(f"ret {whole.kind} {whole.text}")
@@ -507,8 +507,8 @@ class _Body:
             case ast.BoolOp(op=op, values=values):
                 return self._joined(op, values, names)
             case ast.UnaryOp(op=ast.Not(), operand=operand):
-                found = self._truth(operand, names)
-                return self._result(TRUTH, f"xor i1 {found}, true").text
+                result = self._truth(operand, names)
+                return self._result(TRUTH, f"xor i1 {result}, true").text
             case ast.Compare():
                 return self._compared(node, names)
         value = self._value(node, names)
@@ -525,15 +525,15 @@ class _Body:
         decided = "false" if isinstance(op, ast.And) else "true"
         ways = []
         for i, value in enumerate(values):
-            found = self._truth(value, names)
+            result = self._truth(value, names)
             if i == len(values) - 1:
-                ways.append(f"[ {found}, %{self._block} ]")
+                ways.append(f"[ {result}, %{self._block} ]")
                 self._line(f"br label %end.{label}")
                 break
             ways.append(f"[ {decided}, %{self._block} ]")
             targets = (f"more.{label}.{i}", f"end.{label}")
             yes, no = targets if isinstance(op, ast.And) else targets[::-1]
-            self._fork(found, yes, no)
+            self._fork(result, yes, no)
             self._begin(f"more.{label}.{i}")
         self._begin(f"end.{label}")
         return self._result(TRUTH, f"phi i1 {', '.join(ways)}").text
@@ -551,8 +551,8 @@ class _Body:
         for op, left, right in zip(node.ops, values, values[1:], strict=False):
             if type(op) not in COMPARISONS or {left.kind, right.kind} & {VECTOR, WHOLES}:
                 raise self._refused(node)
-            found = self._comparison(op, left, right)
-            text = self._result(TRUTH, f"and i1 {text}, {found}").text if text else found
+            result = self._comparison(op, left, right)
+            text = self._result(TRUTH, f"and i1 {text}, {result}").text if text else result
         return text
 
     def _found(
@@ -564,8 +564,8 @@ class _Body:
             other = self._value(expression, names)
             if not {value.kind, other.kind} <= {WHOLE, REAL}:
                 raise self._refused(expression, "is no number")
-            found = self._comparison(ast.Eq(), value, other)
-            text = self._result(TRUTH, f"or i1 {text}, {found}").text
+            result = self._comparison(ast.Eq(), value, other)
+            text = self._result(TRUTH, f"or i1 {text}, {result}").text
         if isinstance(word, ast.NotIn):
             text = self._result(TRUTH, f"xor i1 {text}, true").text
         return text
@@ -621,14 +621,14 @@ class _Body:
                 return self._vectors[name]
             kind = self._kinds[name]
             return self._result(kind, f"load {kind}, ptr %{name}.place")
-        found = None
+        result = None
         if name.partition(".")[0] not in {*self._kinds, *self._vectors}:
-            found = CONSTANTS.get(name, self.function.meaning(name))
-        if isinstance(found, tuple):
-            return self._table(found)
-        if found is None or isinstance(found, Signature):
+            result = CONSTANTS.get(name, self.function.meaning(name))
+        if isinstance(result, tuple):
+            return self._table(result)
+        if result is None or isinstance(result, Signature):
             raise self._refused(node, "has no value here")
-        return self._number(found, node)
+        return self._number(result, node)
 
     def _table(self, numbers: tuple[float, ...]) -> Value:
         kind = _kind(numbers[0])
@@ -702,17 +702,17 @@ class _Body:
         label = self._label()
         condition = self._truth(node.test, names)
         self._fork(condition, f"then.{label}", f"else.{label}")
-        found, blocks = [], []
+        result, blocks = [], []
         for side, part in (("then", node.body), ("else", node.orelse)):
             self._begin(f"{side}.{label}")
-            found.append(self._value(part, names))
+            result.append(self._value(part, names))
             blocks.append(self._block)
             self._line(f"br label %end.{label}")
         # Both sides have to be of one kind: there is one place for the value.
-        if found[0].kind != found[1].kind:
-            raise self._refused(node, f"is {_word(found[0].kind)} or {_word(found[1].kind)}")
+        if result[0].kind != result[1].kind:
+            raise self._refused(node, f"is {_word(result[0].kind)} or {_word(result[1].kind)}")
         self._begin(f"end.{label}")
-        return self._met(found, blocks)
+        return self._met(result, blocks)
 
     def _met(self, found: Sequence[Value], blocks: Sequence[str]) -> Value:
         """Return the value of the way that was taken."""
@@ -777,11 +777,11 @@ class _Body:
         if not meaning.results:
             self._line(call)
             return []
-        found = self._result(meaning.result, call)
+        result = self._result(meaning.result, call)
         if len(meaning.results) == 1:
-            return [found]
+            return [result]
         return [
-            self._result(kind, f"extractvalue {found.kind} {found.text}, {i}")
+            self._result(kind, f"extractvalue {result.kind} {result.text}, {i}")
             for i, kind in enumerate(meaning.results)
         ]
 
@@ -820,14 +820,14 @@ class _Body:
     def _extreme(self, name: str, values: Sequence[Value]) -> Value:
         """Return the least or the greatest: the first one, unless another is beyond it."""
         kind = WHOLE if all(value.kind == WHOLE for value in values) else REAL
-        found = values[0] if kind == WHOLE else self._real_of(values[0])
+        result = values[0] if kind == WHOLE else self._real_of(values[0])
         for value in values[1:]:
             other = value if kind == WHOLE else self._real_of(value)
             # Strictly beyond, as Python compares: of equal numbers, or beside NaN, the first stays.
             op = ast.Lt() if name == "min" else ast.Gt()
-            beyond = self._comparison(op, other, found)
-            found = self._selected(beyond, other, found)
-        return found
+            beyond = self._comparison(op, other, result)
+            result = self._selected(beyond, other, result)
+        return result
 
     # --- kinds
 

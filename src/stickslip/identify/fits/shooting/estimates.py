@@ -267,7 +267,7 @@ def infer(
     moved = spread.changes @ by_seen.T
     once = takes_part(by_seen, spread.alone)
     reasons = [
-        why or (ONCE if one else "") for why, one in zip(known.reasons(scale), once, strict=True)
+        why or (ONCE if item else "") for why, item in zip(known.reasons(scale), once, strict=True)
     ]
     spare = max(len(jacobian.residual) - known.columns.shape[1], 1)
     naive = by_seen @ by_seen.T * (jacobian.cost / spare)
@@ -279,8 +279,10 @@ def infer(
         effective=effective_size(jacobian.residual),
         reasons=tuple(reasons),
         held={
-            path: np.array([one.followed(jacobian, scale) for one in displaced if one.path == path])
-            for path in dict.fromkeys(one.path for one in displaced)
+            path: np.array(
+                [item.followed(jacobian, scale) for item in displaced if item.path == path]
+            )
+            for path in dict.fromkeys(item.path for item in displaced)
         },
     )
 
@@ -311,11 +313,11 @@ def _spread(seen: ResidualJacobian, known: Directions, blocks: int) -> _Spread:
 
 def _unbounded(covariance: Array, reasons: Sequence[str]) -> Array:
     """Return a covariance that is infinite where there is a reason."""
-    found = covariance.copy()
+    result = covariance.copy()
     for i, reason in enumerate(reasons):
         if reason:
-            found[i, i] = np.inf
-    return found
+            result[i, i] = np.inf
+    return result
 
 
 def _left_out(squares: Array, slopes: Array) -> tuple[Array, Array]:
@@ -340,8 +342,8 @@ def _rests(squares: Array) -> Array:
     zero = np.zeros((1, *squares.shape[1:]))
     before = np.concatenate([zero, np.cumsum(squares, axis=0)[:-1]])
     after = np.concatenate([np.cumsum(squares[::-1], axis=0)[::-1][1:], zero])
-    found: Array = before + after
-    return found
+    result: Array = before + after
+    return result
 
 
 def freedom_of(squares: Array, direction: Array) -> float:
@@ -368,7 +370,7 @@ def freedom_of(squares: Array, direction: Array) -> float:
     size = np.where(size > 0.0, size, 1.0)
     squares, direction = squares / np.outer(size, size), direction / size
     known = _solved(squares.sum(axis=0), direction)
-    rest = [_solved(one, direction) for one in _rests(squares)]
+    rest = [_solved(item, direction) for item in _rests(squares)]
     others = 1.0 - np.eye(len(squares))
     # how leaving out block g answers to the gradient of block h
     answers = others[:, :, None] * np.array(rest)[:, None, :] - known
@@ -416,16 +418,16 @@ SEPARABLE = 300.0
 
 def bounds_met(free_parameters: FreeParameters, values: Array) -> Mapping[str, str]:
     """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``."""
-    found = {}
+    result = {}
     low, high = free_parameters.limits()
     at = free_parameters.coordinates(values)
     for i, item in enumerate(free_parameters.items):
         size = max(abs(item.start), 1e-300) if not item.log else 1.0
         if at[i] <= low[i] + NEGLIGIBLE * size:
-            found[item.path] = "lower"
+            result[item.path] = "lower"
         elif at[i] >= high[i] - NEGLIGIBLE * size:
-            found[item.path] = "upper"
-    return found
+            result[item.path] = "upper"
+    return result
 
 
 def estimates_of(
@@ -435,7 +437,7 @@ def estimates_of(
     at_bounds: Mapping[str, str],
 ) -> tuple[Estimate, ...]:
     """Return the estimates with 95 % intervals, and why an interval is not bounded."""
-    found = []
+    result = []
     for i, item in enumerate(free_parameters.items):
         value, half = float(jacobian.values[i]), float(inference.half_widths[i])
         low, high, reason = value - half, value + half, ""
@@ -453,7 +455,7 @@ def estimates_of(
         elif half > MANY * max(abs(value), (item.high - item.low) / (2.0 * WIDE)):
             low, high = -math.inf, math.inf
             reason = f"the record does not determine its magnitude, ± {with_unit(half, item, 2)}"
-        found.append(
+        result.append(
             Estimate(
                 path=item.path,
                 quantity=item.quantity,
@@ -465,7 +467,7 @@ def estimates_of(
                 sources={} if reason else _sources(inference, i),
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def _sources(inference: Inference, index: int) -> dict[str, float]:
@@ -493,7 +495,7 @@ def step_intervals(
     free_parameters: FreeParameters, jacobian: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
     """Return by path surplus, lower and upper end, for unknowns that stand above another."""
-    found = {}
+    result = {}
     paths = list(free_parameters.paths)
     for i, item in enumerate(free_parameters.items):
         if item.above not in paths:
@@ -503,8 +505,8 @@ def step_intervals(
         row[[i, j]] = 1.0, -1.0
         half = inference.half_width(row)
         step = float(jacobian.values[i] - jacobian.values[j])
-        found[item.path] = (step, step - half, step + half)
-    return found
+        result[item.path] = (step, step - half, step + half)
+    return result
 
 
 def sentences_of(
@@ -528,7 +530,11 @@ def sentences_of(
                 f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
                 f" from 0: {with_unit(step, item)}, interval {number(low)} to {number(high)}."
             )
-    known = {one.path for one in estimates if one.bounded and one.path not in at_bounds}
+    known = {
+        estimate.path
+        for estimate in estimates
+        if estimate.bounded and estimate.path not in at_bounds
+    }
     lines += _together(free_parameters, inference, known)
     if inference.condition > SEPARABLE:
         symbols = ", ".join(_inseparable(free_parameters, jacobian))
@@ -542,12 +548,12 @@ def sentences_of(
 def _inseparable(free_parameters: FreeParameters, jacobian: ResidualJacobian) -> list[str]:
     """Return the symbols of what the record separates least: what takes part in that direction."""
     quantities = [item.quantity for item in free_parameters.items]
-    symbols = ["links" if one.nuisance else one.symbol for one in quantities]
+    symbols = ["links" if quantity.nuisance else quantity.symbol for quantity in quantities]
     size = np.linalg.norm(jacobian.slopes, axis=0)
     seen = np.flatnonzero(size > 0.0)
     weakest = np.linalg.svd(jacobian.slopes[:, seen] / size[seen], full_matrices=False)[2][-1]
-    found = [*dict.fromkeys(symbols[k] for k in seen[np.abs(weakest) > TAKES_PART])]
-    return found if len(found) > 1 else [*dict.fromkeys(symbols)]
+    result = [*dict.fromkeys(symbols[k] for k in seen[np.abs(weakest) > TAKES_PART])]
+    return result if len(result) > 1 else [*dict.fromkeys(symbols)]
 
 
 def offset_left_out(
@@ -579,13 +585,13 @@ def _together(free_parameters: FreeParameters, inference: Inference, known: Set[
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate
     table = inference.of_record.correlation
-    for i, one in enumerate(free_parameters.items):
+    for i, item in enumerate(free_parameters.items):
         for j, other in enumerate(free_parameters.items[:i]):
-            free = one.path in known and other.path in known
-            told = not (one.quantity.nuisance or other.quantity.nuisance)
+            free = item.path in known and other.path in known
+            told = not (item.quantity.nuisance or other.quantity.nuisance)
             if free and told and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(
-                    f"{other.quantity.symbol} and {one.quantity.symbol} are strongly correlated"
+                    f"{other.quantity.symbol} and {item.quantity.symbol} are strongly correlated"
                     f" ({fixed(table[i, j], 2)}): a combination of them is known better than"
                     " either one."
                 )

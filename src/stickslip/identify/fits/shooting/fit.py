@@ -92,7 +92,7 @@ class Score(metaclass=Described):
             rms=float(np.sqrt(residual @ residual / len(residual))),
             quantity=problem.quantity,
             horizon=float(np.median(problem.spans[:, 2] - problem.spans[:, 1])),
-            blocks=tuple(math.sqrt(float(np.mean(one**2))) for one in blocks if len(one)),
+            blocks=tuple(math.sqrt(float(np.mean(block**2))) for block in blocks if len(block)),
             turning=turning,
         )
 
@@ -207,7 +207,9 @@ class RecordFit(Fit[AnyLaw_co]):
     @property
     def offset_estimate(self) -> Estimate | None:
         """The constant force beside friction, where it was fitted."""
-        return next((one for one in self.estimates if one.path in (MECHANISM, SENSOR)), None)
+        return next(
+            (estimate for estimate in self.estimates if estimate.path in (MECHANISM, SENSOR)), None
+        )
 
     @property
     def offset(self) -> float:
@@ -249,7 +251,7 @@ class RecordFit(Fit[AnyLaw_co]):
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
         error = quantity(self.rms, self.measurement.unit(self.problem.quantity))
-        findings = (one.finding.removesuffix(".") for one in self.model_errors)
+        findings = (model_error.finding.removesuffix(".") for model_error in self.model_errors)
         fitted = (
             f"{self.law.title} fitted to {self.problem.quantity}:"
             f" {', '.join(map(str, self.shown))}; residual {error}"
@@ -268,8 +270,16 @@ class RecordFit(Fit[AnyLaw_co]):
         free = self.free_parameters.paths
         damping = {"mechanism.damping", "mechanism.joints.0.damping"}
         damping = damping if len(self.mechanism.coordinates) == 1 else set()
-        own = [one for one in parameters(self.mechanism, "mechanism") if one[0] in damping]
-        law = [one for one in parameters(self.law, "friction") if not one[1].structural]
+        own = [
+            parameter
+            for parameter in parameters(self.mechanism, "mechanism")
+            if parameter[0] in damping
+        ]
+        law = [
+            parameter
+            for parameter in parameters(self.law, "friction")
+            if not parameter[1].structural
+        ]
         items = (
             FreeParameter(path=path, quantity=quantity, start=value, low=value, high=value)
             for path, quantity, value in (*own, *law)
@@ -284,15 +294,15 @@ class RecordFit(Fit[AnyLaw_co]):
         Friction that is held and acts, and how the force runs between samples.
         """
         shown = [
-            f"{one.path} = {quantity(one.start, one.quantity.unit)}" for one in self.held.items
+            f"{item.path} = {quantity(item.start, item.quantity.unit)}" for item in self.held.items
         ]
         held = f"Held, and acting beside what is fitted: {joined(shown)}." if shown else ""
         if any(
             path.endswith(".viscous_coefficient") for path in self.free_parameters.paths
-        ) and any(one.path.endswith(".damping") for one in self.held.items):
+        ) and any(item.path.endswith(".damping") for item in self.held.items):
             held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
         between = self.hold.sentence if self.hold else ""
-        return tuple(one for one in (held, between) if one)
+        return tuple(item for item in (held, between) if item)
 
     @property
     def typical_inputs(self) -> Mapping[str, float]:
@@ -406,15 +416,15 @@ class RecordFit(Fit[AnyLaw_co]):
         return problem, settled(problem, self.values)
 
     def to_dict(self) -> Mapping[str, Any]:
-        found, restarts = self.optimum, self.restarts
+        result, restarts = self.optimum, self.restarts
         rows = len(restarts.best.residual)
         return {
             "law": self.law.name,
             "route": self.route,
             "hold": self.hold.to_dict() if self.hold else None,
             "held": [
-                {"parameter": one.path, "unit": one.quantity.unit, "value": one.start}
-                for one in self.held.items
+                {"parameter": item.path, "unit": item.quantity.unit, "value": item.start}
+                for item in self.held.items
             ],
             "quantity": self.problem.quantity,
             "residual_rms": self.rms,
@@ -425,9 +435,9 @@ class RecordFit(Fit[AnyLaw_co]):
             "at_bounds": dict(self.at_bounds),
             "restarts": [math.sqrt(cost / rows) for cost in restarts.costs],
             "restarts_agreeing": restarts.agreeing,
-            "evaluations": found.evaluations,
-            "cancelled": found.cancelled,
-            "model_errors": [one.to_dict() for one in self.model_errors],
+            "evaluations": result.evaluations,
+            "cancelled": result.cancelled,
+            "model_errors": [model_error.to_dict() for model_error in self.model_errors],
             "cannot_tell": list(self.sentences),
             "remarks": list(self.remarks),
         }
@@ -435,7 +445,7 @@ class RecordFit(Fit[AnyLaw_co]):
 
 def _largest(records: Iterable[Measurement]) -> float | None:
     """Return the largest slip speed of several records, if one of them tells it."""
-    return max((one for one in map(_largest_speed, records) if one is not None), default=None)
+    return max((item for item in map(_largest_speed, records) if item is not None), default=None)
 
 
 def _largest_speed(record: Measurement) -> float | None:

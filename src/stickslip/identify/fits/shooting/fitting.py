@@ -99,7 +99,7 @@ def route_of(
         return asked
     if "friction" in measurement.quantities():
         return "balance"
-    commands = {command_of(one) for one in measurement.records()}
+    commands = {command_of(record) for record in measurement.records()}
     if drives_itself(mechanism, measurement) or "reference" in commands:
         return "shooting"
     free = not driven(measurement)
@@ -117,8 +117,8 @@ def _is_told(law: FrictionLaw | type[FrictionLaw], by_motion: Set[str], *, free:
         return False
     if kind.composition is None:
         return not (free or kind.states)
-    parts = [one for one in kind.composition.parts() if one.role == "memory"]
-    return not parts if free else {one.name for one in parts} <= KNOWN_STATES
+    parts = [part for part in kind.composition.parts() if part.role == "memory"]
+    return not parts if free else {part.name for part in parts} <= KNOWN_STATES
 
 
 def _tracked(mechanism: Mechanism) -> bool:
@@ -138,9 +138,9 @@ def displacements(
     the record; what was stated of it is not used.
     """
     uncertainties = uncertainties_of(mechanism, measurement)
-    stated = dict.fromkeys(path for pair in uncertainties for one in pair for path in one)
+    stated = dict.fromkeys(path for pair in uncertainties for item in pair for path in item)
     refuse_load(stated, measurement)
-    found = []
+    result = []
     for path in [path for path in stated if path not in problem.free_parameters.paths]:
         every = np.zeros(len(best.residual))
         for k, (record, (own, shared)) in enumerate(
@@ -154,10 +154,10 @@ def displacements(
                 if path in shared:
                     every += moved
                 else:
-                    found.append(Displaced(path=path, rows=moved, shared=False))
+                    result.append(Displaced(path=path, rows=moved, shared=False))
         if every.any():
-            found.append(Displaced(path=path, rows=every))
-    return tuple(found)
+            result.append(Displaced(path=path, rows=every))
+    return tuple(result)
 
 
 def _slopes_by_rig(
@@ -256,10 +256,10 @@ def fit_record(
     )
     with with_doubts(measurement, mechanism):
         ready = simulated(choice, wanted, measurement, begin or {})
-    found = first = searched(ready, choice.settings, watch)
+    result = first = searched(ready, choice.settings, watch)
     if not driven(measurement):
-        ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
-    fit = finished("shooting", measurement, ready, found, first, hold=choice.hold)
+        ready, result = _lengthened(ready, result, measurement, choice.settings, watch)
+    fit = finished("shooting", measurement, ready, result, first, hold=choice.hold)
     return replace(fit, left_out=left_out)
 
 
@@ -342,7 +342,7 @@ def finished(
     )
     inference = inference.including(*_moved_by_hold(fit))
     records = measurement.records()
-    inputs = [recorded_inputs(one, np.asarray(one.time)) for one in records]
+    inputs = [recorded_inputs(record, np.asarray(record.time)) for record in records]
     told_by = told(free_parameters, ready.mechanism, measurement)
     estimates = estimates_of(told_by, best, inference, at_bounds)
     return replace(
@@ -366,7 +366,7 @@ def _moved_by_hold(fit: RecordFit) -> list[Array]:
     if hold is None or hold.unsure == 0.0 or fit.optimum.cancelled:
         return []
     problem = fit.build.held_otherwise()(fit.measurement, None)
-    return [hold.unsure * one for one in _moved(fit, problem)]
+    return [hold.unsure * item for item in _moved(fit, problem)]
 
 
 def _moved(fit: RecordFit, problem: Shooting) -> list[Array]:
@@ -384,13 +384,13 @@ def _moved(fit: RecordFit, problem: Shooting) -> list[Array]:
 def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tuple[str, ...]:
     """Return a sentence on the place from which positions of a free motion count."""
     autocorrelation = math.sqrt(max(len(best.residual) / max(inference.effective, 1.0), 1.0))
-    found = ready.problem.zeros(best, autocorrelation)
-    if not found:
+    result = ready.problem.zeros(best, autocorrelation)
+    if not result:
         return ()
     unit = ready.mechanism.units[ready.mechanism.coordinates.index(slip_of(ready.mechanism))]
     shown = [
-        f"{quantity(one.value, unit, 2)} ± {quantity(NORMAL_95 * one.error, unit, 2)}"
-        for one in found.values()
+        f"{quantity(item.value, unit, 2)} ± {quantity(NORMAL_95 * item.error, unit, 2)}"
+        for item in result.values()
     ]
     more = "" if len(shown) == 1 else " for each record"
     return (

@@ -56,7 +56,7 @@ class Path:
     def steps(self) -> Array:
         """Return durations, velocities, loads and inputs of the steps (3 + inputs, n - 1)."""
         duration, beside = np.diff(self.time), (self.load, *self.inputs.values())
-        means = [0.5 * (one[1:] + one[:-1]) for one in beside]
+        means = [0.5 * (item[1:] + item[:-1]) for item in beside]
         return np.array([duration, self.travel / duration, *means])
 
 
@@ -78,8 +78,8 @@ def follow(law: FrictionLaw, path: Path, start: Array) -> Array:
     """
     inputs = {name: path.inputs[name] for name in law.inputs}
     steps = replace(path, inputs=inputs).steps().T
-    found = None if _power(law) is not None else states_along(law, steps, tuple(inputs), start)
-    return _in_arrays(law, steps, tuple(inputs), start) if found is None else np.asarray(found)
+    result = None if _power(law) is not None else states_along(law, steps, tuple(inputs), start)
+    return _in_arrays(law, steps, tuple(inputs), start) if result is None else np.asarray(result)
 
 
 def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Array:
@@ -99,11 +99,11 @@ def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Arra
     moved = [
         law.force(v, n, tuple(size * (k == i) for i in range(bristles))) for k in range(bristles)
     ]
-    slope = np.array([np.atleast_1d((one - unbent) / size) for one in moved])
+    slope = np.array([np.atleast_1d((item - unbent) / size) for item in moved])
     level = law.break_away(n)
     wanted = np.clip(force, -level, level) - unbent
-    found: Array = slope * wanted / np.maximum(np.sum(slope**2, axis=0), 1e-300)
-    return found
+    result: Array = slope * wanted / np.maximum(np.sum(slope**2, axis=0), 1e-300)
+    return result
 
 
 def _in_arrays(law: FrictionLaw, motion: Array, inputs: tuple[str, ...], start: Array) -> Array:
@@ -173,7 +173,7 @@ def _power(law: Any) -> Array | None:
 
 def _rates(law: FrictionLaw, v: float, n: float, z: Array) -> Array:
     """Return the rates of states (b, copies)."""
-    return np.stack([np.broadcast_to(one, z.shape[1:]) for one in law.rates(v, n, tuple(z))])
+    return np.stack([np.broadcast_to(rate, z.shape[1:]) for rate in law.rates(v, n, tuple(z))])
 
 
 EXACT = 1e-6
@@ -285,8 +285,8 @@ class LocalState:
         """Inverse of the singular values (m,), damped."""
         singular = self.known.singular
         bottom = singular**2 + self.damping * singular[0] ** 2
-        found: Array = singular / np.maximum(bottom, np.finfo(float).tiny)
-        return found
+        result: Array = singular / np.maximum(bottom, np.finfo(float).tiny)
+        return result
 
     def near(self, change: Array | None = None) -> Array:
         """Return the initial state that fits better where the unknowns have changed by (p,)."""
@@ -341,9 +341,9 @@ def followed(
         stayed = shoot(before.state)
         tried += [] if stayed is None else [(stayed, False)]
     best = None
-    for one, well in sorted(tried, key=lambda pair: pair[0].misfit):
-        if one.able:
-            best = _descended(replace(one, damping=before.damping).stepped(well=well), shoot)
+    for item, well in sorted(tried, key=lambda pair: pair[0].misfit):
+        if item.able:
+            best = _descended(replace(item, damping=before.damping).stepped(well=well), shoot)
             break
     return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
 
@@ -505,9 +505,9 @@ class FirstDeflections:
     def slopes(self) -> Array:
         """Their slopes by the unknowns (k, b, p)."""
         law, moved, columns = self._moved()
-        found = self._at_starts(self._along(law, 1 + len(moved)))
-        table = np.zeros((*found.shape[:2], len(self.free_parameters)))
-        table[..., columns] = (found[..., 1:] - found[..., :1]) / moved
+        result = self._at_starts(self._along(law, 1 + len(moved)))
+        table = np.zeros((*result.shape[:2], len(self.free_parameters)))
+        table[..., columns] = (result[..., 1:] - result[..., :1]) / moved
         return np.nan_to_num(table)
 
     @cached_property
@@ -550,8 +550,8 @@ class FirstDeflections:
         at = np.clip(np.searchsorted(time, self.starts, side="right"), 1, len(time) - 1)
         share = (self.starts - time[at - 1]) / (time[at] - time[at - 1])
         share = np.clip(share, 0.0, 1.0)[:, None]
-        found = states[:, at - 1] * (1.0 - share) + states[:, at] * share
-        return np.asarray(found.transpose(1, 0, 2))
+        result = states[:, at - 1] * (1.0 - share) + states[:, at] * share
+        return np.asarray(result.transpose(1, 0, 2))
 
 
 def _size(value: float, start: float, high: float) -> float:

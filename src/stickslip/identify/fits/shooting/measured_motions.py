@@ -88,25 +88,25 @@ def pieces_of(mechanism: Mechanism, measurement: Measurement, hold: Hold) -> Ite
     for which, given in enumerate(measurement.records()):
         record = with_voltage(mechanism, given, hold)
         set_up = as_recorded(mechanism, record)
-        for one in between_gaps(record):
-            count = np.asarray(one.time).size
+        for segment in between_gaps(record):
+            count = np.asarray(segment.time).size
             if count < LEAST:
                 continue
-            recorded = np.asarray(one.time, dtype=float)
+            recorded = np.asarray(segment.time, dtype=float)
             time = np.linspace(recorded[0], recorded[-1], count)
-            raw = np.interp(time, recorded, positions_of(one))
+            raw = np.interp(time, recorded, positions_of(segment))
             passed, dt = passed_by_balance(raw), float(time[1] - time[0])
-            motion = filtered_motion(raw, dt, passed, tracked="position" in one.quantities())
-            applied = applied_force(set_up, one)
+            motion = filtered_motion(raw, dt, passed, tracked="position" in segment.quantities())
+            applied = applied_force(set_up, segment)
             force = np.zeros(count)
             if applied is not None:
-                force = mean_force(applied, joined=goes_straight(one, hold))
+                force = mean_force(applied, joined=goes_straight(segment, hold))
                 force = np.interp(time, recorded, force)
             mass, rest = known_forces(set_up, motion.position, motion.velocity, force)
             yield Piece(
                 number=which,
                 mechanism=set_up,
-                record=one,
+                record=segment,
                 time=time,
                 raw=raw,
                 passed=passed,
@@ -150,9 +150,9 @@ class PlainBalance:
         for given in measurement.records():
             record = with_voltage(mechanism, given, "zero")
             set_up = as_recorded(mechanism, record)
-            for one in between_gaps(record):
-                if np.asarray(one.time).size >= LEAST:
-                    mass, columns = _columns(set_up, one)
+            for segment in between_gaps(record):
+                if np.asarray(segment.time).size >= LEAST:
+                    mass, columns = _columns(set_up, segment)
                     parts.append(columns)
         if not parts:
             longest = max(len(np.asarray(piece.time)) for record in measurement.records()
@@ -168,9 +168,9 @@ class PlainBalance:
             table, wanted = np.column_stack([table, a]), rest
         values = _solved(table, wanted)
         names = ("viscous", "level", "offset", "inertia")
-        found = {"inertia": mass} | dict(zip(names, values.tolist(), strict=False))
+        result = {"inertia": mass} | dict(zip(names, values.tolist(), strict=False))
         return cls(
-            values={name: found[name] for name in names},
+            values={name: result[name] for name in names},
             time=time,
             velocity=velocity,
             friction=wanted - table[:, 3:] @ values[3:],
@@ -262,25 +262,25 @@ def motions_of(
     (0, 1999, 1.0)
     """
     check_loads(measurement)
-    found = []
-    for one in pieces_of(mechanism, measurement, hold):
-        if one.motion.resting.all():
+    result = []
+    for item in pieces_of(mechanism, measurement, hold):
+        if item.motion.resting.all():
             continue
-        x, v, count = one.motion.position, one.motion.velocity, len(one.time)
+        x, v, count = item.motion.position, item.motion.velocity, len(item.time)
         inputs = inputs_along(
-            one.mechanism, one.record, one.time, position=x, velocity=v, force=one.force
+            item.mechanism, item.record, item.time, position=x, velocity=v, force=item.force
         )
-        every = max(1, min(math.ceil(count / samples), int(OVERSAMPLED / one.passed)))
+        every = max(1, min(math.ceil(count / samples), int(OVERSAMPLED / item.passed)))
         picked = slice(None, None, every)
         path = Path(
-            time=one.time[picked],
+            time=item.time[picked],
             velocity=v[picked],
-            load=load_along(one.mechanism, one.record, count)[picked],
-            travel=np.diff(travelled(one.raw)[picked]),
+            load=load_along(item.mechanism, item.record, count)[picked],
+            travel=np.diff(travelled(item.raw)[picked]),
             inputs={name: values[picked] for name, values in inputs.items()},
         )
-        found.append((one.number, path, float(one.rest[0])))
-    return found
+        result.append((item.number, path, float(item.rest[0])))
+    return result
 
 
 def travelled(raw: Array) -> Array:
@@ -294,5 +294,5 @@ def travelled(raw: Array) -> Array:
     band = PATH * min(passed_by_balance(raw, resolved=True), HIGHEST)
     x = smoothed(raw, band)
     moved = np.diff(play(x, CHATTER * positive_noise(raw) * math.sqrt(band)), prepend=math.inf)
-    found: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
-    return found
+    result: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
+    return result

@@ -177,8 +177,8 @@ class Shooting:
             return followed(before, change, segment.rest, shoot, at_rest=at_rest)
 
         shots = on_threads(lambda k: one(k, known.get(k)), chosen)
-        found = dict(zip(chosen, shots, strict=True))
-        return self._joined(values, chosen, list(found.values()))
+        result = dict(zip(chosen, shots, strict=True))
+        return self._joined(values, chosen, list(result.values()))
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
         """Return the law and, by identity, the segments' mechanisms with other values."""
@@ -203,7 +203,7 @@ class Shooting:
             known = (own for own in self.motions if own.covers(one.record, one.start))
             own = next(known, None) or RecordedMotion.unknown(one.record, one.start)
             of.setdefault(own, []).append(k)
-        found: dict[int, _Begun] = {}
+        result: dict[int, _Begun] = {}
         for motion, numbers in of.items():
             first = FirstDeflections(
                 law=law,
@@ -213,8 +213,8 @@ class Shooting:
                 starts=np.array([self.segments[k].start for k in numbers]),
                 length=float(self.segments[numbers[0]].times[-1]),
             )
-            found |= {k: _Begun(first, place) for place, k in enumerate(numbers)}
-        return found
+            result |= {k: _Begun(first, place) for place, k in enumerate(numbers)}
+        return result
 
     def _shot(
         self,
@@ -254,26 +254,26 @@ class Shooting:
         """Return where positions count from, by the last segment of each record that tells it."""
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, range(len(self.segments)))
-        found = {}
-        for k, one in enumerate(self.segments):
-            if not one.zero or k not in seen.memory:
+        result = {}
+        for k, segment in enumerate(self.segments):
+            if not segment.zero or k not in seen.memory:
                 continue
-            mechanism, state = mechanisms[id(one.mechanism)], seen.memory[k].state
-            run = _bare(one, mechanism, law, begun[k], state)
+            mechanism, state = mechanisms[id(segment.mechanism)], seen.memory[k].state
+            run = _bare(segment, mechanism, law, begun[k], state)
             if run is None:
                 continue
             column = run.states.index(_state_of(mechanism, self.quantity))
-            left = one.measured - run.at(one.times)[:, column]
+            left = segment.measured - run.at(segment.times)[:, column]
             paths = [f"initial.{name}" for name in run.states[: len(state)]]
-            counted = replace(one, zero=False)
+            counted = replace(segment, zero=False)
             paths += self.free_parameters.paths
             slopes = _sensed(run, counted, mechanism, law, begun[k], state, column, paths)
             own = np.ones(len(left)) - slopes @ np.linalg.lstsq(slopes, np.ones(len(left)))[0]
             freedom = max(len(left) - slopes.shape[1] - 1, 1)
             if own @ own > ROUNDING * len(left):
                 error = math.sqrt(float(np.sum((left - left.mean()) ** 2)) / freedom / (own @ own))
-                found[one.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
-        return found
+                result[segment.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
+        return result
 
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
         """Return the segments simulated again from their fitted states, with their certificates.
@@ -282,17 +282,17 @@ class Shooting:
         """
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, list(seen.memory))
-        found = []
-        for k, one in enumerate(self.segments):
+        result = []
+        for k, segment in enumerate(self.segments):
             if k in seen.memory:
-                mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
+                mechanism, end = mechanisms[id(segment.mechanism)], float(segment.times[-1])
                 start = _start(mechanism, begun[k], seen.memory[k].state)
-                if one.loop is not None:
+                if segment.loop is not None:
                     _, mechanism = run_through(
-                        SOLVER, mechanism, law, one.loop, y0=start, t_end=end
+                        SOLVER, mechanism, law, segment.loop, y0=start, t_end=end
                     )
-                found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
-        return tuple(run for run in found if run.status.complete)
+                result.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
+        return tuple(run for run in result if run.status.complete)
 
     def _joined(
         self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
@@ -343,7 +343,7 @@ class _Begun:
         if own:
             known[path] = first.velocity_slopes[place]
         none = np.zeros(first.states.shape[1])
-        return np.column_stack([known.get(one, none) for one in paths])
+        return np.column_stack([known.get(item, none) for item in paths])
 
 
 def curvature_of(segment: Segment) -> float:
@@ -357,10 +357,10 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     count = min(len(segment.times), FIRST)
     t, x = segment.times[:count], segment.measured[:count]
     columns = np.vander(t - t.mean(), 2 if quantity == "position" else 1)
-    found = np.linalg.lstsq(columns, x, rcond=None)[0]
-    left = x - columns @ found
+    result = np.linalg.lstsq(columns, x, rcond=None)[0]
+    left = x - columns @ result
     error = np.sqrt(left @ left / (count - columns.shape[1]) / np.sum(columns[:, 0] ** 2))
-    return bool(abs(found[0]) <= SURE * error)
+    return bool(abs(result[0]) <= SURE * error)
 
 
 def _bare(

@@ -169,8 +169,8 @@ class RouteChoice:
         settings = with_usual_segment(settings, measurement)
         if drives_itself(mechanism, measurement):
             settings = _whole(measurement, settings)
-        found = hold_of(measurement, settings.hold, late)
-        return cls(settings=settings if found is None else found.applied(settings), hold=found)
+        result = hold_of(measurement, settings.hold, late)
+        return cls(settings=settings if result is None else result.applied(settings), hold=result)
 
 
 def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings:
@@ -180,7 +180,7 @@ def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings
     """
     if settings.segment != usual_segment(measurement):
         return settings
-    longest = max(float(np.ptp(np.asarray(one.time))) for one in measurement.records())
+    longest = max(float(np.ptp(np.asarray(record.time))) for record in measurement.records())
     rows = math.ceil(settings.resolution * max(longest / settings.segment, 1.0))
     return replace(settings, segment=max(longest, settings.segment), resolution=rows)
 
@@ -239,10 +239,10 @@ class ShootingBuilder:
         if not self.law.states or drives_itself(self.mechanism, record):
             return ()
         try:
-            found = motions_of(self.mechanism, record, hold=self.settings.holding, samples=SOME)
+            result = motions_of(self.mechanism, record, hold=self.settings.holding, samples=SOME)
         except InputError:
             return ()
-        return tuple(RecordedMotion(record=k, path=path, held=held) for k, path, held in found)
+        return tuple(RecordedMotion(record=k, path=path, held=held) for k, path, held in result)
 
     def held_otherwise(self) -> "ShootingBuilder":
         """Return what takes the other hold of a force between samples."""
@@ -282,16 +282,16 @@ def simulated(
         inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
     else:
         weighed = any(path.endswith(("inertia", "mass")) for path in wanted.unknown)
-        found = PlainBalance.of(mechanism, under_load, inertia=weighed)
-        found.refuse_nonsense(driven=driven(measurement))
-        inertia = found.values["inertia"]
+        result = PlainBalance.of(mechanism, under_load, inertia=weighed)
+        result.refuse_nonsense(driven=driven(measurement))
+        inertia = result.values["inertia"]
         sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
-        rough = StartEstimate.of(found, **sizes)
+        rough = StartEstimate.of(result, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
     sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
     if not (sought or alone):
-        rough = StartEstimate.of(found, **sizes, offset=constant.value)
+        rough = StartEstimate.of(result, **sizes, offset=constant.value)
     start, free = rough.unknowns(
         wanted.law,
         free=wanted.free,
@@ -320,8 +320,8 @@ def simulated(
 
 def _stroke(measurement: Measurement) -> float:
     """Return the range of positions [m], of the record that has the largest."""
-    records = [one for one in measurement.records() if one.time is not None]
-    return max((float(np.ptp(positions_of(one))) for one in records), default=0.0)
+    records = [record for record in measurement.records() if record.time is not None]
+    return max((float(np.ptp(positions_of(record))) for record in records), default=0.0)
 
 
 def _mechanism_unknowns(

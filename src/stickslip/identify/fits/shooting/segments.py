@@ -75,7 +75,7 @@ def segments_of(
     if not 0.0 < length < np.inf:
         raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
     quantity = measured_quantity(measurement) if quantity is None else quantity
-    found: list[Segment] = []
+    result: list[Segment] = []
     for index, record in enumerate(loaded(mechanism, measurement).records()):
         set_up = as_recorded(mechanism, record)
         time, loop = np.asarray(record.time), loop_samples(set_up, record, hold)
@@ -83,15 +83,15 @@ def segments_of(
             rows = _rows(first, last, resolution)
             one = _segment(index, record, quantity, set_up, rows, hold, loop)
             free = not (driven(record) or drives_itself(set_up, record))
-            found.append(replace(one, zero=zeros and free and quantity == "position"))
-    if not found:
-        steps = [interval_of(np.asarray(one.time)) for one in measurement.records()]
+            result.append(replace(one, zero=zeros and free and quantity == "position"))
+    if not result:
+        steps = [interval_of(np.asarray(item.time)) for item in measurement.records()]
         raise InputError(
             f"no segment of {number(length)} s has {LEAST} samples without a gap, with one every"
             f" {number(min(steps))} s: give segments of at least"
             f" {number(LEAST * min(steps))} s, record longer, or check that time is in seconds."
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def usual_segment(measurement: Measurement) -> float:
@@ -104,7 +104,7 @@ def usual_segment(measurement: Measurement) -> float:
     >>> usual_segment(Measurement(time=[0.0, 1.0], position=[0.0, 1.0]))
     20.0
     """
-    times = [one.time for one in measurement.records() if one.time is not None]
+    times = [record.time for record in measurement.records() if record.time is not None]
     return max([SEGMENT, *(FIRST * interval_of(time) for time in times if time.size > 1)])
 
 
@@ -123,9 +123,9 @@ def _stretches(time: Array, length: float) -> Iterator[tuple[int, int]]:
         count = max(1, round((time[last] - time[first]) / length))
         edges = time[first] + length * np.arange(count + 1)
         cuts = np.searchsorted(time[first : last + 1], edges - 1e-6 * length) + first
-        for one, other in zip(cuts[:-1], np.minimum(cuts[1:], last), strict=True):
-            if other - one >= LEAST:
-                yield int(one), int(other)
+        for cut, other in zip(cuts[:-1], np.minimum(cuts[1:], last), strict=True):
+            if other - cut >= LEAST:
+                yield int(cut), int(other)
 
 
 def _segment(

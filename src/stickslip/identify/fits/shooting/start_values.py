@@ -343,7 +343,7 @@ def looked_for(
     known = {path: quantity for path, (quantity, _) in _values(law).items()}
     named = {full_path(name, known) for name in free or () if name != LAW}
     usual = free is None or LAW in free
-    found = [
+    result = [
         path
         for path in known
         if path in named
@@ -351,7 +351,7 @@ def looked_for(
     ]
     names = {**known, **dict.fromkeys(("mechanism.offset", "measurement.offset.friction"))}
     out = {full_path(name, names) for name in held if name != "offset"}
-    return [path for path in found if path not in out]
+    return [path for path in result if path not in out]
 
 
 def _wanted(kind: type[FrictionLaw]) -> set[str]:
@@ -366,13 +366,15 @@ def _wanted(kind: type[FrictionLaw]) -> set[str]:
 
 def _values(law: FrictionLaw) -> dict[str, tuple[Quantity, float]]:
     """Return quantity and value of all parameters by path, whole exponents too."""
-    found = {
+    result = {
         f"friction.{name}": (quantity, float(getattr(law, name)))
         for name, quantity in fields_of(type(law)).items()
         if getattr(law, name) is not None
     }
-    found.update((path, (quantity, value)) for path, quantity, value in parameters(law, "friction"))
-    return found
+    result.update(
+        (path, (quantity, value)) for path, quantity, value in parameters(law, "friction")
+    )
+    return result
 
 
 # Values that are tried one by one before a search, as no regression or slope leads to them.
@@ -413,7 +415,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
     """
     load = load_of(mechanism)
     path, bounds = "friction.kinetic_coefficient", fields_of(Coulomb)["kinetic_coefficient"]
-    longest = 2.0 * max(float(np.max(np.asarray(one.time))) for one in measurement.records())
+    longest = 2.0 * max(float(np.max(np.asarray(record.time))) for record in measurement.records())
     level = FreeParameter(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
     problem = Shooting(
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
@@ -424,7 +426,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         quantity=quantity,
     )
     seen = [problem.linearise(np.array([mu]), slopes=False) for mu in LEVELS]
-    best = min(seen, key=lambda one: one.cost)
+    best = min(seen, key=lambda item: item.cost)
     runs = problem.runs(best) if np.isfinite(best.cost) else ()
     if not runs:
         raise ConvergenceError(
@@ -436,19 +438,19 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
     slip = mechanism.coordinates.index(slip_of(mechanism))
     place, rate = mechanism.coordinates[slip], mechanism.rates[slip]
     sampled = [run.sampled(10 * RESOLUTION) for run in runs]
-    v = np.concatenate([one[rate] for one in sampled])
+    v = np.concatenate([item[rate] for item in sampled])
     moving = v[np.abs(v) > 0.0]
     ahead = float(np.mean(moving > 0.0)) if moving.size else 1.0
-    found = float(best.values[0])
-    stroke = max(*(float(np.ptp(one[place])) for one in sampled), 1e-12)
+    result = float(best.values[0])
+    stroke = max(*(float(np.ptp(item[place])) for item in sampled), 1e-12)
     return StartEstimate(
         load=load,
-        level=found,
+        level=result,
         viscous=0.0,
         offset=0.0,
-        force=found * load,
+        force=result * load,
         speed=max(float(np.percentile(np.abs(v), 98.0)), 1e-12),
-        stiffness=found / (PRESLIDING * stroke),
+        stiffness=result / (PRESLIDING * stroke),
         two_sided=LITTLE < ahead < 1.0 - LITTLE,
     )
 
@@ -458,9 +460,9 @@ def least_of(problem: Shooting, tried: Sequence[Array]) -> Array:
     if len(tried) == 1:
         return tried[0]
     seen = [problem.linearise(values, slopes=False) for values in tried]
-    best = sorted(seen, key=lambda one: one.cost)[:KEPT]
-    ends = [_end(problem, one, rounds=STEPS) for one in best]
-    return min(ends, key=lambda one: one.cost).values
+    best = sorted(seen, key=lambda item: item.cost)[:KEPT]
+    ends = [_end(problem, item, rounds=STEPS) for item in best]
+    return min(ends, key=lambda end: end.cost).values
 
 
 def surplus_starts(free: FreeParameters) -> list[Array]:
@@ -474,12 +476,12 @@ def surplus_starts(free: FreeParameters) -> list[Array]:
         return []
     rest = free.paths.index(above[0])
     level = free.paths.index(free.items[rest].above)
-    found = []
+    result = []
     for surplus in SURPLUSES:
         values = free.start.copy()
         values[rest] = surplus * values[level]
-        found.append(values)
-    return found
+        result.append(values)
+    return result
 
 
 def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
@@ -501,7 +503,7 @@ def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
         )
         for factor in SPREAD
     ]
-    end = min(tried, key=lambda one: one.cost)
+    end = min(tried, key=lambda item: item.cost)
     for share in SHARES:
         end = _end(problem.shortened(share), end)
     if not np.isfinite(end.cost):
