@@ -1,6 +1,7 @@
 """Records of one coordinate that are exact, broken, or of which something is given wrong."""
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -426,12 +427,22 @@ def test_a_drive_that_saturates_is_found_with_its_limit(limit: float) -> None:
     assert "limit" not in [one.term for one in judged(moved(law, 1)).findings]
 
 
-def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:
-    judgement = judged(driven(inertia=40.0, zone=3.0))
+@pytest.mark.parametrize(
+    ("zone", "sentence"),
+    [
+        (3.0, r"Of the force that is recorded, (2\.9|3|3\.1) N does not act"),
+        (-3.0, r"(2\.9|3|3\.1) N more than the recorded force acts"),
+    ],
+)
+def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force(
+    zone: float, sentence: str
+) -> None:
+    judgement = judged(driven(inertia=40.0, zone=zone))
     assert judgement.named.family == ("level", "viscous")
     found = {one.term: one for one in judgement.findings}["zone"]
     assert found.asserted
-    assert found.size * judgement.problem.size == pytest.approx(3.0, rel=0.1)
+    assert found.size * judgement.problem.size == pytest.approx(zone, rel=0.1)
+    assert re.match(sentence, found.sentence)
     assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.05)
     assert "zone" not in [one.term for one in judged(driven(inertia=40.0)).findings]
 
