@@ -648,7 +648,7 @@ def noisy(size, seed, speed):
 
 SAID = [
     *(("length", parts(size=n), "error", f"only {n} samples", {}) for n in (2, 9)),
-    ("length", parts(size=29), "warning", "only 29 samples", {}),
+    ("length", parts(size=49), "warning", "only 49 samples", {}),
     *(
         ("constant", {"time": np.arange(100.0), name: np.zeros(100)}, "error",
          "is constant: no motion was recorded.", {})

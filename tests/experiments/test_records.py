@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from stickslip import SpringBlock, load_measurement, load_rig
+from stickslip.data import guess_data
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 
 SPRING = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -349,6 +350,85 @@ PLAIN = "time,position\n0,0.5\n1,1.5\n"
 )
 def test_a_table_is_found_below_lines_and_between_marks_of_any_kind(write, text, last):
     np.testing.assert_array_equal(load_measurement(write(text)).position, [0.5, last])
+
+
+ROWS = [(f"{0.01 * i:.2f}", str(i), f"{0.5 * i:.1f}") for i in range(60)]
+HEADER = "time,position,force\n"
+BELOW = "".join(",".join(row) + "\n" for row in ROWS)
+STATES = "".join(",".join(("run", *row)) + "\n" for row in ROWS)
+MARKED = [
+    (f"{0.01 * i:.2f};{20 + 0.1 * i:.1f};{0.5 * i:.2f};", f"{i * 0.15:.2f}") for i in range(60)
+]
+MIXED = "".join(point + comma.replace(".", ",") + "\n" for point, comma in MARKED)
+QUOTED = "".join(f'"1,{i:03}","1,{37 * i % 1000:03}"\n' for i in range(60))
+BLANKS = "".join(f"{0.1 * i:.1f};{100 * i:,}.0\n".replace(",", "\xa0") for i in range(60))
+
+
+@pytest.mark.parametrize(
+    ("text", "repair", "last"),
+    [
+        (f"{HEADER}nan,nan,nan\n{BELOW}", None, (0.59, 59.0, 29.5)),
+        (f"{HEADER}NA,NA,NA\n{BELOW}", None, (0.59, 59.0, 29.5)),
+        (f"{HEADER},,n/a\n{BELOW}", None, (0.59, 59.0, 29.5)),
+        (f"state,{HEADER}idle,nan,nan,nan\n{STATES}", "gaps", (0.59, 59.0, 29.5)),
+        (f"state,{HEADER}idle,,,\n{STATES}", "gaps", (0.59, 59.0, 29.5)),
+        (f"state,{HEADER}A,,,\n{STATES}", "gaps", (0.59, 59.0, 29.5)),
+        ("# a, b, c\n" * 500 + HEADER + BELOW, None, (0.59, 59.0, 29.5)),
+        (
+            f"time,position,force,2\n{BELOW.replace(chr(10), ',7' + chr(10))}",
+            None,
+            (0.59, 59, 29.5),
+        ),
+        (
+            f"time,position,force,10:00\n{BELOW.replace(chr(10), ',7' + chr(10))}",
+            None,
+            (0.59, 59, 29.5),
+        ),
+        (f"time;temp;position;force\n{MIXED}", None, (0.59, 29.5, 8.85)),
+        (f"Rate,100,Hz\n{HEADER}s,mm,N\n{BELOW}", None, (0.59, 0.059, 29.5)),
+        (f"time [s],position,force\ns,mm,N\n{BELOW}", None, (0.59, 0.059, 29.5)),
+        (f"Rig 3\nDate,Time\n2024-01-01,10:00\n\n{HEADER}{BELOW}", None, (0.59, 59.0, 29.5)),
+        (f"time;position\n{BLANKS}".encode("cp1252"), None, (5.9, 5900.0)),
+    ],
+)
+def test_the_first_line_that_has_names_for_all_columns_is_the_header(write, text, repair, last):
+    record = load_measurement(write(text), repair=repair)
+    assert record.time.size == 60
+    names = ("time", "position", "force")[: len(last)]
+    np.testing.assert_allclose([getattr(record, name)[-1] for name in names], last)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (f"{HEADER}clock,slide,motor\n{BELOW}", "line 1, .* and line 2, 'clock,slide,motor', may"),
+        (f"{HEADER}s,mm,N\nclock,slide,motor\n{BELOW}", "line 1, .* and line 3, 'clock,slide,"),
+        (f"{HEADER}clock,slide,motor\ns,mm,N\n{BELOW}", "line 1, .* and line 2, 'clock,slide,"),
+        (f"{HEADER}float64,float64,float64\n{BELOW}", "column 'time', line 2: .* got 'float64'"),
+        (f"{HEADER}# s, m, N\n{BELOW}", "column 'time', line 2: .* got '# s'"),
+        (f"{HEADER}s,mm,N\n,,raw\n{BELOW}", r"column 'time \[s\]', line 3: .* got nothing"),
+        (
+            f"time [ms],position,force\ns,mm,N\n{BELOW}",
+            "header states ms of the column 'time', and",
+        ),
+        (
+            f"{HEADER}{BELOW}\nvelocity,friction\n1,2\n",
+            "line 63, 'velocity,friction', .* second header",
+        ),
+        (f"Rig\n{HEADER}0,1,2\n1,2,3\n2,3,4\n\na,b\n" + "1,2\n" * 20, "line 2, .* beside line 7"),
+        (f"time,position\n{QUOTED}", "column 'time', line 2: .* got '1,000'"),
+    ],
+)
+def test_a_text_with_two_headers_or_units_is_refused_with_their_lines(write, text, words):
+    with pytest.raises(InputError, match=f"^data.csv: .*{words}"):
+        load_measurement(write(text))
+
+
+def test_quoted_commas_alone_are_decimal_and_said_to_be_assumed(write):
+    guess = guess_data(write(f"time,position\n{QUOTED}"))
+    assert guess.layout.decimal == ","
+    words = "1,000 is read as 1.000: no number shows whether its comma is decimal or parts"
+    assert any(doubt.startswith(words) for doubt in guess.doubts)
 
 
 def test_a_row_that_is_too_long_is_told_in_plain_words(write):

@@ -179,7 +179,7 @@ def test_a_comma_that_may_part_thousands_is_no_decimal_comma(write):
         ("#Kinovea Trajectory data export\n#T X Y\n1 a 2\n", "'X', line 3: .*got 'a'"),
         ("#Kinovea Trajectory data export\n1 1 2\n\na 1 2\n", "begins with 'a', which is not a"),
         ("#Kinovea Trajectory data export\n1 1 2\n1 1 3\n\n1 1 2\n", "'track 1' has the time 1 t"),
-        ("mass_A\nt\tx\ty\n", "is not a table: .*separated by commas, semicolons or tabs"),
+        ("mass_A\nt\tx\ty\n", "is not a table: .*commas, semicolons, tabs, bars or blanks"),
         ("t\tx\ty\tx\ty\n0\t1\t2\t3\t4\n", "two columns are named 'x'"),
         ("mass_A\nt\tx\ty\n0\t1\tü\n", "not UTF-8 .byte 0xfc in line 3"),
     ],

@@ -709,8 +709,8 @@ class Measurement(Tabular, InPanels):
         }
         different = dict.fromkeys(name for record in records for name in record.conditions)
         rows += [
-            (path, f"{span(min(match), max(match), '1', 4)} [SI]")
-            for path, match in changed.items()
+            (path, f"{span(min(values), max(values), '1', 4)} [SI]")
+            for path, values in changed.items()
         ]
         rows += [("conditions", ", ".join(different))] if different else []
         return Summary(

@@ -368,7 +368,9 @@ def load_measurement(
     and without an entry in `units`, numbers are in SI. A ``friction`` or ``spring_force`` in ``1``
     or ``%`` is a coefficient, which becomes a force by the load: of the file, or else of the
     mechanism; a friction without any is that of a load of 1 N. The columns of a MATLAB file are its
-    vectors of one length; a field of a struct is called ``struct.field``.
+    vectors of one length; a field of a struct is called ``struct.field``. A text file may have any
+    number of lines above the header, a row of units below it, and cells between commas, semicolons,
+    tabs, bars or blanks.
 
     Parameters
     ----------
@@ -424,8 +426,9 @@ def load_measurement(
         ``"0.12 N m/A"``: the column ``current`` is then read as the force. By joint where several
         have a current, as ``{"elbow": "0.12 N m/A"}``.
     layout : Layout, optional
-        How a text file holds its table, where lines that are no comments stand above the header,
-        units have a row of their own, or thousands are separated; see `guess_data`.
+        How a text file holds its table, if that is not found from its upper lines: it is refused
+        where two lines may be the header, or a comma may be decimal or part thousands. What
+        `guess_data` finds has one.
 
     Returns
     -------

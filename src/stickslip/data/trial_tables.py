@@ -34,7 +34,7 @@ def read_trials(
     records = []
     for row in range(len(frame.data)):
         cells = {column: values[row] for column, values in columns.items()}
-        own = {key: match[row] for key, match in named.items() if match[row] is not None}
+        own = {key: values[row] for key, values in named.items() if values[row] is not None}
         records.append(_trial(frame, row, cells, {**common, "conditions": own}, mechanism))
     return records[0] if len(records) == 1 else Measurement(trials=tuple(records), name=name)
 

@@ -89,11 +89,11 @@ def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object
         return
     fields = {field.name: field for field in dataclasses.fields(kind) if field.init}
     hints = _hints(kind)
-    quantities = {name: [*marks(hints.get(name))] for name in fields}
+    annotations = {name: [*marks(hints.get(name))] for name in fields}
     symbols = {
         name: mark.symbol
-        for name, quantity in quantities.items()
-        for mark in quantity
+        for name, annotated in annotations.items()
+        for mark in annotated
         if hasattr(mark, "symbol")
     }
     for name in values:
@@ -110,7 +110,7 @@ def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object
     for name, field in fields.items():
         given = name in values or name in by_place[: len(args)]
         if field.default is field.default_factory is missing and not given:
-            said = next((str(mark) for mark in quantities[name] if hasattr(mark, "symbol")), "")
+            said = next((str(mark) for mark in annotations[name] if hasattr(mark, "symbol")), "")
             raise ParameterError(
                 f"{kind.__name__} lacks {name}" + (f" ({said})" if said else "") + ": give it by"
                 f" name, {kind.__name__}({name}=...)."

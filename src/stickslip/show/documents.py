@@ -382,7 +382,7 @@ def _listed(folder: Path) -> dict[str, list[str]] | None:
         content = json.loads(regular_bytes(folder / LIST))
         if content["schema"] != f"stickslip/files/{SCHEMA_VERSION}":
             return None
-        return {str(name): list(map(str, match)) for name, match in content["files"].items()}
+        return {str(name): list(map(str, hashes)) for name, hashes in content["files"].items()}
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
 

@@ -713,6 +713,8 @@ BLOCK: Final = 20.0
 BAND_HALF_WIDTH: Final = 0.15
 """Half width, over its frequency, of the band that a line must stand out of. That of 50 Hz does not
 reach 60 Hz, and 45 and 55 Hz, of a motion of 5 Hz with all its harmonics, lie within it."""
+STANDS: Final = 8.0
+"""A line has so many times the largest power beside it: noise of a few averages stays below."""
 LOBE: Final = 3
 """Bins to each side over which the window spreads a line."""
 CURE: Final = (
@@ -831,7 +833,7 @@ def _standing(power: Array, frequency: float, width: float) -> int | None:
     beside = np.concatenate(
         [power[middle - aside : place - LOBE], power[place + LOBE + 1 : middle + aside + 1]]
     )
-    return place if power[place] > DECADE * float(beside.max()) else None
+    return place if power[place] > STANDS * float(beside.max()) else None
 
 
 def words_of(lines: tuple[MainsLine, ...]) -> str:
@@ -891,10 +893,14 @@ SLOWEST, FASTEST = 5.0, 1e6
 """Sampling frequencies [Hz] of forces and motions between which nobody wonders."""
 
 
+RELIABLE: Final = 50
+"""Samples without which estimates are unreliable."""
+
+
 def length(time: Array) -> Iterator[Finding]:
     """Say whether a record is too short for anything."""
     n = time.size
-    if n >= FEW_SAMPLES:
+    if n >= RELIABLE:
         return
     sentence = "estimates from so few samples are unreliable."
     if n < FEWEST_SAMPLES:
@@ -1012,11 +1018,13 @@ SPANNED: Final = ("m", "rad")
 IMPOSSIBLE_SPEED: Final = 1000.0
 """Speed [m/s] of a bullet: no body with friction that is measured moves faster."""
 LONGEST_RUN: Final = 2 * FEWEST_SAMPLES
-"""Samples that a signal must sit at its extreme to count as saturated, and ten times longer than at
-the levels beside it: a rounded peak is 5 times as long."""
+"""Samples that a signal must sit at its extreme to count as saturated."""
+LONGER: Final = 8
+"""... and how many times longer than at the levels beside it: a rounded peak is 5 times as long."""
+SIDE: Final = 8
+"""Samples beside a position's flat extreme at least that show whether it comes or leaves slowly."""
 FLAT: Final = 6
-"""Flats over the samples beside them that show whether a position comes or leaves slowly: where a
-rounded peak is cut off, both sides are straight."""
+"""... and at most a sixth of the flat: where a rounded peak is cut off, both sides are straight."""
 SINGLE_STEP: Final = (1.5, 2.5)
 """Way in twice the time over that in the time itself: 2 at one speed, 4 from rest, 1 in a jump."""
 VISIBLE: Final = 2**16
@@ -1182,7 +1190,7 @@ def saturated(record: Measurement) -> Iterator[Finding]:
             near = (np.abs(levels - extreme) < 0.1 * span) & ~there
             longest = int(lengths[there].max())
             beside = int(lengths[near].max()) if near.any() else 1
-            if longest < max(LONGEST_RUN, DECADE * beside):
+            if longest < max(LONGEST_RUN, LONGER * beside):
                 continue
             share = float(np.sum(lengths[there])) / values.size
             text = (
@@ -1219,7 +1227,7 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
         short = np.abs(values - extreme)
         result = [
             int(lengths[k])
-            for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * FEWEST_SAMPLES))
+            for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * SIDE))
             if _straight(short[ends[k] - 1 :], clear, int(lengths[k]))
             and _straight(short[: ends[k] - lengths[k] + 1][::-1], clear, int(lengths[k]))
         ]
@@ -1248,7 +1256,7 @@ def _straight(short: Array, clear: float, length: int) -> bool:
     far = np.flatnonzero(short[: length // FLAT + 1] >= clear)
     if not far.size:
         return False
-    n = max(FEWEST_SAMPLES, int(far[0]))
+    n = max(SIDE, int(far[0]))
     if 2 * n >= short.size:
         return False
     return bool(SINGLE_STEP[0] * short[n] <= short[2 * n] <= SINGLE_STEP[1] * short[n] > 0.0)

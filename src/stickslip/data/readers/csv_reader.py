@@ -33,6 +33,7 @@ from stickslip.data.readers.layout import (
     MISSING,
     Layout,
     Separator,
+    Text,
     are_units,
     bare_cells,
     bytes_of,
@@ -40,6 +41,7 @@ from stickslip.data.readers.layout import (
     decoded,
     doubted_parts,
     headed,
+    is_content,
     is_head,
     is_number,
     is_row,
@@ -64,6 +66,7 @@ from stickslip.data.readers.table import (
 from stickslip.data.readers.toml import decode
 from stickslip.data.tolerances import (
     FEW_SAMPLES,
+    FEWEST,
     FEWEST_SAMPLES,
     LONGEST_HEAD,
     LONGEST_LINE,
@@ -845,7 +848,7 @@ def dialect_of(text: str) -> Dialect | None:
 CONTROLS: Final = bytes({*range(ord(" "))} - {*b"\t\n\r\f"})
 """Bytes that hardly stand in a text."""
 SEPARATORS: Final[tuple[Separator, ...]] = (",", ";", "\t")
-"""Marks between cells of a table that has as many words as numbers."""
+"""Marks between cells of a table whose first line is its header."""
 _GROUPED: Final = re.compile(
     r"""\s*[+-]?\d{1,3}(?:
         (?P<mark>[.'\ \u2019\u00a0\u202f])\d{3}(?:(?P=mark)\d{3})*(?:(?!(?P=mark))[.,]\d+)?
@@ -888,7 +891,7 @@ def _text_in(path: Path, data: bytes, layout: Layout) -> str:
 def _layout(path: Path, text: str, encoding: str) -> Layout:
     """Return how a text holds its table, with a mark between thousands only where it is sure."""
     lines = upper_lines(text)
-    start = next((i for i, line in enumerate(lines) if line.strip() and line[0] != "#"), None)
+    start = next((i for i, line in enumerate(lines) if is_content(line)), None)
     if start is None:
         raise InputError(f"{path}: has no header. Add a first line with the column names.")
     if len(lines[start]) >= LONGEST_LINE:
@@ -898,28 +901,75 @@ def _layout(path: Path, text: str, encoding: str) -> Layout:
         )
     separator = max(SEPARATORS, key=lines[start].count)
     below = [line for line in lines[start + 1 :] if line.strip()]
+    rows = [cells_of(line, separator) for line in below]
     named = separator in lines[start] and is_head(cells_of(lines[start], separator))
     # Names in the first line above a row of numbers, or names wherever rows of numbers begin.
     plain = named and (not below or is_row(below[0], separator))
     if not plain and (result := layout_of(text, encoding)):
-        return replace(result.layout, thousands="") if result.assumed else result.layout
-    if not plain:
-        refuse_numbers(path, text)
-    rows = [cells_of(line, separator) for line in below]
-    if rows and not any(is_number(x) or x.casefold() in MISSING for row in rows for x in row):
-        raise InputError(
-            f"{path}: is not a table: its first {len(rows)} rows contain no number; the first"
-            f" begins with {shown(rows[0][0][:40])}. A table has a line of column names, and below"
-            " it rows of numbers separated by commas, semicolons or tabs."
+        _check_head(path, lines, result)
+        layout, assumed = result.layout, result.assumed
+    else:
+        if not plain:
+            refuse_numbers(path, text)
+        if rows and not any(is_number(x) or x.casefold() in MISSING for row in rows for x in row):
+            raise InputError(
+                f"{path}: is not a table: its first {len(rows)} rows contain no number; the first"
+                f" begins with {shown(rows[0][0][:40])}. A table has a line of column names, and"
+                " below it rows of numbers separated by commas, semicolons, tabs, bars or blanks."
+            )
+        decimal, thousands, assumed = marks_of(text, rows[:FEW_SAMPLES], separator)
+        layout = Layout(
+            encoding=encoding,
+            separator=separator,
+            decimal=decimal,
+            thousands=thousands,
+            preface=start,
         )
-    decimal, thousands, assumed = marks_of(text, rows[:FEW_SAMPLES], separator)
-    return Layout(
-        encoding=encoding,
-        separator=separator,
-        decimal=decimal,
-        thousands="" if assumed else thousands,
-        preface=start,
-    )
+    _check_single_table(path, lines, layout)
+    if assumed:
+        layout = replace(layout, thousands="", decimal=layout.decimal if layout.thousands else ".")
+    return layout
+
+
+def _check_head(path: Path, lines: Sequence[str], text: Text) -> None:
+    """Refuse a text of which several lines may be the header; that above it may name tracks."""
+    names = cells_of(lines[text.layout.preface], text.layout.separator)
+    for line in text.rivals:
+        if not tracks.is_named(cells_of(lines[line], text.layout.separator), names):
+            first, last = sorted((line, text.layout.preface))
+            raise InputError(
+                f"{path}: line {first + 1}, {shown(lines[first][:40].strip())}, and line"
+                f" {last + 1}, {shown(lines[last][:40].strip())}, may both hold the names of the"
+                " columns. Begin the line that does not with #, if it is above the other, or"
+                " delete it."
+            )
+
+
+def _check_single_table(path: Path, lines: Sequence[str], layout: Layout) -> None:
+    """Refuse a second table: names above rows of numbers, as wide as these and not as the first."""
+    if layout.separator == " ":
+        return
+    full = [index for index, line in enumerate(lines) if is_content(line)]
+    cells = {index: cells_of(lines[index], layout.separator) for index in full}
+    width = len(cells.get(layout.preface, ()))
+    for place, index in enumerate(full):
+        size = len(cells[index])
+        # Above the header, a line of settings may have their names above it.
+        few = 1 if index > layout.preface else FEWEST
+        below = full[place + 1 : place + 1 + few]
+        if (
+            size not in (1, width)
+            and len(below) == few
+            and all(len(cells[i]) == size and is_row(lines[i], layout.separator) for i in below)
+            and all(cells[index])
+            and is_head(cells[index])
+            and not any(map(is_number, cells[index]))
+        ):
+            raise InputError(
+                f"{path}: line {index + 1}, {shown(lines[index][:40].strip())}, appears to be a"
+                f" second header, beside line {layout.preface + 1}. Give each table a file of its"
+                " own."
+            )
 
 
 def read_as(path: Path, text: str, data: bytes, layout: Layout) -> tables.FileTable:
@@ -935,13 +985,24 @@ def read_as(path: Path, text: str, data: bytes, layout: Layout) -> tables.FileTa
     if layout.units_row:
         units = [unit_in(cell) for cell in cells_of(lines[1], layout.separator)]
         pairs = itertools.zip_longest(names, units, fillvalue="")
-        names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]
+        names = [_with_unit(path, name, unit) if unit and name else name for name, unit in pairs]
     sample = lines[1 + layout.units_row :][:FEW_SAMPLES]
     if not layout.thousands.isascii():  # of which the parser knows none
         data = text.replace(layout.thousands, "").encode(layout.encoding)
         layout = replace(layout, thousands="")
     rates = stated_rates(above, layout)
     return replace(_parsed(path, data, names, sample, layout), rates=rates)
+
+
+def _with_unit(path: Path, name: str, unit: str) -> str:
+    """Return a name with its unit from the row below, which must not differ from one it has."""
+    known = name.removeprefix(without_unit(name)).strip(" /[]()<>{}")
+    if known and is_unit(known) and known != unit:
+        raise InputError(
+            f"{path}: the header states {known} of the column {shown(without_unit(name))}, and the"
+            f" row of units below it {shown(unit)}. Delete the one that is wrong."
+        )
+    return name if known == unit else f"{name} [{unit}]"
 
 
 def _parsed(
@@ -993,7 +1054,7 @@ def _parsed(
         ) from None
     more = int(table[own[len(names) :]].notna().any(axis=1).sum())
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
-    table = _without_doubts(table.dropna(how="all"), layout)
+    table = _without_doubts(_with_points(table.dropna(how="all"), layout), layout)
     lost = tables.further_cells(more, len(names))
     if cut := _cut_number(data, layout):
         table = table.iloc[:-1]
@@ -1002,6 +1063,14 @@ def _parsed(
             " it: the last row is left out."
         )
     return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost))
+
+
+def _with_points(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
+    """Return a table with numbers where all of a column have points, beside decimal commas."""
+    texts = table.select_dtypes(exclude="number") if layout.decimal == "," else table[[]]
+    numbers = texts.apply(pd.to_numeric, errors="coerce")
+    known = [name for name in texts if numbers[name].notna().equals(texts[name].notna())]
+    return table.assign(**{name: numbers[name] for name in known})
 
 
 def _without_doubts(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
@@ -1065,9 +1134,11 @@ def _decoded(path: Path, data: bytes) -> tuple[str, str]:
     if not encoding.startswith("utf-16"):
         _check_text(path, data[:LONGEST_LINE])
     if encoding == "cp1252":
-        foreign = [line for line in text.splitlines() if not line.isascii()]
-        if any(is_number(cell.strip()) for line in foreign for cell in re.split("[,;\t]", line)):
-            decode(data, str(path))  # raises: who knows what these bytes are
+        for line in text.splitlines():
+            cells = [] if line.isascii() else [cell.strip() for cell in re.split("[,;\t]", line)]
+            numbers = {cell for cell in cells if is_number(cell)}
+            if numbers and any(not cell.isascii() for cell in cells if cell not in numbers):
+                decode(data, str(path))  # raises: who knows what these bytes are
     return text, encoding
 
 

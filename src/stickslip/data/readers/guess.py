@@ -441,14 +441,22 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
         "cells": f"separated by {mark}, decimal {decimal}{thousands}",
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
+    if result.rivals:
+        lines = joined([f"line {line + 1}" for line in result.rivals], MOST_LISTED)
+        reasons["header"] += f"; or {lines}, which may hold names as well"
     if result.units:
         reasons["units"] = f"row below the header: {', '.join(result.units)}"
     if result.assumed:
-        plain = result.assumed.replace(layout.thousands, "")
+        mark = layout.thousands or layout.decimal
+        whole, part = result.assumed.replace(mark, ""), result.assumed.replace(mark, ".")
         reasons["thousands"] = (
-            f"{result.assumed} is read as {plain}: the other numbers have a decimal {decimal}. If"
-            f" it stands for {result.assumed.replace(layout.thousands, layout.decimal)}, write all"
-            " numbers with one decimal mark."
+            f"{result.assumed} is read as {whole}: other numbers have a decimal {decimal}. If it"
+            f" stands for {result.assumed.replace(mark, layout.decimal)}, write all numbers with"
+            " one decimal mark."
+            if layout.thousands
+            else f"{result.assumed} is read as {part}: no number shows whether its comma is decimal"
+            f" or parts thousands. If it stands for {whole}, write numbers without a mark between"
+            " thousands."
         )
     return layout, reasons
 
@@ -1321,15 +1329,15 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
         stem, number_ = numbered(name)
         if number_ and not _is_other(stem, "position"):
             stems.setdefault(stem, {})[number_] = None
-    several = [(stem, results) for stem, results in stems.items() if len(results) > 1]
-    for stem, match in several:
+    several = [(stem, numbers) for stem, numbers in stems.items() if len(numbers) > 1]
+    for stem, numbers in several:
         moves = any(_named_score(stem, q)[0] > 0.0 for q in ("position", "velocity"))
         driven = any(
-            other == match and any(_named_score(name, q)[0] > 0.0 for q in ("force", "current"))
-            for name, other in several
+            others == numbers and any(_named_score(name, q)[0] > 0.0 for q in ("force", "current"))
+            for name, others in several
         )
         if moves and driven:  # positions alone may be those of several sensors of one axis
-            return match
+            return numbers
     return {}
 
 

@@ -5,6 +5,7 @@ Times of day and dates become seconds; they are repaired on request only.
 
 import csv
 import functools
+import itertools
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -384,6 +385,8 @@ DOUBTED: Final = re.compile(
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
 """A whole number with a mark between thousands, to be put in."""
+_LONE: Final = re.compile(r"(?![+-]?[1-9]\d{0,2},\d{3}$)[^.,]*,[^.,]*")
+"""A number with a comma that does not part thousands."""
 _THOUSANDS: Final = {
     ",": re.compile(rf"(?<![.{_BLANKS}]\d\d)\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+,\d"),
     ".": re.compile(rf"(?<![,{_BLANKS}]\d\d)\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+\.\d"),
@@ -449,7 +452,9 @@ class Text:
     units: tuple[str, ...]
     """Units of the columns, from a row below the header; empty where there is none."""
     assumed: str
-    """A whole number with a mark that is only assumed to part thousands; empty if none has."""
+    """A number with a mark of which it is only assumed what it parts; empty if none has."""
+    rivals: tuple[int, ...]
+    """Lines, counted from 0, that may as well be the header: names, or what describes them."""
     rows: tuple[tuple[str, ...], ...]
     """Cells of some of the upper rows."""
 
@@ -581,7 +586,7 @@ def without_names(text: str) -> str:
         if width > 1
         else "name of the column"
     )
-    if any(line.strip() and line[0] != "#" for line in lines[:first]):
+    if any(map(is_content, lines[:first])):
         return (
             f"its rows of numbers begin in line {first + 1}, and no line above has names for all"
             f" columns. Add a line above them with the {columns}"
@@ -593,14 +598,25 @@ def _table(
     text: str, encoding: str, lines: Sequence[str], first: int, width: int, separator: Separator
 ) -> Text | None:
     """Return the table whose rows begin at a line, if there is a header above it."""
-    above = [index for index in range(first) if lines[index].strip()]
-    heads = [index for index in above if is_head(cells_of(lines[index], separator), width)]
+    above = {index: cells_of(lines[index], separator) for index in range(first)}
+    heads = [index for index, cells in above.items() if is_head(cells, width)]
+    # A comment is a header where there is no other.
+    heads = [index for index in heads if lines[index][0] != "#"] or heads
     if not heads:
         return None
-    header, units = heads[-1], tuple[str, ...]()
-    last = cells_of(lines[header], separator)
-    if len(heads) > 1 and heads[-2] == above[-2] and are_units(last):
-        header, units = heads[-2], tuple(unit_in(cell) for cell in last)
+    widths = (width, len(cells_of(lines[first], separator)))
+    named = {index: _names_in(above[index]) for index in heads}
+    rank = {
+        index: (len(above[index]) in widths, len(names), len({*names}))
+        for index, names in named.items()
+    }
+    header, units = max(heads, key=lambda index: (rank[index], index)), tuple[str, ...]()
+    for index, label in itertools.pairwise(heads):
+        few = len(named[label]) < 2 * len(named[index])
+        near = not any(map(str.strip, lines[index + 1 : label]))
+        if near and few and are_units(above[label], len(named[index])):
+            header, units, rank[label] = index, tuple(map(unit_in, above[label])), (False, 0, 0)
+    rivals = tuple(index for index in heads if index != header and rank[index] >= rank[header])
     rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
     names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
     decimal, thousands, assumed = marks_of(text, rows, separator)
@@ -616,6 +632,7 @@ def _table(
         names=names,
         units=_padded(units, len(names)) if units else (),
         assumed=assumed,
+        rivals=rivals,
         rows=rows,
     )
 
@@ -623,21 +640,35 @@ def _table(
 def upper_lines(text: str, first: int = 0) -> list[str]:
     r"""Return the upper lines from one on, cut by hand: a long file has more than anybody needs.
 
+    Of comments and empty lines before them there may be any number.
+
     Examples
     --------
     >>> upper_lines("# rig 3\nt,x\n0,1\n", 1)
     ['t,x', '0,1']
     """
     result: list[str] = []
-    position = line = 0
-    while position < len(text) and len(result) < LOOKED_AT:
+    position = line = counted = 0
+    while position < len(text) and counted < LOOKED_AT:
         end = text.find("\n", position)
         end = len(text) if end < 0 else end
         if line >= first:
             cut = text[position : min(end, position + LONGEST_LINE)]
             result.append(cut.rstrip("\r").lstrip("\ufeff"))
+            counted += bool(counted or is_content(result[-1]))
         position, line = end + 1, line + 1
     return result
+
+
+def is_content(line: str) -> bool:
+    """Whether a line is neither a comment nor empty.
+
+    Examples
+    --------
+    >>> is_content("t,x"), is_content("# rig 3"), is_content("  ")
+    (True, False, False)
+    """
+    return bool(line.strip()) and line[0] != "#"
 
 
 def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]]:
@@ -664,7 +695,7 @@ def _counted(line: str, separator: str) -> tuple[int, int, int]:
 
     All are 0 unless most of the cells are numbers.
     """
-    if not line.strip() or line.startswith("#"):
+    if not is_content(line):
         return 0, 0, 0
     cells = cells_of(line, separator)
     width = max((place for place, cell in enumerate(cells, 1) if cell), default=0)
@@ -685,29 +716,36 @@ def is_row(line: str, separator: str) -> bool:
 
 
 def is_head(cells: Sequence[str], width: int = 1) -> bool:
-    """Whether cells above rows of a width may be their names or their units.
+    """Whether cells above rows of a width may be their names or their units: most are no numbers.
 
     Examples
     --------
-    >>> is_head(["Zeit", "Weg"]), is_head(["0", "0,5"])
-    (True, False)
+    >>> is_head(["Zeit", "Weg", "2"]), is_head(["0", "0,5"]), is_head(["nan", "", "n/a"])
+    (True, False, False)
     """
-    named = [cell for cell in cells if cell]
-    if not named or len(cells) < width:
-        return False
-    return not any(is_number(cell) or is_stamp(cell) for cell in named if cell not in NO_UNIT)
+    there = sum(cell.casefold() not in MISSING for cell in cells)
+    return len(cells) >= width and 2 * len(_names_in(cells)) > there
 
 
-def are_units(cells: Sequence[str]) -> bool:
-    """Whether cells hold units and nothing else.
+def _names_in(cells: Sequence[str]) -> list[str]:
+    """Return the cells that are neither numbers nor times nor missing."""
+    return [
+        cell
+        for cell in cells
+        if cell in NO_UNIT or not (cell.casefold() in MISSING or is_number(cell) or is_stamp(cell))
+    ]
+
+
+def are_units(cells: Sequence[str], names: int = 1) -> bool:
+    """Whether cells hold units and nothing else: several, or for most of some names.
 
     Examples
     --------
-    >>> are_units(["s", "[mm]", ""]), are_units(["t", "x"])
-    (True, False)
+    >>> are_units(["s", "[mm]", ""], 3), are_units(["A", "", ""], 3), are_units(["t", "x"])
+    (True, False, False)
     """
     named = [cell for cell in cells if cell]
-    return bool(named) and all(
+    return (len(named) > 1 or 2 * len(named) > names) and all(
         cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
         for cell in named
     )
@@ -756,8 +794,12 @@ def marks_of(
     (',', '.', '1.592')
     """
     decimal, thousands = _marks(text, rows, separator)
-    grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
-    sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
+    mark = "," if (separator, decimal) == (",", ",") and not thousands else thousands
+    grouped = [cell for row in rows for cell in row if is_number(cell) and mark and mark in cell]
+    whole = _GROUPS.format(mark)
+    sure = mark not in (".", ",") or not all(
+        re.fullmatch(whole, cell) and cell.count(mark) == 1 for cell in grouped
+    )
     return decimal, thousands, "" if sure else next(iter(grouped), "")
 
 
@@ -775,11 +817,14 @@ def _marks(
         return ".", ""
     if separator != "," or any('"' in line for line in upper_lines(text)[:LOOKED_AT]):
         marked = [cell for cell in numbers if separator != "," or "," in cell]
-        if separator == "," and all(re.fullmatch(_GROUPS.format(","), cell) for cell in marked):
+        grouped = all(re.fullmatch(_GROUPS.format(","), cell) for cell in marked)
+        if separator == "," and grouped and any("." in cell for cell in numbers):
             return ".", _other_mark(numbers, ".")
         last = Counter(mark for cell in numbers for mark in _last_mark(cell))
         both = any("." in cell and "," in cell for cell in numbers)
-        if last[","] and (both or last[","] >= last["."]):
+        # A comma that parts no thousands is decimal: as text, numbers with points are read too.
+        lone = separator != "," and any(map(_LONE.fullmatch, numbers))
+        if last[","] and (both or lone or last[","] >= last["."]):
             decimal = ","
     other = "," if decimal == "." else "."
     several = separator != "," or '"' in text

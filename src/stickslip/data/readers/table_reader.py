@@ -37,7 +37,6 @@ from stickslip.data.tolerances import (
     LARGEST_TEXT,
     LONGEST_LINE,
     LONGEST_NAME,
-    MOST_CELLS,
     MOST_LISTED,
     MOST_SIGNALS,
     SLIGHT,
@@ -280,8 +279,8 @@ class _Joined:
                 apart.setdefault((item.topic, how), []).append(name)
                 rates.setdefault(item.topic, _rate(item))
         said += [
-            _apart(f"{topic}{rates[topic]}", how, match, clock)
-            for (topic, how), match in apart.items()
+            _apart(f"{topic}{rates[topic]}", how, names, clock)
+            for (topic, how), names in apart.items()
         ]
         return FileTable(
             data=pd.DataFrame(data),
@@ -597,7 +596,7 @@ CURE: Final = "split it, or keep fewer topics"
 IN_A_PIECE: Final = "expanded bytes in a piece"
 WRONG_INDEX: Final = "its index does not fit its chunks"
 CUT: Final = "a record is longer than the file"
-LARGEST: Final = 8 * MOST_CELLS
+LARGEST: Final = 2**28
 """Bytes that one piece becomes at most, which is then in memory; writers make some megabytes."""
 RATIO: Final = 100
 """Bytes that a large file becomes at most over its own, which joints at rest do not reach."""

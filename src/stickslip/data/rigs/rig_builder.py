@@ -131,8 +131,8 @@ def _number(
     ]
     others = (
         dataclasses.replace(quantity, unit=unit)
-        for quantity, match in units
-        for unit in sorted(match - {quantity.unit})
+        for quantity, spellings in units
+        for unit in sorted(spellings - {quantity.unit})
     )
     number = Number(
         quantities[0],

@@ -1160,8 +1160,8 @@ class PiecewiseAffine(base.Straight):
         _, k = _series(type(self).__name__, self.times, self.slopes)
         if k[-1] != 0.0:
             raise ParameterError(f"PiecewiseAffine.slopes must end with 0, got {k[-1]:g}.")
-        for name, match in (("times", t), ("values", u), ("slopes", k)):
-            object.__setattr__(self, name, tuple(match))
+        for name, axis in (("times", t), ("values", u), ("slopes", k)):
+            object.__setattr__(self, name, tuple(axis))
 
     @override
     def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
