@@ -385,6 +385,7 @@ BLANKS = "".join(f"{0.1 * i:.1f};{100 * i:,}.0\n".replace(",", "\xa0") for i in 
             (0.59, 59, 29.5),
         ),
         (f"time;temp;position;force\n{MIXED}", None, (0.59, 29.5, 8.85)),
+        (f"sample,steel,\n{HEADER}{BELOW}", None, (0.59, 59.0, 29.5)),
         (f"Rate,100,Hz\n{HEADER}s,mm,N\n{BELOW}", None, (0.59, 0.059, 29.5)),
         (f"time [s],position,force\ns,mm,N\n{BELOW}", None, (0.59, 0.059, 29.5)),
         (f"Rig 3\nDate,Time\n2024-01-01,10:00\n\n{HEADER}{BELOW}", None, (0.59, 59.0, 29.5)),
@@ -416,6 +417,10 @@ def test_the_first_line_that_has_names_for_all_columns_is_the_header(write, text
             "line 63, 'velocity,friction', .* second header",
         ),
         (f"Rig\n{HEADER}0,1,2\n1,2,3\n2,3,4\n\na,b\n" + "1,2\n" * 20, "line 2, .* beside line 7"),
+        (
+            f"Rig,steel,dry\ntime,position,force,\n{BELOW}",
+            "line 1, .* and line 2, 'time,position,f",
+        ),
         (f"time,position\n{QUOTED}", "column 'time', line 2: .* got '1,000'"),
     ],
 )

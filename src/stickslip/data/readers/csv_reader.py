@@ -1070,7 +1070,7 @@ def _with_points(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
     texts = table.select_dtypes(exclude="number") if layout.decimal == "," else table[[]]
     numbers = texts.apply(pd.to_numeric, errors="coerce")
     known = [name for name in texts if numbers[name].notna().equals(texts[name].notna())]
-    return table.assign(**{name: numbers[name] for name in known})
+    return table.assign(**{str(name): numbers[name] for name in known})
 
 
 def _without_doubts(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:

@@ -604,10 +604,10 @@ def _table(
     heads = [index for index in heads if lines[index][0] != "#"] or heads
     if not heads:
         return None
-    widths = (width, len(cells_of(lines[first], separator)))
+    widths = {width, len(cells_of(lines[first], separator))}
     named = {index: _names_in(above[index]) for index in heads}
     rank = {
-        index: (len(above[index]) in widths, len(names), len({*names}))
+        index: (not widths.isdisjoint(_widths(above[index])), len(names), len({*names}))
         for index, names in named.items()
     }
     header, units = max(heads, key=lambda index: (rank[index], index)), tuple[str, ...]()
@@ -698,10 +698,15 @@ def _counted(line: str, separator: str) -> tuple[int, int, int]:
     if not is_content(line):
         return 0, 0, 0
     cells = cells_of(line, separator)
-    width = max((place for place, cell in enumerate(cells, 1) if cell), default=0)
+    _, width = _widths(cells)
     numbers = sum(is_number(cell) or is_stamp(cell) or bool(doubted_parts(cell)) for cell in cells)
     words = sum(cell.casefold() not in MISSING for cell in cells) - numbers
     return (len(cells), width, words) if numbers > words else (0, 0, 0)
+
+
+def _widths(cells: Sequence[str]) -> tuple[int, int]:
+    """Return the numbers of cells, and of those up to the last that is not empty."""
+    return len(cells), max((place for place, cell in enumerate(cells, 1) if cell), default=0)
 
 
 def is_row(line: str, separator: str) -> bool:
