@@ -130,12 +130,19 @@ def test_one_travel_says_nothing_of_held_out_settings_and_of_probabilities():
     assert "probable" not in words.lede
 
 
-def test_a_law_with_as_large_a_share_is_not_said_to_predict_best(viscous):
-    law, _ = viscous
-    verdict = select(BLOCK, {"one": CoulombViscous, "other": CoulombViscous}, readings(law))
-    shares = [candidate.share for candidate in verdict.candidates]
-    assert shares[0] == pytest.approx(shares[1], abs=0.06)
-    assert not any("predicts held-out" in line for line in verdict.words.cannot_tell)
+@pytest.mark.parametrize(
+    ("near", "share", "is_said"), [(True, 0.51, False), (True, 0.6, True), (False, 0.9, False)]
+)
+def test_another_law_predicts_best_if_it_is_near_and_its_share_visibly_larger(
+    viscous, monkeypatch, near, share, is_said
+):
+    _, verdict = viscous
+    fit, judgement = verdict.closest.fit, verdict.judgement
+    other = next(
+        name for name in judgement.evidence if (name in judgement.set) == near and name != fit.name
+    )
+    monkeypatch.setitem(judgement.__dict__, "shares", {fit.name: 1.0 - share, other: share})
+    assert any("predicts held-out" in line for line in verdict.kind.untold(fit)) == is_said
 
 
 def test_one_travel_ranks_nothing_and_its_band_spans_the_laws():
