@@ -97,8 +97,8 @@ def main() -> None:
     chosen = parser.parse_args().cases
     if chosen == [COMPILE]:
         compiling = importlib.import_module("benchmarks.compiling")
-        for match in (compiling.run(), compiling.default_calls()):
-            print("\n".join([f"## {match.title}", "", *tables.section(match)]))
+        for measured in (compiling.run(), compiling.default_calls()):
+            print("\n".join([f"## {measured.title}", "", *tables.section(measured)]))
         print(machine())
         return
     parts = {case: [name for name in chosen if name.partition(":")[0] == case] for case in CASES}

@@ -57,11 +57,11 @@ def errors(path: Path) -> Iterator[Row]:
         for item in csv.DictReader(file):
             if item["error"]:
                 by_task.setdefault(item["task"], []).append(item)
-    for task, match in by_task.items():
-        ours = [item for item in match if item["tool"] == OURS]
+    for task, rows in by_task.items():
+        ours = [item for item in rows if item["tool"] == OURS]
         named = [our for our in ours if our["named"] == "True"]
         best = min((float(our["error"]) for our in named or ours), default=None)
-        for item in match:
+        for item in rows:
             if best is not None and item["tool"] != OURS:
                 yield row("error", task, item["tool"], best, float(item["error"]), item["unit"])
 

@@ -1,5 +1,8 @@
 """Records that no judge may be given: forces of the wrong sign; and terms of what drives them."""
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -7,7 +10,7 @@ from scipy.signal import lfilter
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
-from stickslip.identify.problems.record_model import RecordModel
+from stickslip.identify.problems.record_model import RecordModel, waves_of
 from stickslip.identify.problems.record_signals import Record, noise_of
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -74,14 +77,33 @@ def test_sound_forces_are_not_refused(friction):
     refused(t, x, force)
 
 
-def test_a_block_that_is_pulled_one_way_with_friction_that_falls_is_not_refused():
+def one_way(sign=1.0):
+    """Return times, positions and forces of an axis that moves forward; a sign may change."""
+    rng, t = np.random.default_rng(0), np.arange(0.0, 20.0, 0.01)
+    v = 1.0 + 0.5 * np.sin(1.3 * t) * np.cos(0.37 * t)
+    force = 0.1 * np.gradient(v, t) + LEVEL + VISCOUS * v + 0.01 * rng.normal(size=len(t))
+    return t, 0.01 * np.cumsum(v) + 1e-5 * rng.normal(size=len(t)), force * sign
+
+
+@pytest.mark.parametrize("inertia", [None, 0.1])
+def test_a_wrong_sign_is_refused_of_a_motion_in_one_direction(inertia):
+    t, x, force = one_way()
+    refused(t, x, force, inertia=inertia)
+    with pytest.raises(InputError, match="friction would drive the motion"):
+        refused(t, x, -force, inertia=inertia)
+    with pytest.raises(InputError, match=r"sign of the force changes at about t = (9|10)\.\d"):
+        refused(t, x, np.where(t > 10.0, -force, force), inertia=inertia)
+
+
+@pytest.mark.parametrize("inertia", [None, 1.2])
+def test_a_block_that_is_pulled_one_way_with_friction_that_falls_is_not_refused(inertia):
     rng, rate = np.random.default_rng(6), 50.0
     t = np.arange(0.0, 40.0, 1.0 / rate)
     v = np.select([t % 10 < 3, t % 10 < 6], [0.01 + 0.0 * t, 0.01 + 0.02 * (t // 10)], 0.0)
     x = np.cumsum(v) / rate
     force = np.where(v > 0.0, 3.0 + np.exp(-v / 0.02), 3.2)  # the spring stays stretched at rest
     noisy = force + 0.03 * rng.normal(size=len(t))
-    refused(t, x + 2e-5 * rng.normal(size=len(t)), noisy, inertia=1.2)
+    refused(t, x + 2e-5 * rng.normal(size=len(t)), noisy, inertia=inertia)
 
 
 def test_a_cogging_force_that_moves_the_body_has_its_wave_number():
@@ -99,6 +121,16 @@ def test_a_cogging_force_that_moves_the_body_has_its_wave_number():
     model = RecordModel(records, families=[("level",), ("level", "viscous")])
     (found,) = model.balance.waves[0]
     assert found == pytest.approx(w, rel=2e-3)
+
+
+@pytest.mark.parametrize(("rows", "noise"), [(24, 1e-4), (400, math.pi / 40.5 / 4.0)])
+def test_few_rows_and_a_single_wave_number_choose_no_wave(rows, noise):
+    random = np.random.default_rng(5)
+    some = SimpleNamespace(
+        far=np.full(rows, 1e3), position=random.uniform(0.0, 1.0, rows),
+        velocity=random.normal(size=rows), response=random.normal(size=rows),
+    )  # fmt: skip
+    assert waves_of(some, 1.0, noise, random.normal(size=(rows, 20))) == ((), ())
 
 
 def test_steps_of_an_encoder_that_a_file_rounds_are_its_noise():

@@ -239,7 +239,7 @@ def test_trials_that_differ_widen_the_band_and_are_said_to():
     )  # fmt: skip
     assert not any("runs differ by" in line for line in alike.words.cannot_tell)
     assert any("The 3 runs differ by" in line for line in unlike.words.cannot_tell)
-    assert "friction of another one is known to" in unlike.words.lede
+    assert "runs or specimens measured; friction of another one is known to" in unlike.words.lede
     v, band = unlike.speeds, unlike.other_specimen
     truths = [np.sign(v) * level + 4.0 * v for level in (5.0, 7.0)]
     assert np.mean([(band.low < y) & (y < band.high) for y in truths]) > 0.9

@@ -27,6 +27,7 @@ from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError
 from stickslip.identify.compared import family_of_law
 from stickslip.identify.laws import MeasuredCurve, Sliding, compose, curve_law
+from stickslip.identify.vocabulary import Grid
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.geomspace(0.01, 1.0, 20)
@@ -654,6 +655,17 @@ def test_an_input_may_have_any_unit():
     assert np.median((bands[1].high - bands[1].low) / bands[1].median) < 0.1
 
 
+def test_an_input_that_is_constant_but_for_rounding_is_none():
+    # effects of a pressure of 3 MPa, whose last bit changed, left the level open to 4e14
+    random, v = np.random.default_rng(1), np.tile(np.geomspace(0.01, 1.0, 12), 3)
+    friction = (29.43 + 4.9 * v) * (1.0 + 0.005 * random.normal(size=36))
+    pressure = np.where(np.arange(36) % 2, 3e6, np.nextafter(3e6, 4e6))
+    plain = Measurement(velocity=v, friction=friction)
+    bands = [select(AXIS, None, x) for x in (plain, replace(plain, inputs={"pressure": pressure}))]
+    for one, same in zip(*(band.intervals for band in bands), strict=True):
+        assert (one.low, one.high) == (same.low, same.high)
+
+
 def test_copies_of_readings_say_no_more_than_these():
     random = np.random.default_rng(7)
     friction = stribeck(SPEEDS) * (1.0 + 0.01 * random.normal(size=len(SPEEDS)))
@@ -663,6 +675,16 @@ def test_copies_of_readings_say_no_more_than_these():
         band = select(AXIS, None, Measurement(velocity=v, friction=y)).friction
         widths.append(np.median(band.high - band.low))
     assert widths[1] > 0.7 * widths[0]
+
+
+@pytest.mark.parametrize("family", [("power",), ("level", "power"), ("level", "stribeck", "power")])
+def test_a_power_is_refined_to_no_less_than_a_family_has(family):
+    grid = Grid(slowest=0.1, fastest=1.0)
+    least = min(shape[0] for shape, _ in grid.shapes("power", family))
+    others = [grid.shapes(name)[0][0] for name in family[:-1]]
+    powers = {shapes[-1][0] for shapes in grid.finer(family, [*others, (least,)])}
+    assert min(powers) == least
+    assert len(powers) == 2
 
 
 def test_a_power_of_the_speed_may_be_small():

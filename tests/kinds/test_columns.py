@@ -8,7 +8,7 @@ import pytest
 
 from stickslip.identify.kinds import Column, data_row, page_table, terminal_table
 from stickslip.identify.kinds.features import FeatureKind
-from stickslip.identify.kinds.simulated import SimulatedCandidate
+from stickslip.identify.kinds.simulated import SimulatedCandidate, SimulatedKind
 from stickslip.identify.kinds.velocity_steps import VelocityStepKind
 from stickslip.show.formatting import EstimateText, Scale
 from stickslip.show.report import Number, RowPlot
@@ -100,7 +100,7 @@ def candidate(kind, **values):
 
 def test_a_law_without_a_fit_has_all_columns_of_a_dataframe():
     row = candidate(VelocityStepKind(), dropped="the slider runs away").to_row()
-    assert list(row) == ["law", "parameters", "leaves", "share", "a_minus_b", "outcome"]
+    assert list(row) == ["law", "parameters", "leaves", "probability", "a_minus_b", "outcome"]
     assert row["leaves"] is row["a_minus_b"] is None
 
 
@@ -116,7 +116,7 @@ def test_a_law_on_features_shows_its_probability_and_what_it_misses():
     errors = {"frequency": -0.03, "mean": 0.04, "standard_deviation": 0.0}
     fit = SimpleNamespace(estimates=(1, 2), rms=0.05, details={"errors": errors})
     kind = FeatureKind()
-    one = replace(candidate(kind, share=0.9, second={"mean": 0.08}), fit=fit)
+    one = replace(candidate(kind, probability=0.9, second={"mean": 0.08}), fit=fit)
     heads, (row,) = terminal_table(kind.all_columns, [one])
     assert heads[4:] == ["frequency", "mean", "deviation", "second record"]
     assert row == ["Coulomb", "2", "0.0500", "90 %", "−3 %", "+4 %", "0 %", "0.0800"]
@@ -129,3 +129,8 @@ def test_keys_and_headings_of_a_kind_stand_once(kind):
                   [column.page for column in columns]):  # fmt: skip
         given = [name for name in names if name]
         assert len(set(given)) == len(given)
+
+
+def test_a_kind_that_defines_no_problem_says_what_is_missing():
+    with pytest.raises(NotImplementedError, match="VelocityStepKind defines neither problem nor"):
+        SimulatedKind.problem(VelocityStepKind(), None, {}, None, None, None)

@@ -104,10 +104,45 @@ def test_a_curve_that_no_law_has_is_held_by_the_measured_curve():
     assert not verdict.explained
     assert verdict.best is None
     assert verdict.sentence.startswith("No law compared explains these travels")
+    assert "probable" not in verdict.words.lede
     middle = 0.5 * (settings[3] + settings[4])
     band = verdict.band([middle])
     held = travel(Coulomb(kinetic_coefficient=0.2 + 3.0 * (middle - 0.05)), middle)
     assert band.low[0] <= held <= band.high[0]
+
+
+def test_travels_at_another_setting_are_those_of_the_band(viscous):
+    _, verdict = viscous
+    with pytest.raises(InputError, match="use `band`"):
+        verdict.predict(BLOCK)
+
+
+def test_settings_in_order_are_advised_in_another_one(viscous):
+    _, verdict = viscous
+    assert verdict.words.measure_next[-1].startswith("Measure in random order, or repeat the first")
+
+
+def test_one_travel_says_nothing_of_held_out_settings_and_of_probabilities():
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    laws = {"other": Stribeck, "mine": Coulomb}
+    words = select(rig, laws, Measurement(travel=0.2, uncertainty=0.005)).words
+    assert not any("held-out" in line or "probable" in line for line in words.cannot_tell)
+    assert "probable" not in words.lede
+
+
+@pytest.mark.parametrize(
+    ("near", "share", "is_said"), [(True, 0.51, False), (True, 0.6, True), (False, 0.9, False)]
+)
+def test_another_law_predicts_best_if_it_is_near_and_its_share_visibly_larger(
+    viscous, monkeypatch, near, share, is_said
+):
+    _, verdict = viscous
+    fit, judgement = verdict.closest.fit, verdict.judgement
+    other = next(
+        name for name in judgement.evidence if (name in judgement.set) == near and name != fit.name
+    )
+    monkeypatch.setitem(judgement.__dict__, "shares", {fit.name: 1.0 - share, other: share})
+    assert any("predicts held-out" in line for line in verdict.kind.untold(fit)) == is_said
 
 
 def test_one_travel_ranks_nothing_and_its_band_spans_the_laws():
@@ -192,7 +227,13 @@ def test_a_verdict_is_read_as_numbers_rows_laws_and_a_figure(viscous):
     content = json.loads(json.dumps(verdict.to_dict()))
     assert content["units"] == {"setting": "m", "travel": "m"}
     assert content["band"]["parameter"] == PATH
-    assert {*content["candidates"][0]} >= {"law", "share", "evidence", "held_out_error", "fit"}
+    keys = {"law", "share", "probability", "evidence", "held_out_error", "fit"}
+    assert {*content["candidates"][0]} >= keys
+    for item, row in zip(verdict.candidates, verdict.to_dict()["candidates"], strict=True):
+        assert (row["share"], row["probability"]) == (item.share, item.probability)
+    rows = verdict.to_dataframe()
+    assert rows["probability"].sum() == pytest.approx(1.0)
+    assert rows["share"].sum() + verdict.curve_share == pytest.approx(1.0)
     assert list(verdict.to_dataframe()["law"]) == [c.name for c in verdict.candidates]
     laws = verdict.sample(6, seed=2)
     assert len(laws) == 6

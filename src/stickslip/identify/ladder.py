@@ -121,8 +121,8 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     if not named.structure and not judgement.is_told:
         return f"No friction stands above the noise of the {words.measured}."
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
-    result = [finding for finding in judgement.findings if finding.asserted and finding.is_mistake]
-    doubts = [*wrong, *(item.sentence for item in result)]
+    mistakes = [item for item in judgement.findings if item.asserted and item.is_mistake]
+    doubts = [*wrong, *(item.sentence for item in mistakes)]
     if doubts and judgement.is_told:
         return (
             f"Check units, gains and signs first. {doubts[0]} If they are right,"
@@ -214,8 +214,8 @@ def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int) -> 
     if new < DIFFERENT * mine:
         return ""
     return (
-        f"That is any of the {runs} runs or specimens measured: friction of another one is known"
-        f" to ± {percent(new)}."
+        f"That holds for each of the {runs} runs or specimens measured; friction of another one is"
+        f" known to ± {percent(new)}."
     )
 
 

@@ -105,6 +105,8 @@ class Readable(ABC):
     """Quantiles of draws between which an interval lies."""
     no_run: str = "no run works"
     """What is said of a law of which no run gives rows."""
+    repeated: bool = False
+    """Whether all readings repeat a single setting, so that none predicts another."""
 
     def failed(self, name: str) -> str:
         """Return why a law has no fit although runs of it were tried."""

@@ -137,8 +137,9 @@ class Grid:
             elif name == "power":
                 step = 3.0 * part * STEP
                 powers = [shape[0] + step * k for k in (-1, 0, 1)]
+                least = min(item[0] for item, _ in self.shapes(name, family))
                 # Less than the least is the level, and 0 is no power.
-                moves.append([(p, *shape[1:]) for p in powers if p > 0.9 * EXPONENTS[0]])
+                moves.append([(p, *shape[1:]) for p in powers if p > 0.9 * least])
             else:
                 moves.append([shape])
         yield from (list(item) for item in itertools.product(*moves))

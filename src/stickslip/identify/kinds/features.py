@@ -155,7 +155,7 @@ class FeatureKind(SimulatedKind):
     def foreseen(self, fit: AnyFit, setting: TowedBlock) -> Array:
         return draws_of(fit, [towed(setting)], 2 * int(ENOUGH))[:, 0]
 
-    # six texts
+    # seven texts
     def called(self, fit: AnyFit) -> str:
         return friction_of(fit.law.title)
 

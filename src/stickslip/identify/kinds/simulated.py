@@ -1,8 +1,8 @@
 """Kinds whose readings only runs of laws tell: their fit, verdict, words and page.
 
-A kind gives a `Simulated` problem (rows, runs of a law, what is unknown with its priors), six texts
-and its figures. One posterior weighs all laws (`stickslip.identify.simulated`), and everything that
-is said is read from its draws:
+A kind gives a `Simulated` problem (rows, runs of a law, what is unknown with its priors), seven
+texts and its figures. One posterior weighs all laws (`stickslip.identify.simulated`), and
+everything that is said is read from its draws:
 
 * the most probable law is *named*, unless it contradicts what was measured (`SimulatedKind.fault`);
 * laws within 100 : 1 of it cannot be distinguished, and those that contain it may hold as well;
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
 
 import numpy as np
 
-from stickslip.data import Checks, LawEstimates, Measurement, levels_at
+from stickslip.data import Checks, LawEstimates, Measurement, levels_at, with_order
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identify import (
     parameter_sentence,
@@ -330,8 +330,8 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
         value=lambda item: item.score, text=lambda item: score_text(PLAIN, item.score).value,
     ),
     Column(
-        key="share", title="probability", page="probability", phone="label",
-        value=lambda item: item.share,
+        key="probability", title="probability", page="probability", phone="label",
+        value=lambda item: item.probability,
         text=lambda item: probability_text(item.probability) if item.fit else None,
     ),
 )  # fmt: skip
@@ -350,7 +350,7 @@ LAST: Final[Columns[SimulatedCandidate]] = (
 
 
 class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
-    """What is measured, six texts, and figures."""
+    """What is measured, seven texts, and figures."""
 
     uses = frozenset({"route", "validate"})
     these: ClassVar[str] = "this record"
@@ -386,7 +386,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         fixed: Mapping[str, float] | None,
     ) -> Simulated:
         """Return the measurement as rows, with laws and what is looked for of them."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} defines neither problem nor weighed")
 
     def weighed(
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
@@ -614,8 +614,9 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             f"{self.called(item.fit)} is {probability_text(item.probability)} probable"
             for item in near if item.fit
         ]  # fmt: skip
+        is_weighed = bool(others) and not fault and not fit.problem.repeated
         which = "Which law" if rivals else "Whether there is more"
-        cannot = [f"{which}: {joined(shares)}."] if shares else []
+        cannot = [f"{which}: {joined(shares)}."] if shares and is_weighed else []
         cannot += fit.family.few_draws
         cannot += [
             f"${estimate.quantity.symbol}$: {estimate.reason}."
@@ -635,13 +636,13 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         no_score = f"No ranking of {same}: each may hold." if rivals else ""
         return Wording(
             verdict=verdict,
-            lede=share * bool(others) + self.about(fit),
+            lede=share * is_weighed + self.about(fit),
             settles=() if fault else (
                 *(parameter_sentence(own, every, phrase) for own, every in pairs if own.bounded),
                 *self.settled(fit),
             ),
             cannot_tell=(*cannot, UNMEASURED),
-            measure_next=tuple(further[:MOST]),
+            measure_next=with_order(further, checks.findings, MOST),
             no_score=no_score if others else ONE_LAW,
         )  # fmt: skip
 

@@ -177,6 +177,7 @@ class JudgedTravels(Readable):
     ) -> None:
         self.judgement, self.trials = judgement, judgement.trials
         self.named, self.alone = frozenset(named), alone
+        self.repeated = len(np.unique(judgement.blocks)) == 1
         chances = softmax([*judgement.evidence.values()]).tolist()
         self.shares = dict(zip(judgement.evidence, chances, strict=True))
 
@@ -200,11 +201,6 @@ class JudgedTravels(Readable):
             points=drawn.unknowns, coefficients=drawn.nuisances,
             usual=np.zeros(drawn.nuisances.shape[1]), rms=float(np.sqrt(np.mean(left**2))),
         )  # fmt: skip
-
-    @property
-    def repeated(self) -> bool:
-        """Whether all trials repeat a single setting, so that none predicts another."""
-        return len(np.unique(self.judgement.blocks)) == 1
 
     # what fits read
     def failed(self, name: str) -> str:
@@ -493,6 +489,7 @@ class TravelCandidate(SimulatedCandidate):
             "parameters": self.parameters,
             "held_out_error": self.held_out,
             "share": self.share,
+            "probability": self.probability,
             "evidence": self.evidence if self.fit else None,
             "outcome": plain(self.outcome),
             "dropped": self.dropped,
@@ -832,7 +829,8 @@ TRAVEL_COLUMNS: Final[Columns[Any]] = (
     ),
     COLUMNS[3],
     Column(
-        title="share of the band", page="share of\nthe band", phone="label",
+        key="share", title="share of the band", page="share of\nthe band", phone="label",
+        value=lambda item: item.share,
         text=lambda item: percent(item.share) if item.share >= 0.005 else None,
     ),
     LAST[1],
@@ -999,10 +997,8 @@ class TravelKind(SimulatedKind):
         left = np.array([trial.travel for trial in trials]) - travels
         return {"travel": float(np.sqrt(np.mean(left**2)))}
 
-    def foreseen(self, fit: Any, setting: Mechanism) -> Array:
-        trial = replace(fit.problem.trials[0], mechanism=setting)
-        travels: Array = fit.problem.judgement.law_of(fit.name).table([trial], fit.family.points)
-        return travels
+    def foreseen(self, fit: Any, setting: Any) -> Array:
+        raise InputError("travels at other settings are not read from a mechanism: use `band`.")
 
     def largest_speed(self, fit: Any) -> float | None:
         settings = {trial.setting: trial for trial in fit.trials}.values()
@@ -1039,7 +1035,8 @@ class TravelKind(SimulatedKind):
             sizes = [float(np.sqrt(np.mean(x**2))) for x in (off, judgement.measured / lasts)]
             worst, squares = int(np.argmax(np.abs(off))), off**2
             at = ""
-            if problem.knob and squares[worst] >= 0.5 * squares.sum() and len(off) > 3:
+            several = len(off) > THRESHOLDS.fewest
+            if problem.knob and several and squares[worst] >= 0.5 * squares.sum():
                 place = problem.setting(float(judgement.settings[worst]))
                 at = f", worst at {place}, by {quantity(float(abs(off[worst])), unit, 2)}"
             yield (
@@ -1055,12 +1052,14 @@ class TravelKind(SimulatedKind):
             more = f", more than the {quantity(stated, 'm', 2)} stated" * judgement.stated
             error = quantity(float(np.median(judgement.errors)), "m", 2)
             yield f"The travels scatter by {error} about every law{more}."
-        most = max(judgement.shares, key=judgement.shares.__getitem__)
-        if most not in ("", fit.name):
+        shares = judgement.shares
+        most = max(shares, key=shares.__getitem__)
+        is_near = most in judgement.set and not fit.problem.repeated
+        if is_near and shares[most] - shares[fit.name] > THRESHOLDS.material:
             title = in_sentence(fit.problem.title(most))
             yield (
                 f"Which law holds elsewhere: {title} predicts held-out settings best, and so is"
-                f" {percent(judgement.shares[most])} of the band;"
+                f" {percent(shares[most])} of the band;"
                 f" {in_sentence(fit.law.title)} is named, as it fits with fewer or more usual"
                 " parts."
             )
@@ -1107,10 +1106,10 @@ class TravelKind(SimulatedKind):
         }
 
     def comparison(self, verdict: Any) -> Comparison:
-        result = super().comparison(verdict)
+        laws = super().comparison(verdict)
         if not any(trial.cycles is not None for trial in verdict.trials):
-            return result
-        return replace(result, notes=[*result.notes, *_trial_lines(verdict)])
+            return laws
+        return replace(laws, notes=[*laws.notes, *_trial_lines(verdict)])
 
     def summary(
         self, fit: Any, validate: Measurement | None = None, horizon: float | None = None

@@ -173,7 +173,7 @@ class VelocityStepKind(SimulatedKind):
         error = float(np.sqrt(np.mean(left**2)))
         return {"coefficient": error if math.isfinite(error) else math.inf}
 
-    # six texts
+    # seven texts
     def called(self, fit: AnyFit) -> str:
         return RATE_STATE_FORMS[fit.law.name].words
 

@@ -20,12 +20,13 @@ from stickslip.identify.problems.free_balance import free_form
 from stickslip.identify.problems.record_columns import is_told
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows, moves, pieces_of
 from stickslip.identify.problems.record_signals import STRETCHES, Record, records_of
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Axis, Mechanism
 from stickslip.quantities import vary
 from stickslip.show.formatting import capital, percent
 
-EXPLAINED = 0.5
-"""Part of what a plain balance leaves that another sign takes off, at least."""
+BACKWARD = 0.02
+"""Share of the path forward that a motion in one direction goes back, by noise, at most."""
 OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
     " (its gain, -1), or that of the position"
@@ -80,11 +81,11 @@ def wrong_sign(records: Sequence[Record]) -> str:
     rows, slides, rig = _plain_columns(moving)
     inertia, speed, response = first.inertia is None, slides[1], rows.response
     stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
-    # of a motion in one direction a level is an offset, and damping may be sought: these may drive
-    laws = [slide for slide in slides if is_told(slide, rig)]
     ways = [float(np.sum(np.maximum(side * rows.velocity, 0.0))) for side in (1.0, -1.0)]
-    # in one direction, but for noise, a level is a constant, and friction that falls would drive
-    if not laws or min(ways) < 0.02 * max(ways):
+    one_way = min(ways) < BACKWARD * max(ways)
+    # in one direction a level is an offset, and damping may be sought: these may drive
+    laws = [slide for slide in slides[one_way:] if is_told(slide, rig)]
+    if not laws:
         return ""
     n, x = len(laws), np.column_stack([*laws, *rig])
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
@@ -99,7 +100,7 @@ def wrong_sign(records: Sequence[Record]) -> str:
         y = side[stretches] * driven + other
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
-    best, most = int(np.argmin(left[:count])), 1.0 - EXPLAINED
+    best, most = int(np.argmin(left[:count])), 1.0 - THRESHOLDS.explained
     if left[best] < most * left[0]:
         if left[count] <= left[best]:
             return OTHER_SIGN
@@ -112,7 +113,8 @@ def wrong_sign(records: Sequence[Record]) -> str:
     c = np.linalg.solve(gram, x.T @ response)
     without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
-    inertial = float(c[n + 1]) < 0.0 if inertia else True
+    # in one direction friction that falls with the speed would drive: only inertia has a sign
+    inertial = float(c[n + 1]) < 0.0 if inertia else not one_way or left[count] < most * left[0]
     turned = wrong and inertial and left[0] < most * float(without @ without)
     return OTHER_SIGN if turned else ""
 

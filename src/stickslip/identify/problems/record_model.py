@@ -1174,7 +1174,7 @@ def waves_of(
     numbers = np.arange(40.0 * STEPS, min(DENSEST, math.pi * span / (8.0 * noise)), STEPS) / span
     resolved = np.flatnonzero(rows.far > RESOLVED)
     few = resolved[:: max(len(resolved) // PARTS, 1)]
-    if not len(numbers) or len(few) < FEW:
+    if len(numbers) < 2 or len(few) < max(FEW, 2 * beside.shape[1]):
         return (), ()
     place, x, result = rows.position[few], beside[few], list[float]()
     for factor in (np.ones(len(few)), np.sign(rows.velocity[few])):

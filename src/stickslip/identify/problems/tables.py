@@ -66,6 +66,7 @@ from stickslip.identify.problems.table_model import (
     structures_of,
 )
 from stickslip.identify.projection import Free, Rung, Shaped, names_of, shapes_to_draw
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
     FAMILIES,
     FLOW_DIRECTIONS,
@@ -793,7 +794,7 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
     for k, ((table, friction), record) in enumerate(zip(tables, records, strict=True)):
         v, count = table.velocity, len(friction)
         # sweeps under other loads or temperatures differ by these
-        same = not any(np.ptp(x) > 0.0 for x in (table.load, *table.inputs.values()))
+        same = not any(varies(x) for x in (table.load, *table.inputs.values()))
         run = sweeps_of(v) if len(tables) == 1 and same else np.full(count, k)
         order = np.arange(begun, begun + count) / max(total - 1, 1)
         parts.append(replace(table, run=run, order=order).where(v != 0.0))
@@ -900,6 +901,17 @@ def _moves(rows: Rows) -> bool:
     return max(len(np.unique(way)) for way in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
 
 
+def varies(x: Array) -> bool:
+    """Return whether values (n,) differ by more than rounding.
+
+    Examples
+    --------
+    >>> varies(np.array([3e6, np.nextafter(3e6, 4e6)])), varies(np.array([293.0, 294.0]))
+    (False, True)
+    """
+    return bool(np.ptp(x) > THRESHOLDS.rounding * np.max(np.abs(x)))
+
+
 def joined_rows(parts: Sequence[Rows]) -> Rows:
     """Return the rows of several tables; only inputs that all have are kept."""
     names = set.intersection(*(set(part.inputs) for part in parts))
@@ -909,7 +921,7 @@ def joined_rows(parts: Sequence[Rows]) -> Rows:
         inputs={
             name: x
             for name in sorted(names)
-            if np.ptp(x := np.concatenate([part.inputs[name] for part in parts])) > 0.0
+            if varies(x := np.concatenate([part.inputs[name] for part in parts]))
         },
         run=np.concatenate([part.run for part in parts]),
         order=np.concatenate([part.order for part in parts]),

@@ -947,9 +947,9 @@ def unexplained_error(errors: Array, known: Array, freedom: float) -> float:
     wanted = n / freedom * chdtri(freedom, even)  # falling
     tried = np.geomspace(1e-9, 1e9, count) * squares.max(initial=1e-300)
     total = np.sum(squares[:, None] / (known[:, None] + tried), axis=0)
-    result = np.exp(np.interp(-wanted, -total, np.log(tried)))
-    result[wanted >= total[0]] = 0.0
-    new = np.outer(np.sqrt(result), ndtri(0.5 + 0.5 * even))
+    scales = np.exp(np.interp(-wanted, -total, np.log(tried)))
+    scales[wanted >= total[0]] = 0.0
+    new = np.outer(np.sqrt(scales), ndtri(0.5 + 0.5 * even))
     return float(np.quantile(new, 0.95) / stdtrit(THRESHOLDS.freedom, 0.975))
 
 

@@ -256,10 +256,10 @@ def fit_record(
     )
     with with_doubts(measurement, mechanism):
         ready = simulated(choice, wanted, measurement, begin or {})
-    result = first = searched(ready, choice.settings, watch)
+    optimum = first = searched(ready, choice.settings, watch)
     if not driven(measurement):
-        ready, result = _lengthened(ready, result, measurement, choice.settings, watch)
-    fit = finished("shooting", measurement, ready, result, first, hold=choice.hold)
+        ready, optimum = _lengthened(ready, optimum, measurement, choice.settings, watch)
+    fit = finished("shooting", measurement, ready, optimum, first, hold=choice.hold)
     return replace(fit, left_out=left_out)
 
 

@@ -1,6 +1,6 @@
 r"""What a record says before any run: its motion between gaps, and a plain balance of its forces.
 
-With the low pass :math:`P` of `motions`, applied to all columns alike, least squares give
+With a Butterworth low pass :math:`P`, forward and backward on all columns, least squares give
 
 .. math::
     P F = J\, P \ddot x + c\, P \dot x + F_c\, P\, \mathrm{sgn}\, \dot x + o
@@ -119,7 +119,7 @@ def pieces_of(mechanism: Mechanism, measurement: Measurement, hold: Hold) -> Ite
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlainBalance:
-    """What least squares on forces say.
+    """What a least-squares balance of forces says.
 
     Examples
     --------
@@ -220,6 +220,7 @@ def _share(x: Array, least: float) -> float:
 
 
 def _both_ways(columns: Array, share: float) -> Array:
+    """Return columns (n, ...) after the low pass, mirrored over three samples an order."""
     from scipy import signal
 
     b, a = signal.butter(ORDER, share)

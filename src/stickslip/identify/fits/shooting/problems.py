@@ -282,16 +282,16 @@ def simulated(
         inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
     else:
         weighed = any(path.endswith(("inertia", "mass")) for path in wanted.unknown)
-        result = PlainBalance.of(mechanism, under_load, inertia=weighed)
-        result.refuse_nonsense(driven=driven(measurement))
-        inertia = result.values["inertia"]
+        balance = PlainBalance.of(mechanism, under_load, inertia=weighed)
+        balance.refuse_nonsense(driven=driven(measurement))
+        inertia = balance.values["inertia"]
         sizes = {"load": load_of(mechanism), "stroke": _stroke(measurement)}
-        rough = StartEstimate.of(result, **sizes)
+        rough = StartEstimate.of(balance, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
     sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
     if not (sought or alone):
-        rough = StartEstimate.of(result, **sizes, offset=constant.value)
+        rough = StartEstimate.of(balance, **sizes, offset=constant.value)
     start, free = rough.unknowns(
         wanted.law,
         free=wanted.free,
