@@ -845,15 +845,15 @@ class Curve:
     def stalled(self, points: list[Point]) -> str:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
 
-        So it is where the body comes to rest, and its states become 0, or where what happens
-        changes with every step.
+        So it is where the body comes to rest, and its states become 0, where what happens changes
+        with every step, or where a curve runs along a border of what happens.
         """
         last = [point.signature for point in points[-FLICKERS - 1 :]]
         if len(last) > FLICKERS and all(a != b for a, b in itertools.pairwise(last)):
             self.beyond.clear()
             why = "what happens in a period changes with every step"
-        elif len(points) >= WINDOW and self.crept < SLOWED and self.beside(points[-1]):
-            why = f"nearer than {BORDER:g} of the range to where {self.beside(points[-1])}"
+        elif len(points) >= WINDOW and self.crept < SLOWED and (near := self.beside(points[-1])):
+            why = f"it is nearer than {BORDER:g} of the range to where {near}"
         elif len(points) >= WINDOW and self.crept < CREPT:
             why = "the steps become too short"
         else:
