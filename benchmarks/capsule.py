@@ -364,7 +364,8 @@ def chart() -> tuple[Target, ...]:
         ),
         regions(result),
         Target(
-            work="error of its curves, without ends, against branches, over the range", goal=f"{GOAL_ERROR:g}",
+            work="error of its curves, without ends, against branches, over the range",
+            goal=f"{GOAL_ERROR:g}",
             measured=told,
             met=all(own.max() <= GOAL_ERROR for own in errors.values()),
             reason="points beside which no branch has the event",
