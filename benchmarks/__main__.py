@@ -108,14 +108,17 @@ def main() -> None:
     picked = {
         name: [part.partition(":")[2] for part in parts[name] if ":" in part] for name in names
     }
-    for name, own in picked.items():
-        known = getattr(modules[name], "PARTS", ())
-        unknown += [f"{name}:{part}" for part in own if part not in known]
     if unknown:
         parser.error(f"no case {', '.join(unknown)}; there are {', '.join(CASES)}")
+    for name, own in picked.items():
+        known = getattr(modules[name], "PARTS", ())
+        strange = [part for part in own if part not in known]
+        if strange:
+            there = f"there are {', '.join(known)}" if known else "it has none"
+            parser.error(f"no part {', '.join(strange)} of {name}; {there}")
     text = page([modules[name].run(*picked[name]) for name in names])
     print(text)
-    if len(names) == len(CASES):
+    if len(names) == len(CASES) and not any(picked.values()):
         PAGE.write_text(text + "\n", encoding="utf-8")
 
 

@@ -237,6 +237,7 @@ def marks() -> tuple[Target, Target]:
 def errors_of(curve: EventCurve) -> list[float]:
     """Return the errors of a curve, over the range, against branches over the first parameter.
 
+    Without its ends, where two events meet. Branches begin beside a point of the curve, or at it.
     Infinite where none of the branches beside a point has the event.
     """
     (low, high), errors = BOX[PATH], list[float]()
@@ -363,7 +364,8 @@ def chart() -> tuple[Target, ...]:
         ),
         regions(result),
         Target(
-            work="error of its curves against branches, over the range", goal=f"{GOAL_ERROR:g}",
+            work="error of its curves, without ends, against branches, over the range",
+            goal=f"{GOAL_ERROR:g}",
             measured=told,
             met=all(own.max() <= GOAL_ERROR for own in errors.values()),
             reason="points beside which no branch has the event",

@@ -95,6 +95,12 @@ def test_a_state_that_both_values_push_back_to_the_level_ends_the_run(state):
     drive = Relay(state=state, above=-2.0, below=2.0)
     run = simulate(Axis(inertia=1.0, drive=drive), FREE, t_end=1.0, throw=False)
     assert run.status is Status.ZENO
+    # so does one that reaches the level: at a velocity at once, at a place by shorter and shorter
+    # swings about it, which friction damps
+    start = {"v": 0.5} if state == "v" else {"x": 0.5}
+    reached = simulate(Axis(inertia=1.0, drive=drive), ROUGH, t_end=20.0, y0=start, throw=False)
+    assert reached.status is Status.ZENO
+    assert abs(reached[state][-1]) < 1e-9
     # friction that holds it against both values keeps it there
     held = replace(drive, above=-0.3, below=0.3)
     still = simulate(Axis(inertia=1.0, drive=held), ROUGH, t_end=1.0)

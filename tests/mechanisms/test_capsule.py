@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.support import examples
 
-from stickslip import Capsule, Coulomb, TwoMassCapsule, simulate
+from stickslip import Capsule, Coulomb, TwoMassCapsule, ensemble, simulate
 from stickslip.engine import Status
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.mechanisms import Coil, InnerMass, Prescribed, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
 from stickslip.study.sweep import energy_balance
@@ -169,6 +169,39 @@ def test_a_force_from_outside_along_an_inclined_line_presses_the_capsule():
     weight = 0.1 * G - 0.05 * math.sin(0.7)
     np.testing.assert_allclose(run["normal_force"], weight, rtol=1e-12)
     np.testing.assert_allclose(run["friction"], 0.05 * math.cos(0.7), rtol=1e-9)
+
+
+@pytest.mark.parametrize("stops", [{"lower_stop": -0.07}, {"upper_stop": 0.07}])
+def test_a_hard_stop_off_the_line_of_the_ground_is_refused(stops):
+    # a blow would lift the capsule, which goes on as if the ground held it
+    struck = Capsule(capsule_mass=0.1, inner_mass=0.2, stiffness=20.0, **stops)
+    mass = InnerMass(mass=0.2, stiffness=20.0, **stops)
+    pair = TwoMassCapsule(capsule_mass=0.1, first=mass, second=InnerMass(mass=0.1, angle=1.2))
+    for refused in (
+        lambda: replace(struck, angle=1.2),
+        lambda: replace(pair, second=replace(mass, angle=1.2)),
+    ):
+        with pytest.raises(ParameterError, match=r"angle \(alpha\) of 1\.2 rad.*Use soft stops"):
+            refused()
+    law = Coulomb(kinetic_coefficient=0.2)
+    for rig, path in ((struck, "angle"), (pair, "first.angle")):
+        along = {f"mechanism.{path}": [0.0, math.pi]}
+        complete = [status.complete for status in ensemble(rig, law, along, t_end=0.1).status]
+        assert complete == [True, True]
+        with pytest.raises(ParameterError, match=r"angle \(alpha\) of 0\.3 rad"):
+            ensemble(rig, law, {f"mechanism.{path}": [0.0, 0.3]}, t_end=0.1)
+
+
+def test_dimensionless_numbers_are_those_of_a_constant_force_over_a_constant_friction():
+    drive = Sine(amplitude=0.2, frequency=8.0)
+    plain = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, drive=Torque(drive=drive)
+    )  # fmt: skip
+    known = plain.dimensionless_numbers(0.2)
+    coil = replace(plain, drive=Coil(radius=0.01, drive=drive))
+    assert coil.dimensionless_numbers(0.2) == {n: x for n, x in known.items() if n != "alpha"}
+    with pytest.raises(InputError, match=r"angle \(alpha\) of 1\.2 rad varies"):
+        replace(plain, angle=1.2).dimensionless_numbers(0.2)
 
 
 def test_a_coil_gives_the_inner_mass_the_energy_of_its_closed_form():

@@ -158,6 +158,15 @@ def test_what_cannot_be_balanced_is_refused():
     axis = Axis(inertia=1e-3, drive=motor)
     with pytest.raises(InputError, match="electric motor"):
         energy_balance(axis, simulate(axis, RUBS, t_end=0.1))
+    none = {"runs": 0}
+
+    def count(*_):
+        none["runs"] += 1
+        return True
+
+    with pytest.raises(InputError, match="electric motor"):
+        average_velocity(axis, RUBS, {"inertia": [1e-3]}, energy=True, progress=count)
+    assert none["runs"] == 0
     levels = {"inertia": Levels(values=(1e-3, 2e-3))}
     case = Case(mechanism=axis, law=RUBS, t_end=0.1)
     with pytest.raises(InputError, match="electric motor"):

@@ -219,3 +219,5 @@ def test_what_has_no_curve_is_refused_by_its_name(soft):
         continue_event(fold, (paths[0], paths[0]), ((10.0, 18.0), (0.1, 0.3)))
     with pytest.raises(InputError, match="ranges must map two parameters"):
         orbit_chart(CAPSULE, ROUGH, {"drive.frequency": (2.0, 3.0)})
+    with pytest.raises(InputError, match=r"initial\.xi is not a parameter"):
+        orbit_chart(CAPSULE, ROUGH, {"drive.frequency": (14.0, 18.0), "xi": (0.0, 1e-3)})

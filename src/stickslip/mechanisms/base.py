@@ -328,7 +328,7 @@ class BoundedMechanism(Mechanism, ABC):
     An impact reverses the coordinate's rate, times the restitution, by an impulse along that
     coordinate; the other rates change as the mass matrix tells. Friction has no share in the
     impulse: forces that are bounded do nothing in no time, and that the stop's impulse may press
-    on the contact is neglected.
+    on the contact, or lift it, is neglected.
     """
 
     def __post_init__(self) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from typing_extensions import override
 
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 from stickslip.maths import Scalar, cos, exp, power, sin, where
 from stickslip.mechanisms import base
 from stickslip.mechanisms.drives import Drive, Profile, Sine
@@ -348,7 +349,8 @@ class Capsule(base.BoundedMechanism):
     its motion is prescribed. With stops, hard or soft, it strikes the capsule, as in vibro-impact
     capsules; at a hard one it bounces, and rests there while it is pressed. On an incline both are
     pulled towards negative x. With an `angle` the inner mass moves along an inclined line, and the
-    run ends where the capsule lifts off.
+    run ends where the capsule lifts off; stops are soft there, since a blow on a hard one may lift
+    the capsule in no time.
 
     Examples
     --------
@@ -487,8 +489,13 @@ class Capsule(base.BoundedMechanism):
     def dimensionless_numbers(self, coefficient: float) -> dict[str, float]:
         """Return the dimensionless numbers of the capsule with a coefficient of sliding friction.
 
-        Those of a force that is no `Sine`, or of a soft stop that is not there, are left out; see
-        `dimensionless`.
+        Those of a force that is no `Sine`, or of a soft stop that is not there, are left out; so is
+        alpha of a `Coil`, whose force depends on the place. See `dimensionless`.
+
+        Raises
+        ------
+        InputError
+            If the inner mass has an angle: the friction then varies with its motion.
 
         Examples
         --------
@@ -496,6 +503,12 @@ class Capsule(base.BoundedMechanism):
         >>> {name: round(one, 6) for name, one in capsule.dimensionless_numbers(0.2).items()}
         {'gamma': 4.0, 'xi': 0.013693}
         """
+        if self.angle:
+            raise InputError(
+                "Capsule.dimensionless_numbers: they are over one level of friction, which with an"
+                f" angle (alpha) of {self.angle:g} rad varies with the motion of the inner mass."
+                " Leave the angle out."
+            )
         weight = self.gravity * (self.capsule_mass + self.inner_mass)
         friction = coefficient * (weight + self.squeeze)
         natural = math.sqrt(self.stiffness / self.inner_mass)
@@ -505,7 +518,8 @@ class Capsule(base.BoundedMechanism):
         }
         drive = self.drive.drive if isinstance(self.drive, Torque) else None
         if isinstance(drive, Sine):
-            result["alpha"] = drive.amplitude / friction
+            if not isinstance(self.drive, Coil):
+                result["alpha"] = drive.amplitude / friction
             result["omega"] = 2.0 * math.pi * drive.frequency / natural
         if self.upper_soft_stop is not None:
             result["beta"] = self.upper_soft_stop.stiffness / self.stiffness
@@ -571,7 +585,7 @@ class Capsule(base.BoundedMechanism):
 
     @override
     def stops(self) -> tuple[base.Stop, ...]:
-        return base.stops_between("xi", self.lower_stop, self.upper_stop, self.restitution)
+        return _hard_stops("xi", self)
 
     @override
     def drives(self) -> Mapping[str, Drive]:
@@ -589,6 +603,21 @@ class Capsule(base.BoundedMechanism):
     @override
     def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
         return self.drive.limits(forces["xi"]) if "xi" in forces else {}
+
+
+def _hard_stops(place: str, mass: "Capsule | InnerMass") -> tuple[base.Stop, ...]:
+    """Return the hard stops of a mass, which moves along the ground where there are any."""
+    stops = base.stops_between(place, mass.lower_stop, mass.upper_stop, mass.restitution)
+    if stops and isinstance(mass.angle, float | np.ndarray):  # not where equations are traced
+        angles = np.ravel(mass.angle)
+        off = angles[np.abs(np.sin(angles)) > 1e-12]
+        if len(off):
+            raise ParameterError(
+                f"{type(mass).__name__}: hard stops are for a mass that moves along the ground, got"
+                f" an angle (alpha) of {off[0]:g} rad: a blow may lift the capsule there. Use soft"
+                " stops (lower_soft_stop, upper_soft_stop), or an angle of 0 rad."
+            )
+    return stops
 
 
 # A capsule that two inner masses drive.
@@ -636,7 +665,8 @@ class TwoMassCapsule(base.BoundedMechanism):
 
     The places `xi` and `zeta` of both are counted from the capsule, each along its own line. One
     that moves upwards changes the normal force: of two that move at right angles, one loosens the
-    capsule while the other pushes it on. A run ends where the capsule lifts off.
+    capsule while the other pushes it on. A run ends where the capsule lifts off. Hard stops are for
+    a mass that moves along the ground: a blow on one may else lift the capsule in no time.
 
     Examples
     --------
@@ -736,11 +766,7 @@ class TwoMassCapsule(base.BoundedMechanism):
     @override
     def stops(self) -> tuple[base.Stop, ...]:
         return tuple(
-            stop
-            for _, place, _, item in self._inner()
-            for stop in base.stops_between(
-                place, item.lower_stop, item.upper_stop, item.restitution
-            )
+            stop for _, place, _, mass in self._inner() for stop in _hard_stops(place, mass)
         )
 
     @override
@@ -795,9 +821,10 @@ class PendulumCart(base.BoundedMechanism):
     a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
     at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
     to give, and not the motion. With stops, hard or soft, the pendulum strikes the cart, which
-    takes the torque. With a `pivot_load` the pivot rubs too: the contacts are then
-    `wheels` and `pivot`. A run ends where the cart lifts off or tips over its wheels, and
-    where its equations lose their meaning (Painleve).
+    takes the torque; whether a blow on a hard one would lift the cart is not looked at. With a
+    `pivot_load` the pivot rubs too: the contacts are then `wheels` and `pivot`. A run ends where
+    the cart lifts off or tips over its wheels, and where its equations lose their meaning
+    (Painleve).
 
     Examples
     --------

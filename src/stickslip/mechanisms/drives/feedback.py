@@ -87,9 +87,9 @@ class Relay(StateFeedback):
     """A force or torque that switches between two values as a state passes a level.
 
     Runs meet the switch exactly, as an event "relay switches up" or "relay switches down". A state
-    that begins at the level leaves it as it moves, or as the drive pushes it. Where both values
-    push it back there is no such side: that run ends with `Status.ZENO`, as it would switch without
-    end.
+    that begins at the level leaves it as it moves, or as the drive pushes it. Where it begins at
+    the level, or reaches it, and both values push it back, it is held there: that run ends with
+    `Status.ZENO`, as it would switch without end.
 
     Examples
     --------

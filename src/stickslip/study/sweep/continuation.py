@@ -394,11 +394,7 @@ def continue_orbit(
             " multipliers, which are not followed: find the orbit of a mechanism without it."
         )
     full, _ = axis_of(mechanism, law, path, [low, high])
-    if full.startswith("initial."):
-        raise InputError(
-            f"continue_orbit: {full} is not a parameter of the equations; give one of the"
-            " mechanism or of the law."
-        )
+    check_path("continue_orbit", full)
     value = value_of(law if full.startswith("friction.") else mechanism, full)
     if not low <= value <= high:
         unit = unit_of(mechanism, law, full)
@@ -816,17 +812,14 @@ class Curve:
             else:
                 arc = float(here.tangent @ (there.unknowns - u0))
                 events += self.between(here, there, u0, arc, len(points) - 1)
-            end = self.limit(here, there)
-            if end is not None:
+            if (end := self.limit(here, there)) is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
             self.accept(there)
-            ended = self.ended(first, points)
-            if ended:
+            if ended := self.ended(first, points):
                 return [*points[:-1], *self.before_known(here, there)], ended, events
             self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
-            ended = self.stalled(points)
-            if ended:
+            if ended := self.stalled(points):
                 return points, ended, events
             if not isinstance(step, float):
                 growth = FAST if step.count == 0 else GROWTH if step.count <= EASY else 1.0
@@ -845,15 +838,15 @@ class Curve:
     def stalled(self, points: list[Point]) -> str:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
 
-        So it is where the body comes to rest, and its states become 0, or where what happens
-        changes with every step.
+        So it is where the body comes to rest, and its states become 0, where what happens changes
+        with every step, or where a curve runs along a border of what happens.
         """
         last = [point.signature for point in points[-FLICKERS - 1 :]]
         if len(last) > FLICKERS and all(a != b for a, b in itertools.pairwise(last)):
             self.beyond.clear()
             why = "what happens in a period changes with every step"
-        elif len(points) >= WINDOW and self.crept < SLOWED and self.beside(points[-1]):
-            why = f"nearer than {BORDER:g} of the range to where {self.beside(points[-1])}"
+        elif len(points) >= WINDOW and self.crept < SLOWED and (near := self.beside(points[-1])):
+            why = f"it is nearer than {BORDER:g} of the range to where {near}"
         elif len(points) >= WINDOW and self.crept < CREPT:
             why = "the steps become too short"
         else:
@@ -1005,8 +998,7 @@ class Curve:
         if last is not here:
             arc = float(here.tangent @ (last.unknowns - u0))
             events += self.between(here, last, u0, arc, len(points) - 1)
-            end = self.limit(here, last)
-            if end is not None:
+            if (end := self.limit(here, last)) is not None:
                 return self.cut(points, last, end, events)
             points.append(last)
         self.halved.append(last.shot)

@@ -42,7 +42,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import WHOLE, Mechanism, slip_among
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity, span
-from stickslip.study.energy import units_of_columns
+from stickslip.study.energy import columns_of, units_of_columns
 from stickslip.study.sweep import parameter_grid as grid
 from stickslip.study.sweep.lyapunov import closing, have_left, is_chaotic, starts_nearby
 from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
@@ -277,6 +277,8 @@ def average_velocity(
     law = event_driven_law(mechanism, law)
     slip, rate = slip_among(mechanism, coordinate, "average_velocity")
     _check(parameters, cycles, settle)
+    if energy:
+        columns_of(mechanism)  # refuses what has no balance, before anything runs
     mechanism, law = beginning_pair(mechanism, law, parameters)
     if period is None:
         # Cycles of a period that was given need not be those of the drives.

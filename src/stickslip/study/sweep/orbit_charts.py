@@ -24,7 +24,6 @@ from stickslip.engine.simulation import GivenFriction, event_driven_law
 from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, percent, quantity
 from stickslip.study.sweep.continuation import (
@@ -45,6 +44,7 @@ from stickslip.study.sweep.parameter_grid import (
     check_path,
     compiled,
     counted,
+    pair_of,
     unit_of,
 )
 from stickslip.study.tolerances import ROUNDING
@@ -197,13 +197,14 @@ def orbit_chart(
         check_path(owner, path)
         box.append(between_of(owner, pair))
         full.append(axis_of(mechanism, laws, path, box[-1])[0])
+        check_path(owner, full[-1])
         units.append(unit_of(mechanism, laws, full[-1]))
     axes = np.linspace(*box[0], values[0]), np.linspace(*box[1], values[1])
     tally, tool = Tally(int(lines), progress), compiled(solver)
     diagrams, rows = list[OrbitDiagram](), list[int]()
     for k in range(int(lines)):
         j = (2 * k + 1) * len(axes[1]) // (2 * int(lines))
-        rig = _with(mechanism, laws, full[1], float(axes[1][j]))
+        rig = pair_of(mechanism, laws, {full[1]: float(axes[1][j])})
         settings: dict[str, Any] = {"cycles": cycles, "values": max(int(runs), 2), "starts": 2}
         settings |= {"settle": settle, "step": step, "seed": seed, "y0": y0, "solver": tool}
         diagrams.append(orbit_diagram(*rig, full[0], box[0], **settings))
@@ -217,13 +218,6 @@ def orbit_chart(
     sheets.fill()
     curves, lost = _curves(diagrams, (full[0], full[1]), box, step)
     return sheets.chart(full, units, curves, lost, begun)
-
-
-def _with(mechanism: Mechanism, law: Any, path: str, value: float) -> tuple[Mechanism, Any]:
-    """Return mechanism and law with a value of a parameter."""
-    if path.startswith("friction."):
-        return mechanism, vary(law, "friction", {path: value})
-    return vary(mechanism, "mechanism", {path: value}), law
 
 
 class _Sheets:
@@ -245,7 +239,7 @@ class _Sheets:
         random = np.random.default_rng(seed)
         self.searches = []
         for value in axes[1].tolist():
-            mechanism, law = _with(first.mechanism, first.law, second, value)
+            mechanism, law = pair_of(first.mechanism, first.law, {second: value})
             map_ = replace(first, mechanism=mechanism, law=law)
             self.searches.append(
                 Search(map_, (low, high), cycles, settle, MOST_STEP, random, y0, high - low)

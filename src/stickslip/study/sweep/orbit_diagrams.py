@@ -33,7 +33,6 @@ from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, stops_of
-from stickslip.quantities import vary
 from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
 from stickslip.show.formatting import joined, number, percent, quantity, span
 from stickslip.study.sweep.attractors import period_of
@@ -49,6 +48,7 @@ from stickslip.study.sweep.parameter_grid import (
     compiled,
     counted,
     early_ends,
+    pair_of,
     states_of,
     unit_of,
     where_of,
@@ -326,11 +326,7 @@ def orbit_diagram(
     mechanism, laws = beginning_pair(mechanism, laws, {path: [low, high]})
     full, grid = axis_of(mechanism, laws, path, values)
     grid = np.unique(grid)
-    if full.startswith("initial."):
-        raise InputError(
-            f"{owner}: {full} is not a parameter of the equations; give one of the mechanism or of"
-            " the law."
-        )
+    check_path(owner, full)
     if not low <= grid[0] <= grid[-1] <= high:
         unit = unit_of(mechanism, laws, full)
         raise InputError(
@@ -388,11 +384,9 @@ def _excited_map(
     states, lack = states_of(mechanism, law), ""
     section = given_section(states, given)
     for value in values.tolist():
-        prefix = path.partition(".")[0]
-        driven = vary(mechanism, prefix, {path: value}) if prefix == "mechanism" else mechanism
-        own = vary(law, prefix, {path: value}) if prefix == "friction" else law
-        begin = initial_state("orbit_diagram", driven, own, dict(y0 or {}))
-        result = passes_of(driven, own, states, begin, solver, settle + 2, section)
+        pair = pair_of(mechanism, law, {path: value})
+        begin = initial_state("orbit_diagram", *pair, dict(y0 or {}))
+        result = passes_of(*pair, states, begin, solver, settle + 2, section)
         if not result.lack:
             cycle = float(result.times[-1] - result.times[-2])
             return return_map(mechanism, law, 1, None, solver, path, result.section, cycle)

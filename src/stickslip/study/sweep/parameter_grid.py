@@ -63,7 +63,7 @@ def axis_of(
 
 
 def check_path(owner: str, path: object) -> None:
-    """Refuse what does not name one parameter.
+    """Refuse what does not name one parameter, and a full path of an initial state.
 
     Examples
     --------
@@ -73,6 +73,11 @@ def check_path(owner: str, path: object) -> None:
         raise InputError(
             f"{owner}: path must name one parameter, as 'friction.static_coefficient' does, got"
             f" {path!r}: vary one at a time."
+        )
+    if path.startswith("initial."):
+        raise InputError(
+            f"{owner}: {path} is not a parameter of the equations; give one of the mechanism or of"
+            " the law."
         )
 
 
