@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
-from stickslip.identify.problems.record_model import RecordModel, waves_of
+from stickslip.identify.problems.record_model import RecordModel, force_wave
 from stickslip.identify.problems.record_signals import Record, noise_of
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -130,7 +130,8 @@ def test_few_rows_and_a_single_wave_number_choose_no_wave(rows, noise):
         far=np.full(rows, 1e3), position=random.uniform(0.0, 1.0, rows),
         velocity=random.normal(size=rows), response=random.normal(size=rows),
     )  # fmt: skip
-    assert waves_of(some, 1.0, noise, random.normal(size=(rows, 20))) == ((), ())
+    beside = random.normal(size=(rows, 20))
+    assert force_wave(some, 1.0, noise, beside) == ()
 
 
 def test_steps_of_an_encoder_that_a_file_rounds_are_its_noise():

@@ -627,8 +627,8 @@ class RecordModel(Model):
             looked.append((capped(e), memory, e, size, float(inertia)))
 
         beside = np.hstack([columns(RIGID), balance.delayed(MIDDLE, RIGID)[:, None]])
-        balance.waves = waves_of(rows, frame.span, frame.noise, beside)
-        force, at = np.exp(1j * np.outer(rows.position, balance.waves[0])), len(frame.sides) + 1
+        pushed = force_wave(rows, frame.span, frame.noise, beside)
+        force, at = np.exp(1j * np.outer(rows.position, pushed)), len(frame.sides) + 1
         fixed = np.hstack([fixed[:, :at], force.real, force.imag, fixed[:, at:]])
         # along less, a bristle is nothing but the moment of a turn between samples
         shortest = max(2.0 * frame.noise, *(piece.turned_in for piece in balance.pieces))
@@ -662,6 +662,7 @@ class RecordModel(Model):
         balance.forget(self.memories)
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
+        balance.waves = pushed, level_wave(rows, frame.span, frame.noise, left)
         self.inertia = inertia if balance.finds_inertia else balance.inertia
         self.first = next((k for k, item in enumerate(self.memories) if item is looked[0][1]), 0)
         return left
@@ -1163,31 +1164,39 @@ def odds_of(acting: Acting) -> float:
     return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)
 
 
-def waves_of(
-    rows: BalanceRows, span: float, noise: float, beside: Array
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return the wave numbers over the place that leave least: of forces, and of levels.
-
-    They stand beside columns (n, p) of a plain balance: a force that changes with the place moves
-    the body, so that what a balance without it leaves has another phase and size.
-    """
+def waves_seen(rows: BalanceRows, span: float, noise: float) -> tuple[Array, NDArray[np.int_]]:
+    """Return wave numbers over the place (k,), and the rows that show them (n,)."""
     numbers = np.arange(40.0 * STEPS, min(DENSEST, math.pi * span / (8.0 * noise)), STEPS) / span
     resolved = np.flatnonzero(rows.far > RESOLVED)
-    few = resolved[:: max(len(resolved) // PARTS, 1)]
+    return numbers, resolved[:: max(len(resolved) // PARTS, 1)]
+
+
+def force_wave(rows: BalanceRows, span: float, noise: float, beside: Array) -> tuple[float, ...]:
+    """Return the wave number over the place of the force that leaves least beside columns (n, p).
+
+    A force that changes with the place moves the body: what a balance without it leaves has a wave
+    of another phase and size.
+    """
+    numbers, few = waves_seen(rows, span, noise)
     if len(numbers) < 2 or len(few) < max(FEW, 2 * beside.shape[1]):
-        return (), ()
-    place, x, result = rows.position[few], beside[few], list[float]()
-    for factor in (np.ones(len(few)), np.sign(rows.velocity[few])):
-        basis = np.linalg.qr(x)[0]
-        e = rows.response[few] - basis @ (basis.T @ rows.response[few])
-        e = np.clip(e, *np.quantile(e, [0.02, 0.98]))
+        return ()
+    basis, place = np.linalg.qr(beside[few])[0], rows.position[few]
+    e = rows.response[few] - basis @ (basis.T @ rows.response[few])
+    e = np.clip(e, *np.quantile(e, [0.02, 0.98]))
 
-        def wave(number: float, f: Array = factor) -> Array:
-            return np.column_stack([f * np.cos(number * place), f * np.sin(number * place)])
+    def likely(number: float) -> float:
+        wave = np.column_stack([np.cos(number * place), np.sin(number * place)])
+        return -float(np.sum(solved_softly(wave - basis @ (basis.T @ wave), e)[1] ** 2))
 
-        def likely(number: float, e: Array = e, q: Array = basis) -> float:
-            return -float(np.sum(solved_softly(wave(number) - q @ (q.T @ wave(number)), e)[1] ** 2))
+    return (likeliest(likely, numbers)[0],)
 
-        result.append(likeliest(likely, numbers)[0])
-        x = np.column_stack([x, wave(result[-1])])
-    return (result[0],), (result[1],)
+
+def level_wave(rows: BalanceRows, span: float, noise: float, left: Array) -> tuple[float, ...]:
+    """Return the wave number over the place of the level, the largest of what is left (n,)."""
+    numbers, few = waves_seen(rows, span, noise)
+    if not len(numbers) or len(few) < FEW:
+        return ()
+    e = np.clip(left[few], *np.quantile(left[few], [0.02, 0.98]))
+    turned = (e - np.mean(e)) * np.sign(rows.velocity[few])
+    power = np.abs(np.exp(-1j * np.outer(numbers, rows.position[few])) @ turned)
+    return (float(numbers[np.argmax(power)]),)
