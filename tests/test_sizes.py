@@ -84,7 +84,7 @@ def test_links_to_other_files_are_not_followed():
         file["t"], file["q"] = TIME, np.sin(TIME)
     with h5py.File("data.mat", "w") as file:
         file["t"], file["q"] = (h5py.ExternalLink("other.mat", name) for name in "tq")
-    with pytest.raises(InputError, match=r"contents: q \(link to other\.mat\), t \(link"):
+    with pytest.raises(InputError, match=r"contents: q \(link to other\.mat\) and t \(link"):
         load_measurement("data.mat", **COLUMNS)
 
 

@@ -18,14 +18,14 @@ from functools import cache
 from tools import structure
 
 KERNELS = f"{structure.PACKAGE}.engine.kernels"
-VECTORS = ("w", "whole")
+VECTORS = ("w", "iw")
 DRIVES = "drives"
 """Name for the first places, which hold value, slope and start of each drive."""
 BEHIND = {"guards_at": "guard slopes", "directions_at": "directions", "columns_at": "columns"}
 """Functions that return places behind SIZE, and the names of what is there."""
 CALLS = {
     "call_model": ["w", "place", "name", "mode", "flags", "t", "at", "to"],
-    "call_contacts": ["w", "place", "whole", "name", "t", "at", "to"],
+    "call_contacts": ["w", "place", "iw", "name", "t", "at", "to"],
 }
 """What calls the equations, and what works them out for several contacts, with the arguments."""
 LEFT = {"call_contacts": {"ANSWER", "CHANGED"}}
@@ -94,7 +94,7 @@ def layout() -> dict[str, list[str]]:
     own += names[names.index("MOTION_POINT") : names.index("BRISTLE_SLOPES") + 1]
     own += names[names.index("LOOPS") : names.index("REACHED_SO_FAR") + 1]
     int_vectors = names[names.index("MODE") : names.index("WHOLES")]
-    return {"w": [*first, DRIVES, *places, ROWS, *own], "whole": [*int_vectors, *TABLES]}
+    return {"w": [*first, DRIVES, *places, ROWS, *own], "iw": [*int_vectors, *TABLES]}
 
 
 class Bare(ast.NodeTransformer):
@@ -157,7 +157,7 @@ class Kernel:
             return {BEHIND[name] + which}
         if isinstance(node, ast.Subscript):
             name, inner = ast.unparse(node.slice), self.places(node.slice)
-            if ast.unparse(node.value) != "whole":
+            if ast.unparse(node.value) != "iw":
                 return set()
             return {name} & {*self.slots["w"], *TABLES} or inner & {ROWS}
         if isinstance(node, ast.Name):
@@ -268,7 +268,7 @@ class Walk:
             return set()
         if ast.unparse(node.value) == "w":
             return self.kernel.places(node.slice) or {DRIVES}
-        name, state = ast.unparse(node.slice), {*self.kernel.slots["whole"]} - {*TABLES}
+        name, state = ast.unparse(node.slice), {*self.kernel.slots["iw"]} - {*TABLES}
         inner = self.kernel.places(node.slice) & {*TABLES}
         if not isinstance(node.slice, ast.Name) or inner:
             return inner
@@ -279,8 +279,8 @@ class Walk:
         self.effects.writes |= slots
         if adds:
             self.effects.reads |= slots - written
-        iw = bool(self._loops) or (slots <= single() and len(slots) == 1)
-        return written | slots if iw else written
+        everywhere = bool(self._loops) or (slots <= single() and len(slots) == 1)
+        return written | slots if everywhere else written
 
     def _read(self, node: ast.expr, written: Slots) -> Slots:
         """Note what an expression reads, and what the functions do that it calls."""
@@ -313,12 +313,12 @@ class Walk:
 def single() -> Slots:
     """Return the slots of one number."""
     order = layout()
-    return {*order["whole"], *order["w"][: order["w"].index("POLYNOMIAL")]}
+    return {*order["iw"], *order["w"][: order["w"].index("POLYNOMIAL")]}
 
 
 def shown(slots: Slots, kernel: Kernel) -> str:
     """Return slots in the order of the layout, what is behind them, and places of parameters."""
-    order = [*kernel.slots["w"], *kernel.slots["whole"]]
+    order = [*kernel.slots["w"], *kernel.slots["iw"]]
     behind = sorted(slot for slot in slots if slot not in order and not slot.startswith("<"))
     places = [
         parameter

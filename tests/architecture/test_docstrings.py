@@ -212,7 +212,7 @@ class Watch:
         found = [(header[places[name]], name) for name in behind if header[places[name]]]
         self.starts += sorted(found, key=lambda one: (one[0], one[1] == "SIZE"))
         self.room = range(state_layout.NUMBERS, header[state_layout.Y])
-        state = [name for name in order["whole"] if name not in slots.TABLES]
+        state = [name for name in order["iw"] if name not in slots.TABLES]
         self.wholes = {getattr(state_layout, name): name for name in state}
         contacts = header[state_layout.N_CONTACTS]
         for name in slots.TABLES if contacts else ():
@@ -267,7 +267,7 @@ class Watch:
     def slot(self, place: tuple[str, int]) -> str:
         """Return the name of a place; what equations read of every run has none of its own."""
         vector, index = place
-        if vector == "whole":
+        if vector == "iw":
             return self.wholes.get(index, slots.DRIVES)  # sizes and places are no slots
         if index in self.room:
             return slots.DRIVES

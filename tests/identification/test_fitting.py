@@ -105,8 +105,10 @@ def test_progress_counts_the_runs():
 
 
 def test_a_function_whose_values_have_a_product_of_zero_has_no_root_unless_its_sign_changes():
-    assert positive_root(lambda x: 1e-200 * (1.0 + x), 1.0) is None
-    assert positive_root(lambda x: 1e-200 * (x - 2.0), 1.0) == pytest.approx(2.0, rel=1e-9)
+    assert positive_root(lambda x: 1e-200 * (1.0 + x), 1.0, 1e-3, 1e3) is None
+    assert positive_root(lambda x: 1e-200 * (x - 2.0), 1.0, 1e-3, 1e3) == pytest.approx(
+        2.0, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("travel", [-1e29, 1e-29, 1e29])

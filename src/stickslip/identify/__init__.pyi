@@ -37,10 +37,6 @@ from stickslip.identify.ladder import probability_text as probability_text
 from stickslip.identify.laws import CurvePoint as CurvePoint
 from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import MeasuredCurves as MeasuredCurves
-from stickslip.identify.laws import TITLES as TITLES
-from stickslip.identify.page import opening_section as opening_section
-from stickslip.identify.page import parameters_section as parameters_section
-from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import sections_of as sections_of
 from stickslip.identify.page import verdict_sections as verdict_sections
 from stickslip.identify.posterior import allotted as allotted

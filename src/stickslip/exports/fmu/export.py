@@ -49,7 +49,7 @@ from stickslip.mechanisms.drives import Drive, Piece, Profile, Sampled, Straight
 from stickslip.quantities import Quantity, parameters, shadow
 from stickslip.show.documents import write_file
 from stickslip.show.formatting import printable
-from stickslip.study.control.feedback_loop import drive_places
+from stickslip.study.control import drive_places
 
 # The model description of an FMU: its inputs, its variables, and the XML of FMI 2.0 and 3.0.
 

@@ -47,7 +47,6 @@ from stickslip.identify.fits.record_forces import positions_of as positions_of
 from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
 from stickslip.identify.fits.results import Estimate as Estimate
 from stickslip.identify.fits.results import Fit as Fit
-from stickslip.identify.fits.results import Law_co as Law_co
 from stickslip.identify.fits.results import READINGS as READINGS
 from stickslip.identify.fits.results import estimates_for as estimates_for
 from stickslip.identify.fits.results import far_above_dry as far_above_dry

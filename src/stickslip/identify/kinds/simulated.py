@@ -422,7 +422,11 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def about(self, fit: AnyFit) -> str:
         """Return what is to be said first of the closest law, in sentences."""
-        return f"It leaves {significant(fit.rms, 2)}, root mean square."
+        return f"It leaves {self.left(fit)}, root mean square."
+
+    def left(self, fit: AnyFit) -> str:
+        """Return the root mean square of what a fit leaves, with its unit if it has one."""
+        return significant(fit.rms, 2)
 
     def settled(self, fit: AnyFit) -> Iterable[str]:
         """Return what the measurement tells beside the parameters, in sentences."""

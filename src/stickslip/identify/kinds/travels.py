@@ -504,6 +504,9 @@ class TravelCandidate(SimulatedCandidate):
 class TravelVerdict(SimulatedVerdict):
     """Which law to use, and what the travel is at a setting over all candidate laws."""
 
+    if TYPE_CHECKING:
+        best: TravelCandidate | None
+
     @property
     def problem(self) -> JudgedTravels:
         """The travels as they are judged."""
@@ -1022,9 +1025,10 @@ class TravelKind(SimulatedKind):
 
     def about(self, fit: Any) -> str:
         problem: JudgedTravels = fit.problem
-        if problem.alone:
-            return f"It leaves {quantity(fit.scatter, 'm', 2)}, root mean square."
-        return _band_text(problem)
+        return super().about(fit) if problem.alone else _band_text(problem)
+
+    def left(self, fit: Any) -> str:
+        return quantity(fit.scatter, "m", 2)
 
     def settled(self, fit: Any) -> Iterator[str]:
         problem: JudgedTravels = fit.problem

@@ -18,6 +18,7 @@ from stickslip.study.control.feedback_loop import PartialLinearisation as _Parti
 from stickslip.study.control.feedback_loop import Signal as _Signal
 from stickslip.study.control.feedback_loop import closed_loop as closed_loop
 from stickslip.study.control.feedback_loop import compensation as compensation
+from stickslip.study.control.feedback_loop import drive_places as drive_places
 from stickslip.study.control.feedback_loop import dynamics_at as dynamics_at
 from stickslip.study.control.feedback_loop import limit_cycle as limit_cycle
 
