@@ -241,6 +241,8 @@ def _kind_in_words(field: "dataclasses.Field[Any]", hint: Any) -> str:
     plain = _plain(hint)
     named = plain if isinstance(plain, str) else inspect.formatannotation(plain)
     named = re.sub(r"\b(?:\w+\.)+(\w+?)_?\b", r"\1", named).replace("'", "")  # np.object_: object
+    if typing.get_origin(plain) is typing.Literal:
+        named = f"{{{', '.join(map(repr, typing.get_args(plain)))}}}"
     if field.default not in (dataclasses.MISSING, None, "", ()):
         return f"{named}, default {field.default!r}"
     required = field.default is field.default_factory is dataclasses.MISSING

@@ -628,8 +628,6 @@ class RecordModel(Model):
 
         beside = np.hstack([columns(RIGID), balance.delayed(MIDDLE, RIGID)[:, None]])
         pushed = force_wave(rows, frame.span, frame.noise, beside)
-        force, at = np.exp(1j * np.outer(rows.position, pushed)), len(frame.sides) + 1
-        fixed = np.hstack([fixed[:, :at], force.real, force.imag, fixed[:, at:]])
         # along less, a bristle is nothing but the moment of a turn between samples
         shortest = max(2.0 * frame.noise, *(piece.turned_in for piece in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
