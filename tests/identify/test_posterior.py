@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -126,6 +127,34 @@ def test_coefficients_that_cannot_be_negative_are_not_drawn_so() -> None:
     model = Positive(0.02 + 0.1 * np.random.default_rng(1).normal(size=12))
     posterior = Posterior(model, LAWS[1:3], np.zeros(2), begin=every_node(), most=0)
     assert all(np.all(one.law >= 0.0) for one in posterior.draws(200))
+
+
+def test_a_random_coefficient_that_is_not_negative_counts_by_its_share(model: Linear) -> None:
+    class OneSided(Linear):
+        """The same, with a second random column whose coefficient is not negative."""
+
+        def system(self, node: Node, columns: Sequence[Column]) -> System:
+            return replace(super().system(node, columns), positive=(1,))
+
+    laws = LAWS[1:3]
+    for sign in (1.0, -1.0):
+        y = model.y + 0.06 * sign * Z[:, 1]
+        posterior = Posterior(OneSided(y), laws, np.zeros(2), begin=every_node(), most=0)
+        free = Posterior(Linear(y), laws, np.zeros(2), begin=every_node(), most=0)
+        share = np.empty(free.weights.shape)
+        for a, (noise, spread) in enumerate(free.nodes):
+            for k, law in enumerate(laws):
+                x = np.column_stack([Z, *(COLUMNS[one] for one in law)])
+                unit = [SPREADS[spread]] * 2 + [COEFFICIENT] * len(law)
+                precision = x.T @ x / NOISES[noise] ** 2 + np.diag(1.0 / np.square(unit))
+                covariance = np.linalg.inv(precision)
+                mean = covariance @ x.T @ y / NOISES[noise] ** 2
+                share[a, k] = ndtr(mean[1] / math.sqrt(covariance[1, 1]))
+        exact = free.weights * share
+        assert posterior.nodes == free.nodes
+        np.testing.assert_allclose(posterior.weights, exact / exact.sum(), rtol=1e-8, atol=1e-12)
+        for draw in posterior.draws(200):
+            assert np.all(draw.random[1] >= -1e-12)
 
 
 def test_a_law_counts_by_the_share_of_it_in_which_a_level_that_falls_brakes() -> None:

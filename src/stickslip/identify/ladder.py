@@ -76,7 +76,8 @@ def title_of(judgement: Judgement, rung: Rung) -> str:
         title = str(composed.kind.title)
     else:
         names = dict.fromkeys(name for name in names_of(rung.structure) if name != "offset")
-        title = capital(" + ".join(judgement.problem.title(name) for name in names))
+        parts = [name for name in names if f"{name}_direction" not in names]
+        title = capital(" + ".join(judgement.problem.title(name) for name in parts))
     return title + of_load_text(composed)
 
 

@@ -25,7 +25,8 @@ where :math:`M = S_{XX} + s^{-2}`, :math:`c = M^{-1} S_{Xy}`, columns are scaled
 friction, :math:`s` is `COEFFICIENT`, and the last sum is over coefficients that are not negative,
 and sums of them such as a level at the fastest speed, over their share of the prior, the least
 likely first and each given those before it (Mendell and Elston, 1974): of two that fit
-together only, one of them negative, no margin shows it.
+together only, one of them negative, no margin shows it. A random column whose coefficient is not
+negative, as a dead zone is none, stands among those of the laws, in the unit of its deviation.
 One Cholesky factor serves all laws of a node.
 
 1. A *node* is a value of each scale. Nodes are visited best first from where the problem begins,
@@ -112,6 +113,8 @@ class System:
     sizes: Array
     """Factors (p,) by which columns of laws were scaled: coefficients are those of the scaled
     columns times these."""
+    positive: tuple[int, ...] = ()
+    """Random columns whose coefficients are not negative."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -357,12 +360,16 @@ class Posterior:
         system = self.model.system(node, self.columns)
         base, left = eliminated(system)
         result = np.empty(len(self.structures))
-        every, nothing = left, base
+        every, nothing, more = left, base, len(system.positive)
         for at, of, positive, rows, known in self._batches:
             left, base = every, nothing
             if known:
-                left = without(every, known, system.sizes)
+                left = without(every, {more + k: x / system.sizes[k] for k, x in known.items()})
                 base += 0.5 * float(every[-1, -1] - left[-1, -1])
+            rows = np.pad(rows * system.sizes[of][:, None, :], ((0, 0), (0, 0), (more, 0)))
+            of = np.pad(of + more, ((0, 0), (more, 0)))
+            of[:, :more] = range(more)
+            positive = np.pad(positive, ((0, 0), (more, 0)), constant_values=True)
             size = of.shape[1]
             if size == 0:
                 result[at] = base
@@ -377,7 +384,7 @@ class Posterior:
             quadratic = 0.5 * np.einsum("si,sij,sj->s", c, m, c)
             gain = np.sum(moment * c, axis=1) - quadratic
             gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
-            inside = brakes(c, inverse, positive, rows * system.sizes[of][:, None, :])
+            inside = brakes(c, inverse, positive, rows)
             result[at] = base + gain + inside
         return np.asarray(result + self._priors + self.model.prior(node))
 
@@ -427,14 +434,12 @@ class Posterior:
         mean, root = self._moments(system, structure, known)
         m = len(system.deviations)
         x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
-        kept = np.ones(SPARE * count, dtype=bool)
-        for place, (name, _) in enumerate(structure):
-            if name not in self.model.signed:
-                kept &= x[m + place] > 0.0
+        bounded = np.r_[list(system.positive), m + np.flatnonzero(self._is_positive(structure))]
+        bounded = bounded.astype(np.intp)
+        kept = np.all(x[bounded] > 0.0, axis=0)
         sizes = system.sizes[[self.columns.index(item) for item in structure]]
         kept &= np.all((self.model.not_below_zero(structure) * sizes) @ x[m:] >= 0.0, axis=0)
         x = x[:, np.argsort(~kept, kind="stable")[:count]]
-        bounded = m + np.flatnonzero(self._is_positive(structure))
         held_to_zero(x, root, bounded)
         law = np.maximum(x[m:], np.where(self._is_positive(structure), 0.0, -np.inf)[:, None])
         for place, item in enumerate(whole):
@@ -492,7 +497,10 @@ def allotted(weights: Array, count: int) -> Places:
 
 
 def eliminated(system: System) -> tuple[float, Array]:
-    """Return the evidence of a node without a law, and what random columns leave (p + 1, p + 1).
+    """Return the evidence of a node without a law, and what random columns leave (k + p + 1, ...).
+
+    The k columns whose coefficients are not negative are left, too, each over its deviation, and
+    times that of a coefficient of a law.
 
     Examples
     --------
@@ -503,21 +511,26 @@ def eliminated(system: System) -> tuple[float, Array]:
     >>> round(base, 3), left.tolist()
     (-3.193, [[2.0, 0.0], [0.0, 5.0]])
     """
-    m, q = len(system.deviations), system.deviations
-    k = q[:, None] * system.gram[:m, :m] * q
+    kept = list(system.positive)
+    order = [k for k in range(len(system.deviations)) if k not in kept]
+    m, q = len(order), system.deviations[order]
+    order += [*kept, *range(len(system.deviations), len(system.gram))]
+    units = np.ones(len(order))
+    units[m : m + len(kept)] = system.deviations[kept] / COEFFICIENT
+    gram = units[:, None] * system.gram[np.ix_(order, order)] * units
+    k = q[:, None] * gram[:m, :m] * q
     k[np.diag_indices(m)] += 1.0
     factor = cholesky(k, lower=True)
-    h = solve_triangular(factor, q[:, None] * system.gram[:m, m:], lower=True)
-    left = system.gram[m:, m:] - h.T @ h
+    h = solve_triangular(factor, q[:, None] * gram[:m, m:], lower=True)
+    left = gram[m:, m:] - h.T @ h
     base = system.volume - float(np.sum(np.log(np.diag(factor)))) - 0.5 * float(left[-1, -1])
     return base, left
 
 
-def without(left: Array, known: Mapping[int, float], sizes: Array) -> Array:
+def without(left: Array, known: Mapping[int, float]) -> Array:
     """Return products of columns and values (p + 1, p + 1) with known coefficients taken off."""
     result = left.copy()
-    for column, x in known.items():
-        scaled = x / sizes[column]
+    for column, scaled in known.items():
         result[-1] -= scaled * result[column]
         result[:, -1] -= scaled * result[:, column]
     return result

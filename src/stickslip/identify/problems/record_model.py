@@ -437,6 +437,7 @@ class RecordModel(Model):
             deviations=self.deviations(node),
             volume=self.kappas[which] * self._volume(node),
             sizes=self.design(which, memory).sizes,
+            positive=tuple(np.flatnonzero(self.design(which, memory).groups == "zone").tolist()),
         )
 
     def _volume(self, node: Node) -> float:
