@@ -361,15 +361,15 @@ class Posterior:
         base, left = eliminated(system)
         result = np.empty(len(self.structures))
         every, nothing, more = left, base, len(system.positive)
-        for at, of, positive, rows, known in self._batches:
+        for at, columns, signs, rows, known in self._batches:
             left, base = every, nothing
             if known:
                 left = without(every, {more + k: x / system.sizes[k] for k, x in known.items()})
                 base += 0.5 * float(every[-1, -1] - left[-1, -1])
-            rows = np.pad(rows * system.sizes[of][:, None, :], ((0, 0), (0, 0), (more, 0)))
-            of = np.pad(of + more, ((0, 0), (more, 0)))
+            of = np.pad(columns + more, ((0, 0), (more, 0)))
             of[:, :more] = range(more)
-            positive = np.pad(positive, ((0, 0), (more, 0)), constant_values=True)
+            positive = np.pad(signs, ((0, 0), (more, 0)), constant_values=True)
+            sums = np.pad(rows * system.sizes[columns][:, None, :], ((0, 0), (0, 0), (more, 0)))
             size = of.shape[1]
             if size == 0:
                 result[at] = base
@@ -384,7 +384,7 @@ class Posterior:
             quadratic = 0.5 * np.einsum("si,sij,sj->s", c, m, c)
             gain = np.sum(moment * c, axis=1) - quadratic
             gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
-            inside = brakes(c, inverse, positive, rows)
+            inside = brakes(c, inverse, positive, sums)
             result[at] = base + gain + inside
         return np.asarray(result + self._priors + self.model.prior(node))
 

@@ -832,8 +832,9 @@ class RecordProblem(Problem):
                 f" or another spring does, by {percent(size)} of it (standard deviation)."
             )
         if name == "zone":
+            part = quantity(size * self.size, unit, 2)
             return (
-                f"Of the force that is recorded, {quantity(size * self.size, unit, 2)} does not act, whichever way it pushes: a"
+                f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
                 " dead zone of the drive, or friction before the sensor."
             )
         what = {
