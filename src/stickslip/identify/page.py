@@ -60,16 +60,13 @@ def sections_of(
     )
 
 
-def opening_section(
-    verdict: Verdict, origin: Origin, remark: str, figure: Figure | None = None
-) -> Section:
+def opening_section(verdict: Verdict, origin: Origin, remark: str) -> Section:
     """Return the section that a reader may stop after."""
     words = verdict.words
     return opening(
         words,
         origin.data,
         remark,
-        figure=figure,
         facts=facts(verdict),
         settles=words.settles[:1],
         record="measurement",

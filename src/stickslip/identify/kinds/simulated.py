@@ -327,7 +327,7 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
     ),
     Column(
         key="leaves", title="leaves", page="leaves", phone="label",
-        value=lambda item: item.score, text=lambda item: score_text(PLAIN, item.score).value,
+        value=lambda item: item.score, text=lambda item: score_text(PLAIN, item.score),
     ),
     Column(
         key="probability", title="probability", page="probability", phone="label",
@@ -339,7 +339,7 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
 LAST: Final[Columns[SimulatedCandidate]] = (
     Column(
         title="second record", page="second record", phone="label", optional=True,
-        value=_second, text=lambda item: score_text(PLAIN, _second(item)).value,
+        value=_second, text=lambda item: score_text(PLAIN, _second(item)),
     ),
     Column(
         key="outcome", page="outcome", numeric=False, phone="label",
@@ -714,10 +714,7 @@ def laws_section(verdict: SimulatedVerdict) -> Section:
     table = page_table(
         verdict.kind.all_columns,
         verdict.candidates,
-        cells={},
-        scale=PLAIN,
-        colour=lambda all_column: "c1" if all_column is verdict.best else "muted",
-        chosen=lambda all_column: all_column is verdict.best,
+        chosen=verdict.best,
         caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
         " all values of their parameters, of what is not known of the mechanism, and of what no law"
         " has. Leaves: root mean square of the residuals. Draws of the closest law, weighed by"

@@ -54,8 +54,6 @@ from stickslip.show.report.tables import Number as Number
 from stickslip.show.report.tables import Row as Row
 from stickslip.show.report.tables import RowPlot as RowPlot
 from stickslip.show.report.tables import Table as Table
-from stickslip.show.report.tables import error_axis as error_axis
-from stickslip.show.report.tables import error_plot as error_plot
 from stickslip.show.report.tables import table_of as table_of
 
 __all__ = [
