@@ -141,8 +141,6 @@ class Candidate(Generic[Fit_co], metaclass=Described):
     """The fit; None if there is none."""
     dropped: str = ""
     """Why it may not be taken, in words; empty if it may."""
-    doubt: str = ""
-    """What speaks against it although it is taken, since nothing else predicts as well."""
     outcome: str = ""
     """What became of it, for tables."""
 
@@ -456,8 +454,3 @@ def not_distinguished(titles: Sequence[str], source: str) -> str:
         names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
     verb = "do" if source.endswith("s") else "does"
     return f"{source} {verb} not distinguish it from {joined(names)}"
-
-
-def on_second_record(error: str) -> str:
-    """Return the clause of the error on a second record."""
-    return f"On the second record: {error}"

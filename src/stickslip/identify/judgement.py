@@ -32,7 +32,7 @@ from stickslip.identify.bands import (
     correlation_of,
     quantile_band,
 )
-from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
+from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve, term_title
 from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure, family_of
 from stickslip.identify.projection import (
@@ -59,10 +59,9 @@ DRAWS = 600
 """Draws from which everything is read."""
 ASSERTED = 20.0
 """Odds from which something beside the law is asserted."""
-TOLD = 100.0
-"""Odds of friction from which it is no zero (48 of 48 right, with noise of 9 to 100 %)."""
 RIVAL = 100.0
-"""Odds against a law up to which it cannot be distinguished from the named one."""
+"""Odds up to which two things cannot be distinguished: another law from the named one, and friction
+from zero (48 of 48 right, with noise of 9 to 100 %)."""
 SHOWN = 6
 """Laws of the ladder that are shown."""
 AT_END = 0.01
@@ -237,9 +236,9 @@ class Problem(ABC):
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
 
-    @abstractmethod
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
+        return term_title(term)
 
     @abstractmethod
     def speed_of(self, place: int) -> float:
@@ -249,9 +248,10 @@ class Problem(ABC):
     def masses(self, tolerance: float) -> tuple[Mapping[Family, float], Mapping[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
 
-    @abstractmethod
     def holds(self, family: Family) -> NDArray[np.bool_]:
         """Return the nodes and structures (k, s) of the posterior at which a family holds."""
+        same = np.array([family_of(item) == family for item in self.posterior.structures])
+        return np.broadcast_to(same, self.posterior.weights.shape)
 
     @abstractmethod
     def nothing(self) -> NDArray[np.bool_]:
@@ -516,7 +516,7 @@ class Judgement:
     @property
     def is_told(self) -> bool:
         """Whether friction is distinguished from zero."""
-        return self.odds >= TOLD
+        return self.odds >= RIVAL
 
     @property
     def is_explained(self) -> bool:

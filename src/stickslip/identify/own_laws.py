@@ -26,11 +26,12 @@ from scipy.optimize import least_squares
 from stickslip.errors import StickslipError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.identify.fits import Sizes, starting_law, with_ranges
+from stickslip.identify.fits.parameters import MOVED
 from stickslip.identify.posterior import Array, Column, Structure
 from stickslip.quantities import Quantity, fields_of, vary
 
-STEP, TINY = 1e-5, 1e-12
-"""Share of its size by which a parameter is moved for slopes, and its least size."""
+TINY = 1e-12
+"""Least size of a parameter that is moved for slopes."""
 BEGINNINGS = 3
 """Values of each speed, or other shape, from which a law is first fitted: those of four at most."""
 OF_RANGE = 1e-3
@@ -121,7 +122,7 @@ class OwnLaw:
         """Return the rest, then the change with each parameter, at rows (n, 1 + p)."""
         result, middle = [], self.friction(values, rows)
         for k in range(len(self.varied)):
-            step = STEP * max(abs(values[k]), self.sizes.get(self.varied[k], 0.0), TINY)
+            step = MOVED * max(abs(values[k]), self.sizes.get(self.varied[k], 0.0), TINY)
             ends = [list(values) for _ in range(2)]
             ends[0][k] -= step
             ends[1][k] += step

@@ -210,8 +210,6 @@ class Comparison:
     """What is doubtful about the record."""
     fitted: tuple[str, Sequence[Estimate]] | None = None
     """The law that is named or closest, with its parameters, where the table does not have them."""
-    trials: TrialComparison | None = None
-    """Whether several trials share one law."""
 
 
 @dataclass(frozen=True, kw_only=True)

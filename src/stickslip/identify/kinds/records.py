@@ -162,15 +162,18 @@ class RecordKind(BandKind):
                 " out."
             )
         if request.law is None:
+            unused = (
+                f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
+            )
             if name == "route" and request.route == SHOOTING:
-                return f"{SHOOTING!r} {_unused('fit', 'select', self)}"
+                return f"{SHOOTING!r} {unused}"
             if name == "settings":
                 usual, given = RecordSettings(), request.settings or RecordSettings()
                 names = (x.name for x in fields(RecordSettings) if x.name not in self.known)
                 changed = [x for x in names if getattr(given, x) != getattr(usual, x)]
-                return f"with {changed[0]} {_unused('fit', 'select', self)}" if changed else ""
+                return f"with {changed[0]} {unused}" if changed else ""
             if name in (self.settings | {"horizon"}) - self.known:
-                return _unused("fit", "select", self)
+                return unused
             return ""
         if route == BALANCE and name in (self.settings | {"horizon"}) - self.known:
             return (
@@ -295,11 +298,6 @@ def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:
     if vary is None:
         return None
     return [LAW, *(item for item in names_of(vary) if item.startswith("mechanism."))]
-
-
-def _unused(verb: str, other: str, kind: Kind[Any, Any]) -> str:
-    """Return that an option is of one verb alone, as the end of a sentence."""
-    return f"applies to `{verb}` of {kind.measured}; it has no effect on `{other}`: leave it out."
 
 
 def _holds(request: Request, *, balanced: bool) -> bool:

@@ -40,7 +40,6 @@ from stickslip.identify.candidates import (
     corrections,
     longer,
     not_distinguished,
-    on_second_record,
     plain,
     score_text,
 )
@@ -671,7 +670,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         second = {} if validate is None else fit.judged(validate)
         if second:
             errors = [f"{name.replace('_', ' ')} {significant(x, 2)}" for name, x in second.items()]
-            lines.append(on_second_record(joined(errors)))
+            lines.append(f"On the second record: {joined(errors)}")
         return FitSummary(
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),

@@ -29,6 +29,7 @@ from stickslip.engine.solver import notice
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import ASSERTED, INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
+from stickslip.identify.candidates import MOST
 from stickslip.identify.fits import (
     TOGETHER,
     Estimate,
@@ -57,8 +58,6 @@ Effects: TypeAlias = Mapping[str, tuple[float, Array]]
 Refit: TypeAlias = Callable[..., Any]
 """Fits the law to another measurement, with arguments as `stickslip.fit` has them."""
 
-MOST = 3
-"""Parameters that a sentence names at most."""
 MOST_CONDITIONS = 4
 """Conditions that are compared at most: each doubles the sizes that are looked at."""
 DRAWS = 4000

@@ -49,6 +49,7 @@ from stickslip.identify.fits import (
     FilteredMotion,
     gear_torques,
     joint_inputs,
+    positions_of,
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
@@ -491,7 +492,7 @@ class _Piece:
         times = np.asarray(piece.time, dtype=float)
         step = float(np.median(np.diff(times)))
         even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
-        places = [_position(joint, times) for joint in joints]
+        places = [positions_of(joint) for joint in joints]
         moving = [name not in resting for name in mechanism.coordinates]
         noise = [noise_of(x) if moves else 0.0 for x, moves in zip(places, moving, strict=True)]
         return cls(
@@ -574,11 +575,3 @@ class _Piece:
         contact = contacts_along(self.mechanism)[coordinate]
         load = loads.get(contact.name, contact.load)
         return None if load is None else np.asarray(load + 0.0 * self.time, dtype=float)
-
-
-def _position(joint: Measurement, times: Array) -> Array:
-    """Return positions (n,), or the integral of velocities where these were measured alone."""
-    if "position" in joint.quantities():
-        return np.asarray(joint.values("position"), dtype=float)
-    v = np.asarray(joint.values("velocity"), dtype=float)
-    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(times))])
