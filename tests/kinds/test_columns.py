@@ -105,4 +105,4 @@ def test_keys_and_headings_of_a_kind_stand_once(kind):
 
 def test_a_kind_that_defines_no_problem_says_what_is_missing():
     with pytest.raises(NotImplementedError, match="VelocityStepKind defines neither problem nor"):
-        SimulatedKind.problem(VelocityStepKind(), None, {}, None, None, None)
+        SimulatedKind.problem(VelocityStepKind(), None, {}, None)

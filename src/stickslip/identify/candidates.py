@@ -125,8 +125,9 @@ def score_text(scale: Scale, score: float | None) -> str:
     >>> score_text(Scale(1e3, "mN"), 0.0195), score_text(Scale(1.0, "N"), math.inf)
     ('19.5', 'no score')
     """
-    finite = score is not None and math.isfinite(score)
-    return significant(scale.factor * score) if finite else "no score"
+    if score is None or not math.isfinite(score):
+        return "no score"
+    return significant(scale.factor * score)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -102,6 +102,17 @@ def with_shapes(structure: Structure, other: Structure, *, alone: bool) -> tuple
     return tuple(zip(family_of(structure), own, strict=True)), False
 
 
+def is_asserted(probability: float) -> bool:
+    """Return whether something of a probability is stated: at odds of `ASSERTED`.
+
+    Examples
+    --------
+    >>> is_asserted(0.95), is_asserted(0.96)
+    (False, True)
+    """
+    return probability >= ASSERTED * (1.0 - probability)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """What may stand beside the law: a drift, a difference between runs, an effect of an input."""
@@ -123,8 +134,7 @@ class Finding:
     @property
     def asserted(self) -> bool:
         """Whether it is stated: at `ASSERTED`, and where its interval does not hold zero."""
-        odds = self.probability / max(1.0 - self.probability, 1e-12)
-        return odds >= ASSERTED and not self.low <= 0.0 <= self.high
+        return is_asserted(self.probability) and not self.low <= 0.0 <= self.high
 
     @property
     def is_mistake(self) -> bool:

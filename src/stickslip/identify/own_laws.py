@@ -34,12 +34,11 @@ TINY = 1e-12
 """Least size of a parameter that is moved for slopes."""
 BEGINNINGS = 3
 """Values of each speed, or other shape, from which a law is first fitted: those of four at most."""
-OF_RANGE = 1e-3
-"""Share of its range that is the least size of a parameter, which may begin at 0."""
 UNTOLD = 1e-2
 """Change of friction over what is allowed, as a parameter changes by its own size, to be told."""
 SMALL = 1e-3
-"""Share of its usual size up to which a parameter is moved by that instead of by its own."""
+"""Share of its range that is the least size of a parameter, which may begin at 0, and of its usual
+size up to which it is moved by that instead of by its own."""
 PART_OF = 0.1
 """Part of a change that nothing tells, from which it is one of a parameter."""
 
@@ -185,7 +184,7 @@ class OwnLaw:
             return np.where(np.isfinite(result), result, 1e6)
 
         sizes = [
-            max(abs(x), abs(item.start), OF_RANGE * max(abs(item.low), abs(item.high)), TINY)
+            max(abs(x), abs(item.start), SMALL * max(abs(item.low), abs(item.high)), TINY)
             for x, item in zip(own, ranges, strict=True)
         ]
         scale = np.array(sizes)

@@ -22,7 +22,7 @@ from stickslip.identify import THRESHOLDS
 from stickslip.identify.bands import Array
 from stickslip.identify.candidates import friction_of, in_sentence, specifications
 from stickslip.identify.fits import starting_law
-from stickslip.identify.kinds.kind import Column, SeveralLaws
+from stickslip.identify.kinds.kind import Column, Request, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
     SimulatedCandidate,
@@ -130,19 +130,15 @@ class FeatureKind(SimulatedKind):
         return "" if any(levels) else NO_LEVEL
 
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> StickSlip:
-        towed(mechanism)
+        towed(request.mechanism)
         block, result, doubts = laws_to_run(
-            mechanism, laws, measurement, vary, fixed, start=_start, doubts=DOUBTS
-        )
+            request.mechanism, laws, request.measurement, vary, request.fixed,
+            start=_start, doubts=DOUBTS,
+        )  # fmt: skip
         block = replace(towed(block), load=block.steady_load)
-        return StickSlip(block, settings_of(block, measurement), result, doubts)
+        return StickSlip(block, settings_of(block, request.measurement), result, doubts)
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         block = replace(fit.problem.mechanism, load=_block(fit).steady_load)

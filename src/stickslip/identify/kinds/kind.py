@@ -11,7 +11,6 @@ from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identify.candidates import Candidate, Verdict
 from stickslip.identify.fits import (
-    AGREE,
     LAW,
     AnyLaw,
     Estimate,
@@ -26,7 +25,6 @@ from stickslip.show.formatting import (
     NO_VALUE,
     EstimateText,
     number,
-    percent,
     with_unit,
 )
 from stickslip.show.report import (
@@ -361,17 +359,3 @@ class Kind(ABC, Generic[F, V]):
         be said.
         """
         return ""
-
-
-def restarts_text(agreeing: int, starts: int) -> str:
-    """Return how many starts of a search agree.
-
-    Examples
-    --------
-    >>> restarts_text(3, 4)
-    'Restarts: 3 of 4 starts reached the smallest residual within 1 %'
-    """
-    return (
-        f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
-        f" {percent(AGREE)}"
-    )

@@ -25,6 +25,7 @@ from stickslip.identify import (
 from stickslip.identify.candidates import in_sentence
 from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import (
+    AGREE,
     LAW,
     Laws,
     Parameters,
@@ -40,7 +41,7 @@ from stickslip.identify.fits import (
     refuse_overrides,
     route_of,
 )
-from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request
 from stickslip.identify.kinds.trials import compared
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -251,7 +252,6 @@ class RecordKind(BandKind):
             hold=request.settings.hold if request.settings else None,
             validate=request.validate,
             tolerance=request.tolerance,
-            route=BALANCE,
         )
 
     def summary(
@@ -336,10 +336,11 @@ def restarts_lines(fit: RecordFit[Any]) -> list[str]:
     starts = len(fit.restarts.costs)
     if starts == 1:
         return []
-    text = restarts_text(fit.restarts.agreeing, starts)
-    if fit.first is None:
-        return [text]
-    return [f"{text}, in short segments; longer segments were fitted from there"]
+    longer = ", in short segments; longer segments were fitted from there"
+    return [
+        f"Restarts: {fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}{longer * (fit.first is not None)}"
+    ]
 
 
 # Tables of friction over the speed.
@@ -380,5 +381,4 @@ class FrictionTableKind(BandKind):
             laws=laws,
             validate=request.validate,
             tolerance=request.tolerance,
-            route=TABLE,
         )

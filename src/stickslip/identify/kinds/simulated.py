@@ -59,7 +59,6 @@ from stickslip.identify.kinds.kind import (
 )
 from stickslip.identify.selection import checked
 from stickslip.identify.simulated import FamilyDraws, Readable, Simulated, SimulatedPosterior
-from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import Scale, capital, count, joined, significant
 from stickslip.show.report import Figure, Origin, Section, SectionMaker
@@ -377,12 +376,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         return ""
 
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> Simulated:
         """Return the measurement as rows, with laws and what is looked for of them."""
         raise NotImplementedError(f"{type(self).__name__} defines neither problem nor weighed")
@@ -391,8 +385,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> tuple[Readable, Weighed]:
         """Return the measurement as rows, and the laws weighed by it."""
-        settings = request.settings
-        problem = self.problem(request.mechanism, laws, request.measurement, vary, request.fixed)
+        settings, problem = request.settings, self.problem(request, laws, vary)
         starts = settings.starts if settings and "starts" in self.settings else self.starts
         return problem, SimulatedPosterior(
             problem, starts=starts, seed=settings.seed if settings else 0, watch=request.progress
@@ -665,8 +658,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         self, fit: AnyFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
         assert fit.verdict is not None
-        words = fit.verdict.words
-        lines = [words.verdict, words.lede]
+        lines = [fit.verdict.words.verdict, fit.verdict.words.lede]
         second = {} if validate is None else fit.judged(validate)
         if second:
             errors = [f"{name.replace('_', ' ')} {significant(x, 2)}" for name, x in second.items()]

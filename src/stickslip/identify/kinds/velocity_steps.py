@@ -25,7 +25,7 @@ from stickslip.identify.fits import (
     check_given,
     check_varied,
 )
-from stickslip.identify.judgement import ASSERTED
+from stickslip.identify.judgement import is_asserted
 from stickslip.identify.kinds.kind import Column, Request, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
@@ -134,17 +134,13 @@ class VelocityStepKind(SimulatedKind):
         return dict(pairs)
 
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> VelocitySteps:
+        measurement, pulled = request.measurement, _pulled(request.mechanism)
         result, references = dict[str, SteppedLaw](), list[float | None]()
         for name, law in laws.items():
             kind = RateState if isinstance(law, str) else law
-            chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
+            chosen = Parameters.of(pulled, kind, vary, request.fixed, measurement=measurement)
             block, doubt = _pulled(chosen.mechanism), _doubt(chosen, measurement)
             result[name], reference = _stepped(form_of(law), chosen, doubt)
             references.append(reference)
@@ -459,7 +455,7 @@ def _drifts(fit: AnyFit) -> bool:
         low, _, high = _change(fit)
         return not low <= 0.0 <= high
     share = float(trending[fit.family.sets].mean())
-    return len(trending) > 1 and share >= ASSERTED / (1.0 + ASSERTED)
+    return len(trending) > 1 and is_asserted(share)
 
 
 def _of_mass(fit: AnyFit) -> Iterator[str]:
