@@ -32,6 +32,7 @@ from stickslip.identify.bands import (
     correlation_of,
     quantile_band,
 )
+from stickslip.identify.fits.settings import CHANCE
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve, term_title
 from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure, family_of
@@ -66,8 +67,6 @@ SHOWN = 6
 """Laws of the ladder that are shown."""
 AT_END = 0.01
 """Part of a shape from the end of its range within which it counts as there."""
-MAY_HOLD = 0.05
-"""Probability from which a law may hold, however far noise moves the curve from it."""
 ONE_WAY = (
     "All motion is in one direction, in which a constant force (gravity, a cable, the zero of a"
     " sensor) cannot be distinguished from the level of friction: the level holds it, and its"
@@ -530,10 +529,13 @@ class Judgement:
 
     @property
     def is_explained(self) -> bool:
-        """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold."""
+        """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold.
+
+        One of a probability of `CHANCE` may, however far noise moves the curve from it.
+        """
         every = (self.named, *self.rungs)
         near = any(item.distance <= NO_LAW or item.excess <= MARGIN for item in every)
-        return near or self.named.adequate >= MAY_HOLD
+        return near or self.named.adequate >= CHANCE
 
     @property
     def beside(self) -> frozenset[str]:

@@ -15,6 +15,7 @@ from stickslip.identify.fits import (
     AnyLaw,
     Estimate,
     Fit,
+    Parameters,
     RecordSettings,
     known_inputs,
     names_of,
@@ -178,6 +179,12 @@ class Request:
         """Return arguments of a function that fits or selects: those that all take, and more."""
         of_all = ("mechanism", "measurement", "vary", "fixed", "progress")
         return {name: getattr(self, name) for name in (*of_all, *names)}
+
+    def parameters(self, law: Any) -> Parameters[Any]:
+        """Return what `vary` and `fixed` say of the mechanism and a law; None for several laws."""
+        return Parameters.of(
+            self.mechanism, law, self.vary, self.fixed, measurement=self.measurement
+        )
 
     @property
     def given(self) -> tuple[str, ...]:

@@ -74,9 +74,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
     def _fit(self, request: Request) -> LawFit:
         """Return the fit of one law by the posterior."""
         law: Any = self.owner(request.law)
-        chosen: Parameters[Any] = Parameters.of(
-            request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
-        )
+        chosen = request.parameters(law)
         check_inputs(chosen.law, chosen.mechanism, request.measurement)
         refuse_unused(request.measurement, inside(chosen.mechanism, request.measurement))
         return fitted_law(
@@ -207,9 +205,7 @@ class RecordKind(BandKind):
             return
         records, law = list[Record](), cast("Any", self.owner(request.law))
         with suppress(InputError):  # what no balance takes, runs may
-            chosen: Parameters[Any] = Parameters.of(
-                request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
-            )
+            chosen = request.parameters(law)
             records = records_of(chosen.mechanism, request.measurement, unknown=chosen.unknown)
         if records:
             refuse_wrong_signs(records)
@@ -236,10 +232,7 @@ class RecordKind(BandKind):
         return {}, None
 
     def select(self, request: Request) -> BandVerdict:
-        chosen = Parameters.of(
-            request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
-        )
-        return self._select(request, chosen, request.laws)
+        return self._select(request, request.parameters(None), request.laws)
 
     def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         refuse_overrides(request.measurement, chosen.unknown)
@@ -286,10 +279,8 @@ def _voltage_hides(request: Request, law: Any) -> bool:
     """
     if motor_of(request.mechanism) is None:
         return False
-    chosen: Parameters[Any] = Parameters.of(
-        request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
-    )
-    looked = any(path.startswith("mechanism.drive.") for path in chosen.unknown)
+    unknown = request.parameters(law).unknown
+    looked = any(path.startswith("mechanism.drive.") for path in unknown)
     return looked and all(command_of(x) == "voltage" for x in request.measurement.records())
 
 

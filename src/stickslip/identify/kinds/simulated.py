@@ -43,7 +43,7 @@ from stickslip.identify.candidates import (
     plain,
     score_text,
 )
-from stickslip.identify.fits import LAW, AnyLaw_co, Estimate, Parameters, estimates_for
+from stickslip.identify.fits import LAW, AnyLaw_co, Estimate, estimates_for
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.kind import (
     Column,
@@ -478,10 +478,8 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         return replace(verdict.closest.fit, verdict=verdict)
 
     def select(self, request: Request) -> SimulatedVerdict:
-        unknown = Parameters.of(
-            request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
-        ).unknown
-        return self._verdict(request, self.laws(request.laws), [LAW, *unknown])
+        varied = [LAW, *request.parameters(None).unknown]
+        return self._verdict(request, self.laws(request.laws), varied)
 
     def _verdict(
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None

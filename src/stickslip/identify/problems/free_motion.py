@@ -46,13 +46,11 @@ from stickslip.identify.problems.free_runs import (
 )
 from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.problems.records import parts_of
+from stickslip.identify.problems.records import ASKED, PLACES, parts_of
 from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
 from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
 from stickslip.quantities import vary
 
-PLACES, ASKED = 25, 40
-"""Speeds at which laws are compared, and at which the band is stated; points of a figure."""
 FOLLOWED = 100
 """Draws by which another motion is run."""
 STARTS = (1.0, 0.5, 0.25)
