@@ -32,7 +32,7 @@ from stickslip.identify.bands import (
     correlation_of,
     quantile_band,
 )
-from stickslip.identify.fits.settings import CHANCE
+from stickslip.identify.fits import CHANCE
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve, term_title
 from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure, family_of

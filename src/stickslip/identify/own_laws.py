@@ -25,8 +25,7 @@ from scipy.optimize import least_squares
 
 from stickslip.errors import StickslipError
 from stickslip.friction import FrictionLaw, bound
-from stickslip.identify.fits import Sizes, starting_law, with_ranges
-from stickslip.identify.fits.parameters import MOVED
+from stickslip.identify.fits import MOVED, Sizes, starting_law, with_ranges
 from stickslip.identify.posterior import Array, Column, Structure
 from stickslip.quantities import Quantity, fields_of, vary
 

@@ -43,7 +43,7 @@ from numpy.typing import NDArray
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
-from stickslip.identify.fits.levenberg_marquardt import FIRST_DAMPING
+from stickslip.identify.fits import FIRST_DAMPING
 from stickslip.identify.own_laws import (
     Slips,
     certain_of,

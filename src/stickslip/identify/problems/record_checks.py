@@ -13,8 +13,7 @@ import numpy as np
 
 from stickslip.data import Finding, Measurement
 from stickslip.errors import InputError
-from stickslip.identify.fits import SETTLED
-from stickslip.identify.fits.settings import ROUNDS
+from stickslip.identify.fits import ROUNDS, SETTLED
 from stickslip.identify.forces import Unknown
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_balance import free_form
