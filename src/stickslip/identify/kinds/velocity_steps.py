@@ -430,14 +430,9 @@ def _effective(fit: AnyFit) -> str:
     return f"{significant(fit.posterior.kappa * rows, 2)} of {rows:,}"
 
 
-def _machine(fit: AnyFit) -> TowedBlock:
-    assert isinstance(fit.mechanism, TowedBlock)
-    return fit.mechanism
-
-
 def _stiffness(fit: AnyFit) -> float:
     """Return the stiffness of spring and machine over the load [1/m]."""
-    return float(_machine(fit).stiffness / fit.problem.record.load)
+    return float(_pulled(fit.mechanism).stiffness / fit.problem.record.load)
 
 
 def _change(fit: AnyFit) -> tuple[float, float, float]:
@@ -464,7 +459,7 @@ def _of_mass(fit: AnyFit) -> Iterator[str]:
     # without a state, friction follows the load point over the way a/k
     spent = [x for b, x in law.states if b > THRESHOLDS.negligible * law.direct_effect]
     way = min(spent, default=abs(law.direct_effect) / _stiffness(fit))
-    swing = math.sqrt(_machine(fit).mass / _machine(fit).stiffness)
+    swing = math.sqrt(_pulled(fit.mechanism).mass / _pulled(fit.mechanism).stiffness)
     if 2.0 * math.pi * swing * fastest > way > 0.0:  # a period of the block
         yield (
             f"What the mass does, which is neglected: sqrt(m/k) = {quantity(swing, 's', 2)} is"
