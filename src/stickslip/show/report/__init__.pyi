@@ -46,7 +46,6 @@ from stickslip.show.report.shared_sections import reproduce as reproduce
 from stickslip.show.report.tables import Axis as Axis
 from stickslip.show.report.tables import Blank as Blank
 from stickslip.show.report.tables import Cell as Cell
-from stickslip.show.report.tables import Colour as Colour
 from stickslip.show.report.tables import Column as Column
 from stickslip.show.report.tables import Mark as Mark
 from stickslip.show.report.tables import Name as Name
