@@ -1,6 +1,5 @@
 """Columns of tables of candidates: one list, read by DataFrames, terminals and pages."""
 
-import math
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
@@ -10,8 +9,8 @@ from stickslip.identify.kinds import Column, data_row, page_table, terminal_tabl
 from stickslip.identify.kinds.features import FeatureKind
 from stickslip.identify.kinds.simulated import SimulatedCandidate, SimulatedKind
 from stickslip.identify.kinds.velocity_steps import VelocityStepKind
-from stickslip.show.formatting import EstimateText, Scale
-from stickslip.show.report import Number, RowPlot
+from stickslip.show.formatting import EstimateText
+from stickslip.show.report import Number
 
 
 @dataclass
@@ -22,17 +21,12 @@ class One:
     size: float
     second: float | None = None
     dropped: str = ""
-    score_error = 2e-3
-
-    @property
-    def score(self):
-        return self.size or math.inf
 
 
 COLUMNS = (
     Column(key="law", title="law", page="model", value=lambda one: one.name,
            text=lambda one: one.name, numeric=False),
-    Column(key="score", title="error", page="error", unit="mm", why_empty="no score", plotted=True,
+    Column(key="score", title="error", page="error", unit="mm", why_empty="no score",
            value=lambda one: one.size,
            text=lambda one: EstimateText(f"{1e3 * one.size:.1f}", "± 0.1") if one.size else None),
     Column(title="second", page="second\nrecord", optional=True, value=lambda one: one.second,
@@ -42,22 +36,14 @@ COLUMNS = (
 ROWS = [One("dahl", 1e-3), One("stribeck", 4e-3), One("lugre", 0.0, dropped="not fitted")]
 
 
-def page(rows, **more):
-    return page_table(
-        COLUMNS,
-        rows,
-        cells=more,
-        scale=Scale(1e3, "mm"),
-        colour=lambda column: "c1" if column.name == "dahl" else "muted",
-        chosen=lambda column: column.name == "dahl",
-        caption="",
-    )
+def page(rows):
+    return page_table(COLUMNS, rows, chosen=ROWS[0], caption="")
 
 
 def test_each_medium_has_the_columns_that_have_a_name_for_it():
     assert list(data_row(COLUMNS, ROWS[0])) == ["law", "score", "loss"]
     assert terminal_table(COLUMNS, ROWS)[0] == ["law", "error"]
-    assert [column.head for column in page(ROWS).columns] == ["model", "error\nmm", ""]
+    assert [column.head for column in page(ROWS).columns] == ["model", "error\nmm"]
 
 
 def test_a_terminal_says_the_unit_in_the_cell_and_a_page_in_the_heading():
@@ -78,20 +64,6 @@ def test_a_column_that_is_optional_is_there_if_any_candidate_has_a_value():
     assert heads[-1] == "second"
     assert [row[-1] for row in cells] == ["none", "none", "none", "0.5"]
     assert page(rows).columns[-1].head == "second\nrecord"
-
-
-def test_a_page_draws_the_errors_of_several_laws_with_bars_that_end_at_0():
-    table = page(ROWS)
-    assert (table.columns[2].axis.low, table.columns[2].axis.high) == (0.0, 10.0)
-    bar, dot = table.rows[0].cells[2].marks
-    assert (bar.at, bar.to, dot.at, dot.colour) == (0.0, 3.0, 1.0, "c1")  # 1 mm ± 2 mm
-    assert table.rows[2].cells[2] == RowPlot(marks=())
-    assert [column.head for column in page(ROWS[:1]).columns] == ["model", "error\nmm"]
-
-
-def test_a_page_may_say_a_cell_otherwise():
-    (first, *_) = page(ROWS, model=lambda row: f"**{row.name}**").rows
-    assert first.cells[0] == "**dahl**"
 
 
 def candidate(kind, **values):
@@ -133,4 +105,4 @@ def test_keys_and_headings_of_a_kind_stand_once(kind):
 
 def test_a_kind_that_defines_no_problem_says_what_is_missing():
     with pytest.raises(NotImplementedError, match="VelocityStepKind defines neither problem nor"):
-        SimulatedKind.problem(VelocityStepKind(), None, {}, None, None, None)
+        SimulatedKind.problem(VelocityStepKind(), None, {}, None)

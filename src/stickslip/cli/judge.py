@@ -150,7 +150,6 @@ def show_verdict(verdict: Verdict) -> None:
         title, estimates = table.fitted
         console.print(f"\n{title}", style="bold")
         inputs.show_estimates(estimates)
-    inputs.show_trials(table.trials)
     inputs.show_open(words)
 
 

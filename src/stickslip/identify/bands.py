@@ -40,6 +40,10 @@ class PredictionBand:
     median: Array
     high: Array
 
+    def to_dict(self) -> dict[str, list[float]]:
+        """Return limits and medians as lists."""
+        return {name: x.tolist() for name, x in vars(self).items()}
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Foreseen(Tabular):
@@ -122,6 +126,11 @@ class Interval:
     low_any: float
     high_any: float
     """95 % interval over the laws of the set that have the parameter."""
+
+    def to_dict(self) -> dict[str, float | str]:
+        """Return path and numbers as a verdict writes them."""
+        numbers = dict(vars(self))
+        return {"parameter": numbers.pop("path"), **numbers}
 
 
 def quantile_band(

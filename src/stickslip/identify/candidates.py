@@ -21,7 +21,6 @@ from stickslip.quantities import parameters
 from stickslip.show.described import Described
 from stickslip.show.display import OnAxes, Summary, Tabular, plots, summary_of_table
 from stickslip.show.formatting import (
-    EstimateText,
     Scale,
     count,
     joined,
@@ -118,19 +117,17 @@ def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
     return scale_of([median_high(known)] if known else [], unit)
 
 
-def score_text(scale: Scale, score: float | None, error: float | None = None) -> EstimateText:
-    """Return a score and its standard error, without the unit; nothing for what is not known.
+def score_text(scale: Scale, score: float | None) -> str:
+    """Return a score without the unit.
 
     Examples
     --------
-    >>> score_text(Scale(1e3, "mN"), 0.0195, 0.00073), score_text(Scale(1.0, "N"), math.inf)[0]
-    (EstimateText(value='19.5', doubt='± 0.7'), 'no score')
+    >>> score_text(Scale(1e3, "mN"), 0.0195), score_text(Scale(1.0, "N"), math.inf)
+    ('19.5', 'no score')
     """
     if score is None or not math.isfinite(score):
-        return EstimateText("no score", "")
-    if error is None or not math.isfinite(error):
-        return EstimateText(significant(scale.factor * score), "")
-    return scale.estimate_text(score, error)
+        return "no score"
+    return significant(scale.factor * score)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,8 +142,6 @@ class Candidate(Generic[Fit_co], metaclass=Described):
     """The fit; None if there is none."""
     dropped: str = ""
     """Why it may not be taken, in words; empty if it may."""
-    doubt: str = ""
-    """What speaks against it although it is taken, since nothing else predicts as well."""
     outcome: str = ""
     """What became of it, for tables."""
 
@@ -158,11 +153,6 @@ class Candidate(Generic[Fit_co], metaclass=Described):
     @property
     def score(self) -> float | None:
         """Held-out error, in the unit of the verdict's scores; None or infinite without one."""
-        return None
-
-    @property
-    def score_error(self) -> float | None:
-        """Its standard error; None, infinite or not a number if there is none."""
         return None
 
     def to_row(self) -> Mapping[str, Any]:
@@ -355,10 +345,6 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
         """Return what only verdicts of this route say, as plain numbers and strings."""
         return {}
 
-    def _basis(self) -> str:
-        """Return on what the verdict rests, after the number of candidates that were fitted."""
-        return ""
-
     @final
     def _summary(self) -> Summary:
         return summary_of_table(self.sentence, self.to_dataframe())
@@ -366,10 +352,8 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
     @final
     def __repr__(self) -> str:
         fitted = sum(candidate.fit is not None for candidate in self.candidates)
-        return (
-            f"<Verdict: {self.sentence}\n {fitted} of {count(len(self.candidates), 'candidate')}"
-            f" fitted{self._basis()}>"
-        )
+        every = count(len(self.candidates), "candidate")
+        return f"<Verdict: {self.sentence}\n {fitted} of {every} fitted>"
 
 
 def plain(text: str) -> str:
@@ -456,8 +440,8 @@ def friction_of(title: str) -> str:
     return f"{kind}{noun}{joint}{more}"
 
 
-def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -> str:
-    """Return the clause that laws are as good as the chosen one, `most` of them by name.
+def not_distinguished(titles: Sequence[str], source: str) -> str:
+    """Return the clause that laws are as good as the chosen one.
 
     Examples
     --------
@@ -467,12 +451,7 @@ def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -
     'these readings do not distinguish it from Dahl, LuGre and 2 more'
     """
     names = [in_sentence(title) for title in titles]
-    if len(names) > most:
-        names = [*names[: most - 1], f"{len(names) - most + 1} more"]
+    if len(names) > MOST:
+        names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
     verb = "do" if source.endswith("s") else "does"
     return f"{source} {verb} not distinguish it from {joined(names)}"
-
-
-def on_second_record(error: str) -> str:
-    """Return the clause of the error on a second record."""
-    return f"On the second record: {error}"

@@ -169,7 +169,7 @@ def forces_along(
             still = none
             if motor_of(one) is not None:  # the back EMF is a part of what the motor gives
                 still = known_forces(replace(one, drive=None), x, v, none)[1]  # type: ignore[call-arg]
-            elif not _closes_loop(record):  # there, spring and damper are gains of a controller
+            elif command_of(record) != "reference":  # there, they are gains of a controller
                 still = known_forces(one, x, v, none)[1]
             return np.concatenate([force - still, still, [mass]])
 
@@ -363,11 +363,6 @@ def _applied(mechanism: Mechanism, record: Measurement) -> Array | None:
     (drive,) = mechanism.drives().values()
     time = np.asarray(record.time, dtype=float)
     return np.array([drive.value(t) for t in time.tolist()])
-
-
-def _closes_loop(record: Measurement) -> bool:
-    """Return whether the force of a record is that of a controller that follows a reference."""
-    return command_of(record) == "reference"
 
 
 def _step(mechanism: Mechanism, path: str, value: float) -> float:

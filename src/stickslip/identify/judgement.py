@@ -32,7 +32,8 @@ from stickslip.identify.bands import (
     correlation_of,
     quantile_band,
 )
-from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve
+from stickslip.identify.fits import CHANCE
+from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve, term_title
 from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure, family_of
 from stickslip.identify.projection import (
@@ -59,16 +60,13 @@ DRAWS = 600
 """Draws from which everything is read."""
 ASSERTED = 20.0
 """Odds from which something beside the law is asserted."""
-TOLD = 100.0
-"""Odds of friction from which it is no zero (48 of 48 right, with noise of 9 to 100 %)."""
 RIVAL = 100.0
-"""Odds against a law up to which it cannot be distinguished from the named one."""
+"""Odds up to which two things cannot be distinguished: another law from the named one, and friction
+from zero (48 of 48 right, with noise of 9 to 100 %)."""
 SHOWN = 6
 """Laws of the ladder that are shown."""
 AT_END = 0.01
 """Part of a shape from the end of its range within which it counts as there."""
-MAY_HOLD = 0.05
-"""Probability from which a law may hold, however far noise moves the curve from it."""
 ONE_WAY = (
     "All motion is in one direction, in which a constant force (gravity, a cable, the zero of a"
     " sensor) cannot be distinguished from the level of friction: the level holds it, and its"
@@ -103,6 +101,17 @@ def with_shapes(structure: Structure, other: Structure, *, alone: bool) -> tuple
     return tuple(zip(family_of(structure), own, strict=True)), False
 
 
+def is_asserted(probability: float) -> bool:
+    """Return whether something of a probability is stated: at odds of `ASSERTED`.
+
+    Examples
+    --------
+    >>> is_asserted(0.95), is_asserted(0.96)
+    (False, True)
+    """
+    return probability >= ASSERTED * (1.0 - probability)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """What may stand beside the law: a drift, a difference between runs, an effect of an input."""
@@ -124,8 +133,7 @@ class Finding:
     @property
     def asserted(self) -> bool:
         """Whether it is stated: at `ASSERTED`, and where its interval does not hold zero."""
-        odds = self.probability / max(1.0 - self.probability, 1e-12)
-        return odds >= ASSERTED and not self.low <= 0.0 <= self.high
+        return is_asserted(self.probability) and not self.low <= 0.0 <= self.high
 
     @property
     def is_mistake(self) -> bool:
@@ -237,9 +245,9 @@ class Problem(ABC):
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
 
-    @abstractmethod
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
+        return term_title(term)
 
     @abstractmethod
     def speed_of(self, place: int) -> float:
@@ -249,9 +257,10 @@ class Problem(ABC):
     def masses(self, tolerance: float) -> tuple[Mapping[Family, float], Mapping[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
 
-    @abstractmethod
     def holds(self, family: Family) -> NDArray[np.bool_]:
         """Return the nodes and structures (k, s) of the posterior at which a family holds."""
+        same = np.array([family_of(item) == family for item in self.posterior.structures])
+        return np.broadcast_to(same, self.posterior.weights.shape)
 
     @abstractmethod
     def nothing(self) -> NDArray[np.bool_]:
@@ -516,14 +525,17 @@ class Judgement:
     @property
     def is_told(self) -> bool:
         """Whether friction is distinguished from zero."""
-        return self.odds >= TOLD
+        return self.odds >= RIVAL
 
     @property
     def is_explained(self) -> bool:
-        """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold."""
+        """Whether a law is within `NO_LAW` of friction, or as near as it is known, or may hold.
+
+        One of a probability of `CHANCE` may, however far noise moves the curve from it.
+        """
         every = (self.named, *self.rungs)
         near = any(item.distance <= NO_LAW or item.excess <= MARGIN for item in every)
-        return near or self.named.adequate >= MAY_HOLD
+        return near or self.named.adequate >= CHANCE
 
     @property
     def beside(self) -> frozenset[str]:

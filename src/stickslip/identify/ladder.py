@@ -239,7 +239,7 @@ def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
             candidate.title,
             str(candidate.count),
             *ladder_texts(candidate, unit),
-            score_text(scale, candidate.left).value,
+            score_text(scale, candidate.left),
             probability_text(candidate.share),
             candidate.outcome,
         ]

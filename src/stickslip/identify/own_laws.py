@@ -25,20 +25,19 @@ from scipy.optimize import least_squares
 
 from stickslip.errors import StickslipError
 from stickslip.friction import FrictionLaw, bound
-from stickslip.identify.fits import Sizes, starting_law, with_ranges
+from stickslip.identify.fits import MOVED, Sizes, starting_law, with_ranges
 from stickslip.identify.posterior import Array, Column, Structure
 from stickslip.quantities import Quantity, fields_of, vary
 
-STEP, TINY = 1e-5, 1e-12
-"""Share of its size by which a parameter is moved for slopes, and its least size."""
+TINY = 1e-12
+"""Least size of a parameter that is moved for slopes."""
 BEGINNINGS = 3
 """Values of each speed, or other shape, from which a law is first fitted: those of four at most."""
-OF_RANGE = 1e-3
-"""Share of its range that is the least size of a parameter, which may begin at 0."""
 UNTOLD = 1e-2
 """Change of friction over what is allowed, as a parameter changes by its own size, to be told."""
 SMALL = 1e-3
-"""Share of its usual size up to which a parameter is moved by that instead of by its own."""
+"""Share of its range that is the least size of a parameter, which may begin at 0, and of its usual
+size up to which it is moved by that instead of by its own."""
 PART_OF = 0.1
 """Part of a change that nothing tells, from which it is one of a parameter."""
 
@@ -121,7 +120,7 @@ class OwnLaw:
         """Return the rest, then the change with each parameter, at rows (n, 1 + p)."""
         result, middle = [], self.friction(values, rows)
         for k in range(len(self.varied)):
-            step = STEP * max(abs(values[k]), self.sizes.get(self.varied[k], 0.0), TINY)
+            step = MOVED * max(abs(values[k]), self.sizes.get(self.varied[k], 0.0), TINY)
             ends = [list(values) for _ in range(2)]
             ends[0][k] -= step
             ends[1][k] += step
@@ -184,7 +183,7 @@ class OwnLaw:
             return np.where(np.isfinite(result), result, 1e6)
 
         sizes = [
-            max(abs(x), abs(item.start), OF_RANGE * max(abs(item.low), abs(item.high)), TINY)
+            max(abs(x), abs(item.start), SMALL * max(abs(item.low), abs(item.high)), TINY)
             for x, item in zip(own, ranges, strict=True)
         ]
         scale = np.array(sizes)

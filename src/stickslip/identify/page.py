@@ -60,16 +60,13 @@ def sections_of(
     )
 
 
-def opening_section(
-    verdict: Verdict, origin: Origin, remark: str, figure: Figure | None = None
-) -> Section:
+def opening_section(verdict: Verdict, origin: Origin, remark: str) -> Section:
     """Return the section that a reader may stop after."""
     words = verdict.words
     return opening(
         words,
         origin.data,
         remark,
-        figure=figure,
         facts=facts(verdict),
         settles=words.settles[:1],
         record="measurement",
@@ -86,15 +83,10 @@ def facts(verdict: Verdict) -> list[Fact]:
     result = []
     for own, every in _estimates(verdict):
         value = with_unit(within(own.value, every.low, every.high), own.quantity.unit)
-        what = f"{_words_of(own)} ${own.quantity.symbol}$, 95 % over all laws"
+        what = f"{parameter_words(own.path)} ${own.quantity.symbol}$, 95 % over all laws"
         aside = interval(every.low, every.high)
         result.append(Fact(value=value, what=what, aside=aside))
     return result[:MOST]
-
-
-def _words_of(one: Estimate) -> str:
-    """Return what a parameter is called: beside a law as its term is."""
-    return parameter_words(one.path)
 
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
@@ -168,7 +160,7 @@ def parameters_section(verdict: Verdict) -> Section | None:
         rows.append(
             Row(
                 cells=(
-                    Name(text=f"${own.quantity.symbol}$", aside=_words_of(own)),
+                    Name(text=f"${own.quantity.symbol}$", aside=parameter_words(own.path)),
                     Number(value=value, doubt=doubt, unit=unit),
                     with_unit(interval(every.low, every.high), unit if every.known else ""),
                 )

@@ -21,7 +21,7 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.identify.bands import Foreseen, Interval, PredictionBand
+from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
@@ -457,31 +457,9 @@ class BandVerdict(Verdict[LawCandidate]):
             "set": [list(item) for item in self.set],
             "curve_share": None,
             "units": {kind: self.measurement.unit(kind) for kind in ("velocity", "friction")},
-            "band": {
-                "velocity": self.speeds.tolist(),
-                "low": self.friction.low.tolist(),
-                "median": self.friction.median.tolist(),
-                "high": self.friction.high.tolist(),
-                "level": 0.95,
-            },
-            "other_specimen": None
-            if self.other_specimen is None
-            else {
-                "low": self.other_specimen.low.tolist(),
-                "median": self.other_specimen.median.tolist(),
-                "high": self.other_specimen.high.tolist(),
-            },
-            "parameters": [
-                {
-                    "parameter": parameter.path,
-                    "value": parameter.value,
-                    "low": parameter.low,
-                    "high": parameter.high,
-                    "low_any": parameter.low_any,
-                    "high_any": parameter.high_any,
-                }
-                for parameter in self.parameters
-            ],
+            "band": {"velocity": self.speeds.tolist(), **self.friction.to_dict(), "level": LEVEL},
+            "other_specimen": self.other_specimen and self.other_specimen.to_dict(),
+            "parameters": [item.to_dict() for item in self.parameters],
             **self.judgement.details(),
             "outliers": {str(row + 1): z for row, z in self.outliers.items()},
             "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},

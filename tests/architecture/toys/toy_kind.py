@@ -16,11 +16,11 @@ from stickslip.engine.simulation import ensemble
 from stickslip.errors import InputError
 from stickslip.identify.candidates import friction_of, specifications
 from stickslip.identify.fits import starting_law
-from stickslip.identify.kinds.kind import SeveralLaws
+from stickslip.identify.kinds.kind import Request, SeveralLaws
 from stickslip.identify.kinds.simulated import AnyFit, SimulatedKind
 from stickslip.identify.problems.run_laws import LawRuns, RunLaw, laws_to_run
 from stickslip.identify.simulated import Always
-from stickslip.mechanisms import Mechanism, SpringBlock
+from stickslip.mechanisms import SpringBlock
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import quantity
 
@@ -109,21 +109,17 @@ class SlideKind(SimulatedKind):
 
     @override
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> Slides:
+        mechanism = request.mechanism
         if not isinstance(mechanism, SpringBlock):
             raise InputError(f"slides need a SpringBlock on an incline, got {mechanism!r}.")
         block, found, doubts = laws_to_run(
-            mechanism, laws, measurement, vary, fixed, doubts={},
+            mechanism, laws, request.measurement, vary, request.fixed, doubts={},
             start=lambda block, law: starting_law(law, block.mass * block.gravity)
             if isinstance(law, type) else law,
         )  # fmt: skip
-        return Slides(block, measurement, found, doubts)
+        return Slides(block, request.measurement, found, doubts)
 
     @override
     def called(self, fit: AnyFit) -> str:

@@ -18,6 +18,7 @@ from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.gears import gear_torques as gear_torques
 from stickslip.identify.fits.gears import transmitted_along as transmitted_along
 from stickslip.identify.fits.levenberg_marquardt import AGREE as AGREE
+from stickslip.identify.fits.levenberg_marquardt import FIRST_DAMPING as FIRST_DAMPING
 from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.levenberg_marquardt import Watch as Watch
 from stickslip.identify.fits.levenberg_marquardt import improve as improve
@@ -30,6 +31,7 @@ from stickslip.identify.fits.motions import positive_noise as positive_noise
 from stickslip.identify.fits.motions import reach_of as reach_of
 from stickslip.identify.fits.motions import smoothed as smoothed
 from stickslip.identify.fits.parameters import FreeParameters as FreeParameters
+from stickslip.identify.fits.parameters import MOVED as MOVED
 from stickslip.identify.fits.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.parameters import Sizes as Sizes
 from stickslip.identify.fits.parameters import refuse_open as refuse_open
@@ -53,10 +55,12 @@ from stickslip.identify.fits.results import far_above_dry as far_above_dry
 from stickslip.identify.fits.rig_uncertainties import refuse_load as refuse_load
 from stickslip.identify.fits.rig_uncertainties import span_of as span_of
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of as uncertainties_of
+from stickslip.identify.fits.settings import CHANCE as CHANCE
 from stickslip.identify.fits.settings import Hold as Hold
 from stickslip.identify.fits.settings import MOST as MOST
 from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
+from stickslip.identify.fits.settings import ROUNDS as ROUNDS
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
 from stickslip.identify.fits.settings import SETTLED as SETTLED
 from stickslip.identify.fits.settings import SURE as SURE

@@ -514,21 +514,13 @@ def _with_load(mechanism: Mechanism, record: Measurement) -> Measurement:
 
 def load_of(mechanism: Mechanism) -> float:
     """Return the normal force at the contact [N] where that is a constant."""
-    normal = normal_of(mechanism)
-    load: float | None = only_contact(mechanism).load
-    if normal is not None:  # what its coordinate is pressed down with at rest
-        h = 1e-6
-        up, down = (
-            mechanism.potential_energy(0.0, defaultdict(float, {normal: side * h}))
-            for side in (1.0, -1.0)
-        )
-        load = (up - down) / (2.0 * h)
+    load = _load_of(mechanism)
     if load is None or load <= 0.0:
         raise InputError(
             f"start values need a constant normal force above 0 N, and"
             f" {type(mechanism).__name__} has {load!r}."
         )
-    return float(load)
+    return load
 
 
 def check_loads(measurement: Measurement) -> None:
@@ -548,7 +540,7 @@ def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
         load = np.broadcast_to(np.asarray(record.values("load"), dtype=float), count)
         where = "Measurement.load (N)"
     else:
-        load = np.full(count, _own_load(mechanism))
+        load = np.full(count, _load_of(mechanism) or 0.0)
         where = f"the load of {type(mechanism).__name__} (N)"
     if not np.all(load > 0.0):
         raise InputError(
@@ -558,11 +550,11 @@ def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
     return load
 
 
-def _own_load(mechanism: Mechanism) -> float:
+def _load_of(mechanism: Mechanism) -> float | None:
     """Return the normal force of a mechanism: prescribed, or the weight on a held coordinate."""
     contact, normal = only_contact(mechanism), normal_of(mechanism)
     if normal is None:
-        return float(cast("float", contact.load)) if contact.load is not None else 0.0
+        return None if contact.load is None else float(cast("float", contact.load))
     at = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
     # weight is linear in the height, so that the difference over 1 m is exact
     above = mechanism.potential_energy(0.0, {**at, normal: 0.5})

@@ -45,12 +45,6 @@ class LowPass:
         return np.asarray(result[n:-n])
 
 
-def low_pass(h: float, fc: float, most: float = 0.9) -> LowPass:
-    """Return the filter of fourth order with a band [Hz] at steps h [s]."""
-    sections = np.asarray(butter(ORDER, min(2.0 * h * fc, most), output="sos"))
-    return LowPass(sections, np.asarray(sosfilt_zi(sections)))
-
-
 def play(path: Array, reach: float) -> Array:
     """Return positions (n,) that follow a path only where it leaves their reach, as play does.
 
@@ -199,14 +193,13 @@ def filtered_motion(
     passed: float,
     *,
     tracked: bool,
-    noise: float | None = None,
 ) -> FilteredMotion:
-    """Return the motion that positions (n,) show, whose noise is given if they are interpolated.
+    """Return the motion that positions (n,) show.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
     longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
     """
-    noise = positive_noise(raw) if noise is None else noise
+    noise = positive_noise(raw)
     x = smoothed(raw, _passed_of_motion(raw, noise, passed))
     v = np.gradient(x, dt)
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
@@ -251,4 +244,5 @@ def smoothed(columns: Array, passed: float) -> Array:
 @functools.lru_cache(maxsize=64)
 def _low_pass(passed: float) -> LowPass:
     """Return the filter, whose design takes as long as its use on a few seconds of a record."""
-    return low_pass(0.5, passed, most=1.0)
+    sections = np.asarray(butter(ORDER, min(passed, 1.0), output="sos"))
+    return LowPass(sections, np.asarray(sosfilt_zi(sections)))

@@ -22,7 +22,7 @@ from stickslip.identify import THRESHOLDS
 from stickslip.identify.bands import Array
 from stickslip.identify.candidates import friction_of, in_sentence, specifications
 from stickslip.identify.fits import starting_law
-from stickslip.identify.kinds.kind import Column, SeveralLaws
+from stickslip.identify.kinds.kind import Column, Request, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
     SimulatedCandidate,
@@ -130,22 +130,18 @@ class FeatureKind(SimulatedKind):
         return "" if any(levels) else NO_LEVEL
 
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> StickSlip:
-        towed(mechanism)
+        towed(request.mechanism)
         block, result, doubts = laws_to_run(
-            mechanism, laws, measurement, vary, fixed, start=_start, doubts=DOUBTS
-        )
+            request.mechanism, laws, request.measurement, vary, request.fixed,
+            start=_start, doubts=DOUBTS,
+        )  # fmt: skip
         block = replace(towed(block), load=block.steady_load)
-        return StickSlip(block, settings_of(block, measurement), result, doubts)
+        return StickSlip(block, settings_of(block, request.measurement), result, doubts)
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
-        block = replace(fit.problem.mechanism, load=_block(fit).steady_load)
+        block = replace(fit.problem.mechanism, load=towed(fit.mechanism).steady_load)
         if measurement.overrides:
             block = with_values(block, "mechanism", measurement.overrides)
         observed = features_of(measurement, mechanism=block).compared
@@ -260,11 +256,6 @@ class FeatureKind(SimulatedKind):
         if len(fit.problem.settings) > 1:
             return ()  # the limit cycle is that of the block as it is stated
         return [cycles_of(fit)]
-
-
-def _block(fit: AnyFit) -> TowedBlock:
-    assert isinstance(fit.mechanism, TowedBlock)
-    return fit.mechanism
 
 
 def _frees_mass(fit: AnyFit) -> bool:
@@ -383,7 +374,7 @@ def motion(predicted: Mapping[str, float]) -> str:
 
 def limit_cycle(fit: AnyFit, t: Array) -> Array:
     """Return the force of the spring in the fitted limit cycle (n,) [N] at times [s] from 0 on."""
-    features, block = fit.problem.first.features, _block(fit)
+    features, block = fit.problem.first.features, towed(fit.mechanism)
     times = SETTLING / features.frequency + np.asarray(t, dtype=float)
     start = {"x": -features.mean * block.steady_load / block.stiffness}
     run = simulate(block, fit.law, t_end=float(times.max()), y0=start).at(times)
@@ -402,7 +393,7 @@ def cycles_of(fit: AnyFit) -> tuple[str, Array, Array, Mapping[str, Array]]:
     kept = np.abs(time - 0.5 * (time[0] + time[-1])) <= 0.5 * WATCHED * period
     t, measured = time[kept] - time[kept][0], force[kept]
     fine = np.linspace(0.0, float(t[-1]) + period, 40 * (WATCHED + 1) + 1)
-    cycle = limit_cycle(fit, fine) / _block(fit).steady_load
+    cycle = limit_cycle(fit, fine) / towed(fit.mechanism).steady_load
     shifts = np.linspace(0.0, period, SAMPLES, endpoint=False)
     shifted = [np.interp(t + s, fine, cycle) for s in shifts]
     best = min(shifted, key=lambda y: float(np.sum((y - measured) ** 2)))

@@ -1,10 +1,8 @@
 """What belongs to one kind of measurement, from its fit to its page."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
 from typing import Any, ClassVar, Generic, Literal, TypeAlias
 
 from typing_extensions import TypeVar
@@ -13,11 +11,11 @@ from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identify.candidates import Candidate, Verdict
 from stickslip.identify.fits import (
-    AGREE,
     LAW,
     AnyLaw,
     Estimate,
     Fit,
+    Parameters,
     RecordSettings,
     known_inputs,
     names_of,
@@ -27,22 +25,16 @@ from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import (
     NO_VALUE,
     EstimateText,
-    Scale,
     number,
-    percent,
     with_unit,
 )
 from stickslip.show.report import (
-    Axis,
     Cell,
-    Colour,
     Number,
     Origin,
     Row,
     SectionMaker,
     Table,
-    error_axis,
-    error_plot,
 )
 from stickslip.show.report import Column as PageColumn
 
@@ -78,8 +70,6 @@ class Column(Generic[C]):
     """What becomes of it on a phone."""
     label: str = ""
     """Its label there, if not the heading."""
-    plotted: bool = False
-    """Whether a page draws the held-out error beside it, with its standard error."""
 
     def on_terminal(self, one: C) -> str:
         """Return the cell of a candidate on a terminal."""
@@ -116,50 +106,24 @@ def page_table(
     columns: Columns[C],
     rows: Sequence[C],
     *,
-    cells: Mapping[str, Callable[[C], Cell]],
-    scale: Scale,
-    colour: Callable[[C], Colour],
-    chosen: Callable[[C], bool],
+    chosen: C | None,
     caption: str,
-    axis: Axis | None = None,
 ) -> Table:
-    """Return the table of a page, with the held-out errors drawn where there are several.
-
-    `cells` has what a page says otherwise, by heading; `axis` is that of the errors, if not the
-    usual one.
-    """
-    errors = [(_number(row.score), _number(row.score_error)) for row in rows]
-    axis = axis or error_axis([item for item, _ in errors], scale, [error for _, error in errors])
-
-    made: list[tuple[PageColumn, Callable[[C], Cell]]] = []
-    for entry in columns:
-        if not entry.page or not _is_shown(entry, rows):
-            continue
-        head = f"{entry.page}\n{entry.unit}" if entry.unit else entry.page
-        column = PageColumn(head=head, numeric=entry.numeric, phone=entry.phone, label=entry.label)
-        made.append((column, cells.get(entry.page, entry.on_page)))
-        if entry.plotted and axis is not None:
-            made.append((PageColumn(head="", axis=axis), partial(_plotted, scale, colour, axis)))
-    return Table(
-        columns=tuple(column for column, _ in made),
-        rows=tuple(
-            Row(
-                cells=tuple(cell(row) for _, cell in made),
-                chosen=chosen(row),
-                muted=bool(row.dropped),
-            )
-            for row in rows
-        ),
-        caption=caption,
+    """Return the table of a page, with the row of a chosen candidate marked."""
+    shown = [column for column in columns if column.page and _is_shown(column, rows)]
+    heads = tuple(
+        PageColumn(
+            head=f"{column.page}\n{column.unit}" if column.unit else column.page,
+            numeric=column.numeric,
+            phone=column.phone,
+            label=column.label,
+        )
+        for column in shown
     )
-
-
-def _plotted(scale: Scale, colour: Callable[[C], Colour], axis: Axis, one: C) -> Cell:
-    return error_plot(_number(one.score), _number(one.score_error), scale, colour(one), axis)
-
-
-def _number(value: float | None) -> float:
-    return math.inf if value is None else value
+    cells = [tuple(column.on_page(row) for column in shown) for row in rows]
+    marked = zip(cells, rows, strict=True)
+    made = [Row(cells=x, chosen=row is chosen, muted=bool(row.dropped)) for x, row in marked]
+    return Table(columns=heads, rows=tuple(made), caption=caption)
 
 
 def _is_shown(column: Column[C], rows: Sequence[C]) -> bool:
@@ -216,6 +180,12 @@ class Request:
         of_all = ("mechanism", "measurement", "vary", "fixed", "progress")
         return {name: getattr(self, name) for name in (*of_all, *names)}
 
+    def parameters(self, law: Any) -> Parameters[Any]:
+        """Return what `vary` and `fixed` say of the mechanism and a law; None for several laws."""
+        return Parameters.of(
+            self.mechanism, law, self.vary, self.fixed, measurement=self.measurement
+        )
+
     @property
     def given(self) -> tuple[str, ...]:
         """Names of the options that were given."""
@@ -245,8 +215,6 @@ class Comparison:
     """What is doubtful about the record."""
     fitted: tuple[str, Sequence[Estimate]] | None = None
     """The law that is named or closest, with its parameters, where the table does not have them."""
-    trials: TrialComparison | None = None
-    """Whether several trials share one law."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -398,17 +366,3 @@ class Kind(ABC, Generic[F, V]):
         be said.
         """
         return ""
-
-
-def restarts_text(agreeing: int, starts: int) -> str:
-    """Return how many starts of a search agree.
-
-    Examples
-    --------
-    >>> restarts_text(3, 4)
-    'Restarts: 3 of 4 starts reached the smallest residual within 1 %'
-    """
-    return (
-        f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
-        f" {percent(AGREE)}"
-    )

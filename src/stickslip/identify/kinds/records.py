@@ -25,6 +25,7 @@ from stickslip.identify import (
 from stickslip.identify.candidates import in_sentence
 from stickslip.identify.criteria import limits_of
 from stickslip.identify.fits import (
+    AGREE,
     LAW,
     Laws,
     Parameters,
@@ -40,7 +41,7 @@ from stickslip.identify.fits import (
     refuse_overrides,
     route_of,
 )
-from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request
 from stickslip.identify.kinds.trials import compared
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -73,9 +74,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
     def _fit(self, request: Request) -> LawFit:
         """Return the fit of one law by the posterior."""
         law: Any = self.owner(request.law)
-        chosen: Parameters[Any] = Parameters.of(
-            request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
-        )
+        chosen = request.parameters(law)
         check_inputs(chosen.law, chosen.mechanism, request.measurement)
         refuse_unused(request.measurement, inside(chosen.mechanism, request.measurement))
         return fitted_law(
@@ -162,15 +161,18 @@ class RecordKind(BandKind):
                 " out."
             )
         if request.law is None:
+            unused = (
+                f"applies to `fit` of {self.measured}; it has no effect on `select`: leave it out."
+            )
             if name == "route" and request.route == SHOOTING:
-                return f"{SHOOTING!r} {_unused('fit', 'select', self)}"
+                return f"{SHOOTING!r} {unused}"
             if name == "settings":
                 usual, given = RecordSettings(), request.settings or RecordSettings()
                 names = (x.name for x in fields(RecordSettings) if x.name not in self.known)
                 changed = [x for x in names if getattr(given, x) != getattr(usual, x)]
-                return f"with {changed[0]} {_unused('fit', 'select', self)}" if changed else ""
+                return f"with {changed[0]} {unused}" if changed else ""
             if name in (self.settings | {"horizon"}) - self.known:
-                return _unused("fit", "select", self)
+                return unused
             return ""
         if route == BALANCE and name in (self.settings | {"horizon"}) - self.known:
             return (
@@ -203,9 +205,7 @@ class RecordKind(BandKind):
             return
         records, law = list[Record](), cast("Any", self.owner(request.law))
         with suppress(InputError):  # what no balance takes, runs may
-            chosen: Parameters[Any] = Parameters.of(
-                request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
-            )
+            chosen = request.parameters(law)
             records = records_of(chosen.mechanism, request.measurement, unknown=chosen.unknown)
         if records:
             refuse_wrong_signs(records)
@@ -232,10 +232,7 @@ class RecordKind(BandKind):
         return {}, None
 
     def select(self, request: Request) -> BandVerdict:
-        chosen = Parameters.of(
-            request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
-        )
-        return self._select(request, chosen, request.laws)
+        return self._select(request, request.parameters(None), request.laws)
 
     def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         refuse_overrides(request.measurement, chosen.unknown)
@@ -248,7 +245,6 @@ class RecordKind(BandKind):
             hold=request.settings.hold if request.settings else None,
             validate=request.validate,
             tolerance=request.tolerance,
-            route=BALANCE,
         )
 
     def summary(
@@ -283,10 +279,8 @@ def _voltage_hides(request: Request, law: Any) -> bool:
     """
     if motor_of(request.mechanism) is None:
         return False
-    chosen: Parameters[Any] = Parameters.of(
-        request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
-    )
-    looked = any(path.startswith("mechanism.drive.") for path in chosen.unknown)
+    unknown = request.parameters(law).unknown
+    looked = any(path.startswith("mechanism.drive.") for path in unknown)
     return looked and all(command_of(x) == "voltage" for x in request.measurement.records())
 
 
@@ -295,11 +289,6 @@ def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:
     if vary is None:
         return None
     return [LAW, *(item for item in names_of(vary) if item.startswith("mechanism."))]
-
-
-def _unused(verb: str, other: str, kind: Kind[Any, Any]) -> str:
-    """Return that an option is of one verb alone, as the end of a sentence."""
-    return f"applies to `{verb}` of {kind.measured}; it has no effect on `{other}`: leave it out."
 
 
 def _holds(request: Request, *, balanced: bool) -> bool:
@@ -338,10 +327,11 @@ def restarts_lines(fit: RecordFit[Any]) -> list[str]:
     starts = len(fit.restarts.costs)
     if starts == 1:
         return []
-    text = restarts_text(fit.restarts.agreeing, starts)
-    if fit.first is None:
-        return [text]
-    return [f"{text}, in short segments; longer segments were fitted from there"]
+    longer = ", in short segments; longer segments were fitted from there"
+    return [
+        f"Restarts: {fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}{longer * (fit.first is not None)}"
+    ]
 
 
 # Tables of friction over the speed.
@@ -382,5 +372,4 @@ class FrictionTableKind(BandKind):
             laws=laws,
             validate=request.validate,
             tolerance=request.tolerance,
-            route=TABLE,
         )

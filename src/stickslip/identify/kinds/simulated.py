@@ -40,11 +40,10 @@ from stickslip.identify.candidates import (
     corrections,
     longer,
     not_distinguished,
-    on_second_record,
     plain,
     score_text,
 )
-from stickslip.identify.fits import LAW, AnyLaw_co, Estimate, Parameters, estimates_for
+from stickslip.identify.fits import LAW, AnyLaw_co, Estimate, estimates_for
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.kind import (
     Column,
@@ -60,7 +59,6 @@ from stickslip.identify.kinds.kind import (
 )
 from stickslip.identify.selection import checked
 from stickslip.identify.simulated import FamilyDraws, Readable, Simulated, SimulatedPosterior
-from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import Scale, capital, count, joined, significant
 from stickslip.show.report import Figure, Origin, Section, SectionMaker
@@ -327,7 +325,7 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
     ),
     Column(
         key="leaves", title="leaves", page="leaves", phone="label",
-        value=lambda item: item.score, text=lambda item: score_text(PLAIN, item.score).value,
+        value=lambda item: item.score, text=lambda item: score_text(PLAIN, item.score),
     ),
     Column(
         key="probability", title="probability", page="probability", phone="label",
@@ -339,7 +337,7 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
 LAST: Final[Columns[SimulatedCandidate]] = (
     Column(
         title="second record", page="second record", phone="label", optional=True,
-        value=_second, text=lambda item: score_text(PLAIN, _second(item)).value,
+        value=_second, text=lambda item: score_text(PLAIN, _second(item)),
     ),
     Column(
         key="outcome", page="outcome", numeric=False, phone="label",
@@ -378,12 +376,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         return ""
 
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> Simulated:
         """Return the measurement as rows, with laws and what is looked for of them."""
         raise NotImplementedError(f"{type(self).__name__} defines neither problem nor weighed")
@@ -392,8 +385,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> tuple[Readable, Weighed]:
         """Return the measurement as rows, and the laws weighed by it."""
-        settings = request.settings
-        problem = self.problem(request.mechanism, laws, request.measurement, vary, request.fixed)
+        settings, problem = request.settings, self.problem(request, laws, vary)
         starts = settings.starts if settings and "starts" in self.settings else self.starts
         return problem, SimulatedPosterior(
             problem, starts=starts, seed=settings.seed if settings else 0, watch=request.progress
@@ -486,10 +478,8 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         return replace(verdict.closest.fit, verdict=verdict)
 
     def select(self, request: Request) -> SimulatedVerdict:
-        unknown = Parameters.of(
-            request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
-        ).unknown
-        return self._verdict(request, self.laws(request.laws), [LAW, *unknown])
+        varied = [LAW, *request.parameters(None).unknown]
+        return self._verdict(request, self.laws(request.laws), varied)
 
     def _verdict(
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
@@ -666,12 +656,11 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         self, fit: AnyFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
         assert fit.verdict is not None
-        words = fit.verdict.words
-        lines = [words.verdict, words.lede]
+        lines = [fit.verdict.words.verdict, fit.verdict.words.lede]
         second = {} if validate is None else fit.judged(validate)
         if second:
             errors = [f"{name.replace('_', ' ')} {significant(x, 2)}" for name, x in second.items()]
-            lines.append(on_second_record(joined(errors)))
+            lines.append(f"On the second record: {joined(errors)}")
         return FitSummary(
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
@@ -714,10 +703,7 @@ def laws_section(verdict: SimulatedVerdict) -> Section:
     table = page_table(
         verdict.kind.all_columns,
         verdict.candidates,
-        cells={},
-        scale=PLAIN,
-        colour=lambda all_column: "c1" if all_column is verdict.best else "muted",
-        chosen=lambda all_column: all_column is verdict.best,
+        chosen=verdict.best,
         caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
         " all values of their parameters, of what is not known of the mechanism, and of what no law"
         " has. Leaves: root mean square of the residuals. Draws of the closest law, weighed by"

@@ -28,13 +28,15 @@ from stickslip.data import Measurement, condition_name, condition_unit, faults
 from stickslip.engine.solver import notice
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import FrictionLaw
-from stickslip.identify import ASSERTED, INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
+from stickslip.identify import INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
+from stickslip.identify.candidates import MOST
 from stickslip.identify.fits import (
     TOGETHER,
     Estimate,
     RecordSettings,
     uncertainties_of,
 )
+from stickslip.identify.judgement import is_asserted
 from stickslip.quantities import Quantity, vary
 from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table
 from stickslip.show.formatting import (
@@ -57,8 +59,6 @@ Effects: TypeAlias = Mapping[str, tuple[float, Array]]
 Refit: TypeAlias = Callable[..., Any]
 """Fits the law to another measurement, with arguments as `stickslip.fit` has them."""
 
-MOST = 3
-"""Parameters that a sentence names at most."""
 MOST_CONDITIONS = 4
 """Conditions that are compared at most: each doubles the sizes that are looked at."""
 DRAWS = 4000
@@ -97,8 +97,7 @@ class ConditionLine:
     @property
     def clear(self) -> bool:
         """Whether the interval of the slope leaves 0 out, and the effect is asserted."""
-        odds = self.probability / max(1.0 - self.probability, 1e-12)
-        return odds >= ASSERTED and (self.low > 0.0 or self.high < 0.0)
+        return is_asserted(self.probability) and (self.low > 0.0 or self.high < 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,7 +145,7 @@ class TrialComparison(InPanels, Tabular):
     @property
     def shared(self) -> bool:
         """Whether the trials share one law as far as they tell."""
-        return not _odds(self.probability) >= ASSERTED
+        return not is_asserted(self.probability)
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -494,22 +493,17 @@ def _texts(
 # What is said.
 
 
-def _odds(probability: float) -> float:
-    return probability / max(1.0 - probability, 1e-12)
-
-
 def _sentences(
     trials: Sequence[TrialEstimates], found: _Differences, failed: Mapping[str, str]
 ) -> Iterator[str]:
     """Yield what a comparison says; whether the trials share the law first."""
     clear = sorted((item for item in found.lines if item.clear), key=_width)[:MOST]
-    differ = _odds(found.probability) >= ASSERTED
     median, low, high = (percent(x) for x in found.spread)
     symbol = trials[0].estimates[0].quantity.symbol
     spread = f"between them {symbol} differs by {median} ({low} to {high}, standard deviation)"
-    if differ:
+    if is_asserted(found.probability):
         said = [_change(line) for line in clear]
-        said = said or [text for p, text in found.texts if _odds(p) >= ASSERTED][:MOST]
+        said = said or [text for p, text in found.texts if is_asserted(p)][:MOST]
         yield (
             f"The trials do not share one law (probability {percent(found.probability)}):"
             f" {joined(said or [*_range(trials)])}{'' if said else _cause(found.lines)}."

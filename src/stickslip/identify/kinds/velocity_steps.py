@@ -25,7 +25,7 @@ from stickslip.identify.fits import (
     check_given,
     check_varied,
 )
-from stickslip.identify.judgement import ASSERTED
+from stickslip.identify.judgement import is_asserted
 from stickslip.identify.kinds.kind import Column, Request, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
@@ -134,17 +134,13 @@ class VelocityStepKind(SimulatedKind):
         return dict(pairs)
 
     def problem(
-        self,
-        mechanism: Mechanism,
-        laws: Mapping[str, Any],
-        measurement: Measurement,
-        vary: str | Sequence[str] | None,
-        fixed: Mapping[str, float] | None,
+        self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> VelocitySteps:
+        measurement, pulled = request.measurement, _pulled(request.mechanism)
         result, references = dict[str, SteppedLaw](), list[float | None]()
         for name, law in laws.items():
             kind = RateState if isinstance(law, str) else law
-            chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
+            chosen = Parameters.of(pulled, kind, vary, request.fixed, measurement=measurement)
             block, doubt = _pulled(chosen.mechanism), _doubt(chosen, measurement)
             result[name], reference = _stepped(form_of(law), chosen, doubt)
             references.append(reference)
@@ -434,14 +430,9 @@ def _effective(fit: AnyFit) -> str:
     return f"{significant(fit.posterior.kappa * rows, 2)} of {rows:,}"
 
 
-def _machine(fit: AnyFit) -> TowedBlock:
-    assert isinstance(fit.mechanism, TowedBlock)
-    return fit.mechanism
-
-
 def _stiffness(fit: AnyFit) -> float:
     """Return the stiffness of spring and machine over the load [1/m]."""
-    return float(_machine(fit).stiffness / fit.problem.record.load)
+    return float(_pulled(fit.mechanism).stiffness / fit.problem.record.load)
 
 
 def _change(fit: AnyFit) -> tuple[float, float, float]:
@@ -459,7 +450,7 @@ def _drifts(fit: AnyFit) -> bool:
         low, _, high = _change(fit)
         return not low <= 0.0 <= high
     share = float(trending[fit.family.sets].mean())
-    return len(trending) > 1 and share >= ASSERTED / (1.0 + ASSERTED)
+    return len(trending) > 1 and is_asserted(share)
 
 
 def _of_mass(fit: AnyFit) -> Iterator[str]:
@@ -468,7 +459,7 @@ def _of_mass(fit: AnyFit) -> Iterator[str]:
     # without a state, friction follows the load point over the way a/k
     spent = [x for b, x in law.states if b > THRESHOLDS.negligible * law.direct_effect]
     way = min(spent, default=abs(law.direct_effect) / _stiffness(fit))
-    swing = math.sqrt(_machine(fit).mass / _machine(fit).stiffness)
+    swing = math.sqrt(_pulled(fit.mechanism).mass / _pulled(fit.mechanism).stiffness)
     if 2.0 * math.pi * swing * fastest > way > 0.0:  # a period of the block
         yield (
             f"What the mass does, which is neglected: sqrt(m/k) = {quantity(swing, 's', 2)} is"

@@ -33,6 +33,7 @@ from stickslip.identify.problems.free_runs import (
     Term,
     Unseen,
 )
+from stickslip.identify.problems.record_rows import MOST_ROWS
 from stickslip.identify.problems.record_signals import Record, noise_of
 from stickslip.identify.vocabulary import PARTS, Grid
 from stickslip.mechanisms import Mechanism, motor_of
@@ -47,8 +48,6 @@ AROUND = 1.0 / 7.0
 """Part of the time between turns, to each side of one, through which a parabola is laid."""
 BEGUN = 9
 """Samples from which the start of a motion is guessed, at most."""
-MOST = 6000
-"""Readings of a record that runs are compared with: every other one is left out beyond it."""
 CUTOFF = 6.0
 """Cutoff of velocities [1/steps between turns or parts]: they only weigh what friction takes."""
 SEEN = (0.04, 0.98)
@@ -410,7 +409,7 @@ def undriven(mechanism: Mechanism) -> Mechanism:
 
 def motion_of(balance: FreeRecord) -> Motion:
     """Return a record as runs follow it."""
-    one, every = balance.record, math.ceil(len(balance.record.time) / MOST)
+    one, every = balance.record, math.ceil(len(balance.record.time) / MOST_ROWS)
     time, count = one.time - one.time[0], min(BEGUN, 2 * balance.around + 1)
     laid = np.polynomial.polynomial.polyfit(time[:count], one.position[:count], min(2, count - 1))
     start = float(laid[0]), float(laid[1])

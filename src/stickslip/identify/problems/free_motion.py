@@ -19,7 +19,6 @@ from stickslip.identify.laws import (
     Composition,
     compose,
     own_composition,
-    term_title,
 )
 from stickslip.identify.own_laws import Slips, is_own, is_slope, slope_column
 from stickslip.identify.posterior import Array, Draws, Family, Structure, family_of
@@ -47,13 +46,11 @@ from stickslip.identify.problems.free_runs import (
 )
 from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.problems.records import parts_of
+from stickslip.identify.problems.records import ASKED, PLACES, parts_of
 from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
 from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
 from stickslip.quantities import vary
 
-PLACES, ASKED = 25, 40
-"""Speeds at which laws are compared, and at which the band is stated; points of a figure."""
 FOLLOWED = 100
 """Draws by which another motion is run."""
 STARTS = (1.0, 0.5, 0.25)
@@ -138,7 +135,6 @@ class FreeMotionProblem(Problem):
         laws = [tuple(item.split()) for item in FAMILIES] if known is None else known
         near = followed(motion)
         self.posterior = judged(near, self.balance.grid, laws)
-        self._families = [family_of(structure) for structure in self.posterior.structures]
         self.size, self.load = motion.size, self.normal
         self.side = self.balance.side
 
@@ -150,7 +146,6 @@ class FreeMotionProblem(Problem):
         known, model = [*dict.fromkeys(map(parts_of, families))], self.model
         model = RunModel(model.runs, model.linear, model, own)
         result.posterior = judged(model, self.balance.grid, known)
-        result._families = [family_of(structure) for structure in result.posterior.structures]
         return result
 
     def slips(self, rows: SteadyRows) -> Slips:
@@ -278,10 +273,6 @@ class FreeMotionProblem(Problem):
         """Return the entries of shapes that draws have of their own, and structures to begin at."""
         return shapes_to_draw(rung.structure, self.balance.slowest, self.balance.fastest)
 
-    def title(self, term: str) -> str:
-        """Return what a term is called in a sentence."""
-        return term_title(term)
-
     def composition(
         self,
         structure: Shaped,
@@ -323,16 +314,12 @@ class FreeMotionProblem(Problem):
     def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
         every, adequate = dict[Family, float](), dict[Family, float]()
+        families = map(family_of, self.posterior.structures)
         small = self.posterior.weights[self._small(tolerance)].sum(axis=0)
-        for family, share, own in zip(self._families, self.posterior.shares, small, strict=True):
+        for family, share, own in zip(families, self.posterior.shares, small, strict=True):
             every[family] = every.get(family, 0.0) + float(share)
             adequate[family] = adequate.get(family, 0.0) + float(own)
         return every, adequate
-
-    def holds(self, family: Family) -> "NDArray[np.bool_]":
-        """Return the nodes and structures (k, s) of the posterior at which a family holds."""
-        same = np.array([item == family for item in self._families])
-        return np.broadcast_to(same, self.posterior.weights.shape)
 
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""

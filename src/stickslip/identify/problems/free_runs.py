@@ -12,7 +12,7 @@ Newton's polynomial through values at `KNOTS` speeds.
 1. **A run that follows the readings** is found by the steps of Levenberg and Marquardt along the
    sensitivities of the engine, from some swings to all. Damping follows the ratio of the gain to
    that foreseen (Nielsen 1999); the steps end where one without damping would gain less than
-   `CONVERGED` of the logarithm of the posterior.
+   `SETTLED` of the logarithm of the posterior.
 2. **Runs are nearly linear in the curve**: those that follow the readings differ by less than a
    hundredth of the friction where it works. With the slopes :math:`S` about that run, the column of
    a term :math:`g` of a law is :math:`S_w\, g / \tau_0` at the knots, and the problem is one of
@@ -43,6 +43,7 @@ from numpy.typing import NDArray
 from stickslip.engine.solver import BareRun, EventDriven
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
+from stickslip.identify.fits import FIRST_DAMPING
 from stickslip.identify.own_laws import (
     Slips,
     certain_of,
@@ -64,6 +65,7 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, SCALES
+from stickslip.identify.simulated import ROUNDS, SETTLED
 from stickslip.identify.vocabulary import PARTS, SIGNED, Grid
 from stickslip.maths import Scalar, log, where
 from stickslip.mechanisms import Mechanism
@@ -92,12 +94,8 @@ OF_MOTION = 4
 """Unknowns of each motion."""
 STAGES = (6, 20)
 """Turns of the first runs: a swing is predictable for some, as its phase is."""
-ROUNDS = 40
-"""Steps in a stage at most."""
-DAMPING = 1e-3
-"""Damping of the first step over the curvature; a millionth of its inverse stops."""
-CONVERGED = 0.01
-"""Gain of the logarithm of the posterior below which no step is taken."""
+MOST_DAMPING = 1e6 / FIRST_DAMPING
+"""Damping over the curvature at which steps end."""
 CLOSEST = 1e-5
 """Least deviation of readings over the range: laws work alike through the knots to no less."""
 STRAIGHT, AGAIN = 0.1, 4
@@ -497,10 +495,10 @@ class Runs:
             gram = weight * slopes.T @ slopes + precision
             off = linear.x[at] - mean
             pull = weight * slopes.T @ linear.residual - precision @ off
-            if 0.5 * pull @ inverse(gram) @ pull < CONVERGED:
+            if 0.5 * pull @ inverse(gram) @ pull < SETTLED:
                 break
             least = weight * linear.residual @ linear.residual + off @ precision @ off
-            while damping < 1e6 / DAMPING:
+            while damping < MOST_DAMPING:
                 step = inverse(gram + damping * np.diag(np.diag(gram))) @ pull
                 x = linear.x.copy()
                 x[at] += step
@@ -512,8 +510,8 @@ class Runs:
                     damping *= max(1.0 / 3.0, 1.0 - (2.0 * ratio - 1.0) ** 3)
                     damping, rise = damping * (damping > 1e-9), 2.0
                     break
-                damping, rise = max(damping * rise, DAMPING), 2.0 * rise
-            if made is None or damping >= 1e6 / DAMPING:
+                damping, rise = max(damping * rise, FIRST_DAMPING), 2.0 * rise
+            if made is None or damping >= MOST_DAMPING:
                 break
             linear = Linear(x=x, residual=made[0], slopes=self._slopes(x, made[1], turns))
         return linear

@@ -49,6 +49,7 @@ from stickslip.identify.fits import (
     FilteredMotion,
     gear_torques,
     joint_inputs,
+    positions_of,
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
@@ -92,6 +93,10 @@ SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters cannot be distinguished."""
 
 
+NONE_MOVES = "no joint moves in these records: nothing tells friction."
+"""What is to be said where there are no records."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointRecords:
     """The balance of each joint as records of one coordinate."""
@@ -117,11 +122,6 @@ class JointRecords:
     """Paths of the zeros of the coordinates."""
     bent: bool
     """Whether forces are not linear in the parameters together."""
-
-    @property
-    def none_moves(self) -> str:
-        """What is to be said where there are no records."""
-        return "no joint moves in these records: nothing tells friction."
 
     @property
     def count(self) -> int:
@@ -215,7 +215,11 @@ class JointRecords:
             gain = float(np.linalg.norm(mass[i] * noise) / (inertia * noise[i])) if inertia else 1.0
             noisy = [replace(item, gain=gain) for item in own]
             # where it moves less than its sensor misses, it rests: nothing tells its friction
-            seen = [(a, b) for a, b in zip(pieces, noisy, strict=True) if _is_seen(b)]
+            seen = [
+                (piece, item)
+                for piece, item in zip(pieces, noisy, strict=True)
+                if np.ptp(item.position) > SEEN * item.position_noise
+            ]
             if not seen:
                 continue
             cuts = (cutoff_of(even(item)) for _, item in seen if moves(item))
@@ -274,11 +278,6 @@ class Links:
         each = np.linalg.norm(self.told.root, axis=1).tolist()
         result = dict(zip(self.paths, each, strict=False))
         return result | dict.fromkeys(self.lost, math.inf)
-
-
-def _is_seen(record: Record) -> bool:
-    """Return whether a record moves by more than its sensor misses."""
-    return bool(np.ptp(record.position) > SEEN * record.position_noise)
 
 
 def links_of(
@@ -491,7 +490,7 @@ class _Piece:
         times = np.asarray(piece.time, dtype=float)
         step = float(np.median(np.diff(times)))
         even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
-        places = [_position(joint, times) for joint in joints]
+        places = [positions_of(joint) for joint in joints]
         moving = [name not in resting for name in mechanism.coordinates]
         noise = [noise_of(x) if moves else 0.0 for x, moves in zip(places, moving, strict=True)]
         return cls(
@@ -574,11 +573,3 @@ class _Piece:
         contact = contacts_along(self.mechanism)[coordinate]
         load = loads.get(contact.name, contact.load)
         return None if load is None else np.asarray(load + 0.0 * self.time, dtype=float)
-
-
-def _position(joint: Measurement, times: Array) -> Array:
-    """Return positions (n,), or the integral of velocities where these were measured alone."""
-    if "position" in joint.quantities():
-        return np.asarray(joint.values("position"), dtype=float)
-    v = np.asarray(joint.values("velocity"), dtype=float)
-    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(times))])

@@ -19,6 +19,7 @@ from stickslip.identify.fits import RESOLUTION, SETTLED, SURE, TAKES_PART, posit
 from stickslip.identify.forces import doubts_of
 from stickslip.identify.problems.joint_motions import resting_of
 from stickslip.identify.problems.joints import (
+    NONE_MOVES,
     JointRecords,
     Links,
     Reduced,
@@ -92,7 +93,7 @@ class JointBalances:
         made = partial(JointRecords.of, mechanism, unknown=(*paths, *doubts), resting=resting)
         records = made(measurement)
         if not records.records:
-            raise InputError(records.none_moves)
+            raise InputError(NONE_MOVES)
         links = links_of(records, held, doubts, zeros=zeros)
         if records.bent and links.lost:
             _refuse_alike(links.lost)
@@ -166,7 +167,7 @@ def told_links(
         free, measurement, unknown=paths, resting=resting_of(free, measurement)
     )
     if not records.records:
-        raise InputError(records.none_moves)
+        raise InputError(NONE_MOVES)
     parts = reduced_of(records, held, paths)
     if not zeros:  # they are as small as usual
         parts = [replace(part, slopes=part.slopes[:, : len(paths)]) for part in parts]

@@ -310,22 +310,17 @@ def rates_of(law: RateState, stiffness: float) -> Rates:
     renewal = RENEWALS.get(law.evolution, _ageing)
     stress = law.stress_effect / law.evolved if law.stress_effect else 0.0
 
-    def of_one(y: Array, _: float, V_load: float) -> tuple[float, float]:
-        w, s = y.tolist()  # called a million times in a fit
+    def plain(y: Array, _: float, V_load: float) -> tuple[float, ...]:
+        w, *ages = y.tolist()
         w = min(w, STEEPEST)
         V = V_0 * exp(w)
         pulled = k * (V_load - V)
-        s_dot = renewal(V_0, V, w, s) / D_c - stress * pulled
-        return (pulled - b * s_dot) / a, s_dot
-
-    def of_two(y: Array, _: float, V_load: float) -> tuple[float, float, float]:
-        w, s, s_2 = y.tolist()
-        w = min(w, STEEPEST)
-        V = V_0 * exp(w)
-        pulled = k * (V_load - V)
-        s_dot = renewal(V_0, V, w, s) / D_c - stress * pulled
-        s_2_dot = renewal(V_0, V, w, s_2) / D_2 - stress * pulled
-        return (pulled - b * s_dot - b_2 * s_2_dot) / a, s_dot, s_2_dot
+        s_dots = [
+            renewal(V_0, V, w, s) / D - stress * pulled
+            for s, D in zip(ages, distances, strict=True)
+        ]
+        evolved = sum(b * s_dot for b, s_dot in zip(effects, s_dots, strict=True))
+        return (pulled - evolved) / a, *s_dots
 
     def regularised(y: Array, _: float, V_load: float) -> tuple[float, ...]:
         mu, *ages = y.tolist()
@@ -342,13 +337,7 @@ def rates_of(law: RateState, stiffness: float) -> Rates:
         s_dots = (renewal(V_0, V, w, s) / D - loaded for s, D in zip(ages, distances, strict=True))
         return pulled, *s_dots
 
-    if law.regularised:
-        return regularised
-    if len(law.states) > 1:
-        (b, b_2), (D_c, D_2) = effects, distances
-        return of_two
-    (b,), (D_c,) = effects, distances
-    return of_one
+    return regularised if law.regularised else plain
 
 
 def _ageing(V_0: float, V: float, _: float, s: float) -> float:

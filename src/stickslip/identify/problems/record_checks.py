@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.data import Finding, Measurement
 from stickslip.errors import InputError
-from stickslip.identify.fits import SETTLED
+from stickslip.identify.fits import ROUNDS, SETTLED
 from stickslip.identify.forces import Unknown
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_balance import free_form
@@ -31,8 +31,6 @@ OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
     " (its gain, -1), or that of the position"
 )
-SETTLING = 20
-"""Steps to where a balance that is not linear leaves least."""
 
 
 def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
@@ -159,7 +157,7 @@ def settled(
         return float(np.mean(rest**2)), looked, steps[places]
 
     least, looked, steps = left(mechanism) if unknown else (0.0, {}, np.zeros(0))
-    for _ in range(SETTLING if looked else 0):
+    for _ in range(ROUNDS if looked else 0):
         each = zip(looked.items(), steps.tolist(), strict=True)
         moved = {path: item.within(step) for (path, item), step in each}
         for halved in (1.0, 0.5, 0.25, 0.1, 0.03):

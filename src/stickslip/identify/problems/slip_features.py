@@ -534,8 +534,8 @@ def stretches_of(force: Array, frequency: float, slips: NDArray[np.intp] | None)
                             0.5 * np.log(spread)])  # fmt: skip
 
 
-def findings_of(found: StickSlipFeatures, part: str = "record") -> tuple[Finding, ...]:
-    """Return what can be said of features of a record, or of a part of it that has a name."""
+def findings_of(found: StickSlipFeatures) -> tuple[Finding, ...]:
+    """Return what can be said of features of a record."""
     said = []
 
     def add(kind: str, sentence: str) -> None:
@@ -573,7 +573,7 @@ def findings_of(found: StickSlipFeatures, part: str = "record") -> tuple[Finding
         thirds = ", ".join(number(value) for value in found.thirds)
         add(
             "drift",
-            f"The {part} drifts: the mean F/N is {number(first)} in the first half and"
+            f"The record drifts: the mean F/N is {number(first)} in the first half and"
             f" {number(second)} in the second ({thirds} in thirds). Features of the whole record"
             " mix different states.",
         )

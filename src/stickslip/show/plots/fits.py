@@ -550,12 +550,7 @@ def plot_scores(verdict: Verdict, ax: drawing.Target = None) -> Axes:
     """Plot held-out errors of the laws that have one."""
     best = verdict.best.name if verdict.best else ""
     rows = [
-        Interval(
-            candidate.title,
-            candidate.score,
-            math.nan if candidate.score_error is None else candidate.score_error,
-            candidate.name == best,
-        )
+        Interval(candidate.title, candidate.score, chosen=candidate.name == best)
         for candidate in verdict.scored
         if candidate.score is not None
     ]

@@ -46,7 +46,6 @@ from stickslip.show.report.shared_sections import reproduce as reproduce
 from stickslip.show.report.tables import Axis as Axis
 from stickslip.show.report.tables import Blank as Blank
 from stickslip.show.report.tables import Cell as Cell
-from stickslip.show.report.tables import Colour as Colour
 from stickslip.show.report.tables import Column as Column
 from stickslip.show.report.tables import Mark as Mark
 from stickslip.show.report.tables import Name as Name
@@ -54,8 +53,6 @@ from stickslip.show.report.tables import Number as Number
 from stickslip.show.report.tables import Row as Row
 from stickslip.show.report.tables import RowPlot as RowPlot
 from stickslip.show.report.tables import Table as Table
-from stickslip.show.report.tables import error_axis as error_axis
-from stickslip.show.report.tables import error_plot as error_plot
 from stickslip.show.report.tables import table_of as table_of
 
 __all__ = [

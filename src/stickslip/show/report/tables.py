@@ -3,18 +3,15 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
 
 from stickslip.errors import InputError
 from stickslip.show.display import cell_text, is_numeric
-from stickslip.show.formatting import NO_VALUE, Scale, number
+from stickslip.show.formatting import NO_VALUE, number
 from stickslip.show.report import markup
 
 # Plots one line high inside a table: placed in percent, so that they stretch with the cell.
 
-ERRORS: Final = "dot: error; bar: ± 1 s.e."
-"""Caption of an axis of errors."""
 Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
 """A colour by its meaning; the style sheet says which it is in light, dark and print."""
 
@@ -257,64 +254,6 @@ def _tick_texts(ticks: tuple[float, ...]) -> tuple[str, ...]:
 
 def _percent(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".") + "%"
-
-
-_WIDEST: Final = 20.0
-"""Scores that span more than this many times have a logarithmic axis."""
-_SHORTEST: Final = 0.2
-"""Share of a score down to which its bar is drawn at most."""
-
-
-def error_plot(score: float, error: float, scale: Scale, colour: Colour, axis: Axis) -> RowPlot:
-    """Return a held-out error as a dot and its standard error as a bar; nothing if there is none.
-
-    Examples
-    --------
-    >>> bar, dot = error_plot(2e-3, 3e-3, Scale(1e3, "mm"), "c1", Axis(low=0.0, high=5.0)).marks
-    >>> bar.at, bar.to, dot.at
-    (0.0, 5.0, 2.0)
-    """
-    if not math.isfinite(score):
-        return RowPlot(marks=())
-    at = scale.factor * score
-    marks = [Mark(kind="dot", at=at, colour=colour)]
-    if math.isfinite(error):
-        half = scale.factor * error
-        low = _SHORTEST * at if axis.log else axis.low  # a bar has a place on a logarithmic axis
-        marks.insert(0, Mark(kind="bar", at=max(at - half, low), to=at + half, colour=colour))
-    return RowPlot(marks=tuple(marks))
-
-
-def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = ()) -> Axis | None:
-    """Return the axis of held-out errors, logarithmic if they span more than 20 times.
-
-    Examples
-    --------
-    >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm")).ticks
-    (0.0, 2.5, 5.0)
-    >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm"), [1e-4, 3e-4]).ticks
-    (0.0, 5.0, 10.0)
-    >>> error_axis([1e-4, 9e-3], Scale(1e3, "mm"), [0.0, 3e-3]).ticks
-    (0.1, 1.0, 10.0, 100.0)
-    """
-    known = [
-        (scale.factor * error, scale.factor * half if math.isfinite(half) else 0.0)
-        for error, half in zip_longest(errors, halves, fillvalue=0.0)
-        if 0.0 < error < math.inf
-    ]
-    if len(known) < 2:
-        return None
-    scores = [error for error, _ in known]
-    end = max(error + half for error, half in known)
-    if max(scores) > _WIDEST * min(scores):
-        low = min(max(error - half, _SHORTEST * error) for error, half in known)
-        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(end)) + 1)
-        ticks = tuple(10.0**power for power in powers)
-        shown = ticks[:: 1 + len(ticks) // 6]
-        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=ERRORS)
-    power = 10.0 ** math.floor(math.log10(end))
-    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= end)
-    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)
 
 
 # Tables that become cards on a phone.
