@@ -315,9 +315,7 @@ class Frame:
             size=size,
             means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
             spans=spans,
-            squares={
-                name: float(np.var(x)) / spans[name] ** 2 for name, x in rows.inputs.items()
-            },
+            squares={name: float(np.var(x)) / spans[name] ** 2 for name, x in rows.inputs.items()},
             runs=int(rows.run.max()) + 1,
             loaded=loaded,
             both=is_both_ways(rows),
