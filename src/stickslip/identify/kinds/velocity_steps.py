@@ -264,10 +264,11 @@ class VelocityStepKind(SimulatedKind):
         for item in advised[:1]:
             new = item.name == "stiffness"
             last = stepped_speed(path) if new else item.value
-            machine = f" with a machine of {quantity(item.value, 'N/m', 2)}" if new else ""
+            machine = f", with a machine of {quantity(item.value, 'N/m', 2)}" if new else ""
             yield (
-                f"Step from {first} to {quantity(last, 'm/s', 2)} and back{machine}, over the same"
-                f" ways: {item.left(others)}."
+                f"{'Step' if new else 'Go on with steps'} from {first} to"
+                f" {quantity(last, 'm/s', 2)} and back over the same ways{machine}:"
+                f" {item.left(others)}."
             )
         tried = {item.form.title for item in fit.problem.laws.values()}
         rest = [name for name, form in RATE_STATE_FORMS.items() if form.title not in tried]
