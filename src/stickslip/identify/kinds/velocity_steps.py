@@ -34,7 +34,7 @@ from stickslip.identify.kinds.simulated import (
     SimulatedKind,
 )
 from stickslip.identify.problems.run_laws import UNKNOWN
-from stickslip.identify.problems.velocity_step_paths import SHORTEST, Path
+from stickslip.identify.problems.velocity_step_paths import SHORTEST, STRAIGHT, Path
 from stickslip.identify.problems.velocity_steps import (
     DIRECT,
     EVOLVED,
@@ -46,7 +46,7 @@ from stickslip.identify.problems.velocity_steps import (
     record_of,
 )
 from stickslip.identify.propose import WORTH, width_after
-from stickslip.identify.simulated import WHITE
+from stickslip.identify.simulated import ENOUGH, WHITE
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.show.formatting import (
     EstimateText,
@@ -76,14 +76,10 @@ SEPARATE = 0.3
 SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
 
-AT_REST = 1e-3
-"""Speed over the first one below which a load point is held."""
 STEPS, STIFFER = 10.0, (3.0, 10.0)
 """Speed of a further step beyond those measured, and stiffnesses of other machines, over theirs."""
-DRAWN, MOSTLY = 150, 0.8
-"""Draws by which further steps are run, and the share that is not to run away."""
-ROWS, SHORTEST_WAY = 20, 1e-3
-"""Rows after each step, and the first of them, over the way between steps."""
+ROWS = 20
+"""Rows after each further step, over its way and from a share 1/ROWS^2 of it."""
 
 
 def _rate_of(one: SimulatedCandidate) -> Estimate | None:
@@ -256,30 +252,22 @@ class VelocityStepKind(SimulatedKind):
         self, fit: AnyFit, others: Sequence[AnyFit], advised: Sequence[Any]
     ) -> Iterator[str]:
         law, path = fit.law, fit.problem.record.path
-        if not any(item.expected_width < WORTH for item in advised[:1]):
-            asked = "which law holds" if others else "its parameters"
-            yield f"Further steps are not expected to tell more of {asked}."
-            advised = ()
-        first = quantity(float(path.lasting[0]), "m/s", 2)
-        for item in advised[:1]:
-            new = item.name == "stiffness"
-            last = stepped_speed(path) if new else item.value
-            machine = f", with a machine of {quantity(item.value, 'N/m', 2)}" if new else ""
-            yield (
-                f"{'Step' if new else 'Go on with steps'} from {first} to"
-                f" {quantity(last, 'm/s', 2)} and back over the same ways{machine}:"
-                f" {item.left(others)}."
-            )
         tried = {item.form.title for item in fit.problem.laws.values()}
         rest = [name for name, form in RATE_STATE_FORMS.items() if form.title not in tried]
         if rest and misses(fit):
             yield f"First compare the forms that were not tried, {joined(rest)}, by naming them."
-        if law.critical_distance is not None and not fit.details["separable"]:
-            way = law.direct_effect / _stiffness(fit)
+        if not any(item.expected_width < WORTH for item in advised[:1]):
+            asked = "which law holds" if others else "its parameters"
+            yield f"Further steps are not expected to tell more of {asked}."
+            advised = ()
+        for item in advised[:1]:
+            new = item.name == "stiffness"
+            speeds = float(path.lasting[0]), stepped_speed(path) if new else item.value
+            first, last = (quantity(speed, "m/s", 2) for speed in speeds)
+            machine = f", with a machine of {quantity(item.value, 'N/m', 2)}" if new else ""
             yield (
-                f"The same steps on a stiffer machine: this one gives way by a/k ="
-                f" {quantity(way, 'm')} before the slider follows, which hides how friction settles"
-                " over less than that."
+                f"{'Make' if new else 'Go on with'} steps from {first} to {last} and back over the"
+                f" same ways{machine}: {item.left(others)}."
             )
         fastest = float(path.lasting.max())
         interval = float(np.median(np.diff(fit.problem.record.time)))
@@ -345,7 +333,7 @@ class VelocityStepKind(SimulatedKind):
 
 def stepped_speed(path: Path) -> float:
     """Return the speed farthest from the first one to which there was a step, without holds."""
-    moving = path.lasting[path.lasting > path.lasting[0] * AT_REST]
+    moving = path.lasting[path.lasting > STRAIGHT * path.lasting[0]]
     return float(max(moving, key=lambda v: abs(math.log(v / path.lasting[0]))))
 
 
@@ -359,7 +347,7 @@ def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
     problem: VelocitySteps = fits[0].problem
     path, stiffness = problem.record.path, _machine(fits[0]).stiffness
     begun, tried = float(path.lasting[0]), stepped_speed(path)
-    extremes = float(path.lasting.max()), float(path.lasting[path.lasting > AT_REST * begun].min())
+    extremes = float(path.lasting.max()), float(path.lasting[path.lasting > STRAIGHT * begun].min())
     speeds = {tried, STEPS * extremes[0], extremes[1] / STEPS}
     settings = [("speed", speed, speed, 1.0) for speed in sorted(speeds)]
     settings += [("stiffness", x * stiffness, tried, x) for x in STIFFER]
@@ -369,17 +357,17 @@ def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
         knots = np.cumsum([0.0, *(problem.way / np.array([begun, speed, begun]))])
         seen, last = list[Array](), dict[str, dict[str, float]]()
         steps = Path(time=knots, position=problem.way * np.arange(4.0))
-        slid = np.geomspace(SHORTEST_WAY, 1.0, ROWS)
+        slid = np.geomspace(ROWS**-2.0, 1.0, ROWS)
         times = np.concatenate([knots[k] + slid * (knots[k + 1] - knots[k]) for k in (1, 2)])
         trend = np.column_stack([np.ones(len(times)), np.interp(times, steps.time, steps.position)])
         counts = np.tile(np.gradient(slid), 2) * len(problem.record.time) / len(path.lasting)
         for fit in fits:
-            chosen = np.linspace(0, len(fit.family.points) - 1, DRAWN).astype(np.intp)
+            chosen = np.linspace(0, len(fit.family.points) - 1, int(ENOUGH)).astype(np.intp)
             runs = problem.stepped(fit.name, fit.family.points[chosen], steps, times, stiffer)
             noise = fit.rms / np.sqrt(fit.posterior.kappa * counts)
             beside = np.linalg.svd(trend / noise[:, None])[0][:, 2:]
             works = np.isfinite(runs).all(axis=0)
-            if np.mean(works) > MOSTLY:
+            if np.mean(works) > 0.8:
                 read = runs[:, works] / noise[:, None]
                 seen.append((read + rng.normal(size=read.shape)).T @ beside)
                 last[fit.name] = {"coefficient": float(np.median(runs[ROWS - 1, works]))}

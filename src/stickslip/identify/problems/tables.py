@@ -102,8 +102,6 @@ OUTLYING = 6.0
 """Deviations from which a reading is said to be far from the others."""
 MOST_RESTS = 4
 """Readings that may be at rest, in each direction."""
-EVERY = 3
-"""Of the speeds asked, those at which more may be read at the ends of loads and inputs."""
 NOT_BY_LOAD = frozenset({"offset", "adhesion", *FLOWS, *FLOW_DIRECTIONS})
 """Terms that are no levels over the load."""
 DIRECTIONS: tuple[tuple[str, ...], ...] = (
@@ -235,7 +233,7 @@ class TableProblem(Problem):
         rows = [usual]
         for name, x in every.items():
             for end in (float(x.min()), float(x.max())):
-                v = usual.velocity[::EVERY]
+                v = usual.velocity[::3]
                 rows.append(self.at(v, end) if name == LOAD else self.at(v, None, {name: end}))
         return self.at(
             np.concatenate([item.velocity for item in rows]),
