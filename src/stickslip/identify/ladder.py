@@ -312,7 +312,7 @@ def ladder_verdict(
     checks: Checks,
     proposal: Proposal,
     places: Sequence[float],
-    conditions: Mapping[str, Sequence[float]] = MappingProxyType({}),
+    conditions: Mapping[str, tuple[float, ...]] = MappingProxyType({}),
     advice: Sequence[str] = (),
     largest_speed: float,
     route: str,
