@@ -272,9 +272,12 @@ def _off(rig: Rig, law: FrictionLaw, verdict: SimulatedVerdict) -> float:
     return max(errors)
 
 
-def _widths(verdict: SimulatedVerdict) -> float:
-    """Return the mean logarithm of the widths of levels, over all candidate laws."""
-    paths = ("friction.kinetic_coefficient", "friction.static_coefficient")
+LEVELS = ("friction.kinetic_coefficient", "friction.static_coefficient")
+"""Parameters whose widths a further pull is to halve."""
+
+
+def _widths(verdict: SimulatedVerdict, paths: Sequence[str]) -> float:
+    """Return the mean logarithm of the widths of parameters, over all candidate laws."""
     return float(np.mean([math.log(np.ptp(pooled(verdict.fits, path))) for path in paths]))
 
 
@@ -294,12 +297,14 @@ def _rehearsal(
     assert isinstance(after, SimulatedVerdict)
     kept = rig.truth in (after.closest.name, *after.rivals) or rig.truth not in INSIDE
     lost = not kept and after.best is not None and _off(rig, law, after) > NEAR
-    return _came_to(verdict, after, kept=kept) | {"lost": lost}
+    return _came_to(verdict, after, LEVELS, kept=kept) | {"lost": lost}
 
 
-def _came_to(verdict: SimulatedVerdict, after: SimulatedVerdict, *, kept: bool) -> dict[str, Any]:
+def _came_to(
+    verdict: SimulatedVerdict, after: SimulatedVerdict, paths: Sequence[str], *, kept: bool
+) -> dict[str, Any]:
     """Return what a further record that was advised came to, if the true law is `kept`."""
-    shrink = math.exp(_widths(after) - _widths(verdict))
+    shrink = math.exp(_widths(after, paths) - _widths(verdict, paths)) if paths else math.inf
     fewer = len(after.rivals) < len(verdict.rivals)
     return {
         "advice": shrink <= 0.5 or (fewer and kept),
@@ -389,8 +394,9 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
     error = float(np.sqrt(np.mean((other.coefficient - own.coefficient) ** 2))) / variation
     same = closest.name == truth
     rival = verdict.rivals[:1]
-    told = verdict.closest.fit is not None and not verdict.closest.fit.details["separable"]
-    row |= {"doubt": bool(verdict.rivals) or told, "advised": bool(verdict.advised)}
+    evolves = closest.fit.law.critical_distance is not None
+    open_ = evolves and not closest.fit.details["separable"]  # a and b are not told apart
+    row |= {"doubt": bool(verdict.rivals) or open_, "advised": bool(verdict.advised)}
     speeds = [item for item in verdict.advised if item.name == "speed"]
     if rehearsed and row["doubt"] and speeds:
         ways = np.array([2e-4, 4e-4, 4e-4])
@@ -406,7 +412,9 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
         else:
             assert isinstance(after, SimulatedVerdict)
             kept = truth in (after.closest.name, *after.rivals)
-            row |= _came_to(verdict, after, kept=kept)
+            of = [{path for fit in x.fits for path in fit.draws} for x in (verdict, after)]
+            paths = [x.path for x in closest.fit.estimates if x.path in of[0] & of[1]]
+            row |= _came_to(verdict, after, paths, kept=kept)
     return _rated(
         row, verdict.best.name if verdict.best else "", rival,
         hedged="is closest, but" in verdict.sentence, error=error,
