@@ -200,15 +200,18 @@ class Judged:
 
     def advised(self, count: int | None = None) -> Points | None:
         """Return where readings are proposed, or more; of free motions the shares of the start."""
-        places, problem = np.array(self.verdict.places), self.verdict.judgement.problem
+        verdict, problem = self.verdict, self.verdict.judgement.problem
+        at = np.arange(len(verdict.places))
         if count is not None:
-            places = np.resize(places, count)
+            at = np.resize(at, count)
+        places = np.array(verdict.places)[at]
         if (further := self._further()) is not None:
             share = problem.start_of(self.verdict.judgement.draws)
             return Points(velocity=np.full(self._motions(further), share))
         if not len(places):
             return None
-        rows = problem.at(places)
+        known = {name: np.array(x)[at] for name, x in verdict.conditions.items()}
+        rows = problem.at(places, known.pop("load", None), known)
         loaded = self.rig.kind == "tables" and problem.model.frame.loaded
         return Points(velocity=places, load=rows.load if loaded else None, inputs=rows.inputs)
 
@@ -249,10 +252,16 @@ class Travelled(Judged):
         """Return travels [m] by the named law at settings (n,)."""
         return np.asarray(self.verdict.judgement.named_travels(points.velocity))
 
+    @property
+    @override
+    def expected(self) -> float:
+        return float(self.verdict.shrinks)
+
     @override
     def advised(self, count: int | None = None) -> Points | None:
-        """Return no places: the study of travels has no further readings."""
-        return None
+        """Return the settings at which readings are proposed; of more, none are stated."""
+        settings = np.array(self.verdict.places)
+        return Points(velocity=settings) if len(settings) and count is None else None
 
 
 KINDS: Mapping[str, type[Judged]] = {"travels": Travelled}

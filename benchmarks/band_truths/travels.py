@@ -60,7 +60,13 @@ def drawn(number: int, seed: int) -> Rig:
         law = fit(mechanism, type(rig.law), measurement, t_end=rig.t_end).law
         return np.array([rig.travel(x, law) for x in points.velocity])
 
-    return Rig(
+    def more(places: Points, number: int) -> Rig:
+        own = np.random.default_rng([number, 1])
+        again = readings(replace(rig, settings=tuple(places.velocity), repeats=1), own)
+        trials = (*measurement.trials, *again.trials)
+        return result.with_(measurement=Measurement(trials=trials))
+
+    result = Rig(
         kind="travels",
         truth=f"{truth} ({rig.kind})" if set_ == "capsule" else truth,
         inside=truth not in OUTSIDE,
@@ -77,8 +83,10 @@ def drawn(number: int, seed: int) -> Rig:
             if not (path.endswith(VISCOUS) and truth in POWERS)  # of another power of the speed
         },
         fitted=None if truth in OUTSIDE else fitted,
+        more=None if truth == SCATTERED else more,
         t_end=rig.t_end,
     )
+    return result
 
 
 def _changed(rig: TravelRig, truth: str) -> Any:

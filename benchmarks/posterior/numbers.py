@@ -45,6 +45,10 @@ AXES = 10
 """Axes with LuGre friction."""
 HELD = (0.93, 0.99)
 """Share of truths that bands of 95 % are to hold."""
+IN_DOUBT, TRIED = 5, 4
+"""Verdicts in doubt of each kind, and measurements that are made up for each of them at most."""
+SHOWN = ("kind", "number", "truth", "named", "advised", "advice", "asked", "expected", "shrink")
+"""What is printed of each."""
 CLASSES = 14
 CODE, CONSTANTS = 21_500, 180
 """What `identify` may have of code lines, named numbers and classes of results."""
@@ -248,6 +252,46 @@ def decays(asked: Asked) -> Iterator[Number]:
     yield least("decays: readings of a second record", 0.93, _mean(rows, "second"))
     yield from _intervals("decays", rows)
     yield from _advice("decays", rows)
+
+
+def advice(asked: Asked) -> Iterator[Number]:
+    """Yield what becomes of verdicts in doubt of all kinds when their advice is carried out.
+
+    A verdict is in doubt if it names a law that others, which it does not exclude, may be.
+    """
+    every, count = list[dict[str, Any]](), asked.count(IN_DOUBT)
+    for kind, drawn in DRAWN.items():
+        doubtful = list[dict[str, Any]]()
+        for k in range(TRIED * count):
+            row = drawn(asked, k)
+            if row.get("set", 1) > 1 or row.get("doubt"):
+                doubtful.append({"kind": kind, "number": k} | row)
+                print({x: doubtful[-1].get(x) for x in SHOWN}, file=sys.stderr, flush=True)
+            if len(doubtful) == count:
+                break
+        every += doubtful
+        yield from _advice(f"{kind}, {len(doubtful)} in doubt", doubtful)
+    without = sum(row.get("advised") is False for row in every)
+    yield Number(
+        what=f"verdicts in doubt without advice, {len(every)}", asked="0", measured=str(without),
+        met=not without,
+    )  # fmt: skip
+    yield from _advice("all kinds", every)
+
+
+def _of_bands(kind: str) -> Callable[[Asked, int], dict[str, Any]]:
+    def drawn(asked: Asked, number: int) -> dict[str, Any]:
+        return bands.line(kind, asked.seed, number)
+
+    return drawn
+
+
+DRAWN: Mapping[str, Callable[[Asked, int], dict[str, Any]]] = {
+    **{kind: _of_bands(kind) for kind in (*COUNTS, "travels")},
+    "features": lambda asked, k: pulled_sliders.pulled(asked.seed, k, rehearsed=True),
+    "velocity steps": lambda asked, k: pulled_sliders.stepped(asked.seed, k, rehearsed=True),
+}
+"""What a verdict on a made-up measurement is worth, and what its advice comes to."""
 
 
 # ---- special tables, odds of friction
@@ -455,6 +499,7 @@ def result_classes() -> list[str]:
 
 PARTS: Mapping[str, Callable[[Asked], Iterator[Number]]] = {
     "made-up": made_up,
+    "advice": advice,
     "tables": tables,
     "maps": maps,
     "records": records,

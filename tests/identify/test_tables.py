@@ -340,6 +340,24 @@ def test_advice_that_is_followed_narrows_the_band():
     assert np.median(gains) < 0.9
 
 
+def test_two_temperatures_and_loads_leave_friction_to_be_seen():
+    v, load, warm = (
+        x.ravel() for x in np.meshgrid(np.geomspace(0.01, 1.0, 8), (10.0, 30.0), (20.0, 60.0))
+    )
+    true = (0.2 + 0.1 * np.exp(-v / 0.05)) * load * (1.0 + 0.002 * (warm - 20.0))
+    read = true * np.random.default_rng(1).normal(1.0, 0.02, len(v))
+    verdict = select(
+        AXIS, None, Measurement(velocity=v, friction=read, load=load, inputs={"temperature": warm})
+    )
+    # a bend over two temperatures is no level: friction at 20 C was lost in it
+    assert verdict.best is not None
+    assert verdict.judgement.known < 0.2
+    # readings at other loads and temperatures than the usual ones are proposed
+    assert len(verdict.conditions["load"]) == len(verdict.places) > 0
+    assert {*verdict.conditions["load"]} & {10.0, 30.0}
+    assert any("N and temperature" in line for line in verdict.words.measure_next)
+
+
 def test_given_laws_are_compared_alone_and_no_law_is_said_to_explain_where_none_does():
     read = table(stribeck, np.random.default_rng(2).permutation(SPEEDS))
     found = select(AXIS, ["coulomb", "coulomb-viscous"], read)

@@ -10,8 +10,9 @@
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -26,9 +27,10 @@ from stickslip.identify.candidates import (
     in_sentence,
     score_text,
 )
-from stickslip.identify.fits import VARIES, measured_loads, unvaried
+from stickslip.identify.fits import VARIES, inputs_text, measured_loads, unvaried
 from stickslip.identify.judgement import NO_LAW, Finding, Judgement
 from stickslip.identify.laws import TITLES
+from stickslip.identify.problems.records import LOAD
 from stickslip.identify.projection import MARGIN, Rung, names_of
 from stickslip.identify.propose import Proposal
 from stickslip.identify.verdict import (
@@ -311,6 +313,7 @@ def ladder_verdict(
     checks: Checks,
     proposal: Proposal,
     places: Sequence[float],
+    conditions: Mapping[str, tuple[float, ...]] = MappingProxyType({}),
     advice: Sequence[str] = (),
     largest_speed: float,
     route: str,
@@ -368,7 +371,13 @@ def ladder_verdict(
     if len(loads) == 2 and of_load:
         said_next.append(third_load_sentence(loads))
     if proposal.places:
-        texts = [quantity(v, words.speed_unit, 2) for v in sorted(places)]
+        texts = [quantity(v, words.speed_unit, 2) for v in places]
+        for k, text in enumerate(texts if conditions else ()):
+            values = {name: x[k] for name, x in conditions.items()}
+            said = [quantity(values.pop(LOAD), "N", 2)] if LOAD in values else []
+            said += [inputs_text(values, turning=measurement.turning)] if values else []
+            texts[k] = f"{text} at {joined(said)}"
+        texts = [text for _, text in sorted(zip(places, texts, strict=True))]
         said_next.append(advice_sentence(proposal, texts, words))
     said_next += advice
     return BandVerdict(
@@ -397,5 +406,6 @@ def ladder_verdict(
         shrinks=proposal.shrinks,
         halves=proposal.halves,
         places=tuple(places),
+        conditions=conditions,
         intervals=every,
     )

@@ -1,5 +1,11 @@
-"""What to measure next: readings that are expected to narrow the band most, in closed form."""
+"""What to measure next: what is expected to take most off the width of what is asked.
 
+Draws of the posterior say what is asked, and what would be read at each place that is offered: a
+reading, a stretch, a motion or a record. Both have a mean and a covariance over the draws, and a
+linear Gaussian update says what is left of what is asked.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +20,8 @@ MOST, COUNTED, HALVED = 60, 150, 0.45
 """Readings that are proposed at most: no more than were taken, and than anybody takes; and those
 up to which it is counted how many halve the band, which are those to an expected width a little
 below: what comes scatters about it."""
+DIRECTIONS = 6
+"""Directions in which the rows of a record differ most, which are seen of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +34,8 @@ class Proposal:
     """Expected width of the band after them, over today's."""
     halves: int | None = None
     """Readings, chosen so, by which the band is expected to halve; None if too many."""
+    widths: tuple[float, ...] = ()
+    """Expected widths after the first, the second ... of as many as may be taken, over today's."""
 
 
 def within_band(curves: Array) -> Array:
@@ -38,17 +48,23 @@ def within_band(curves: Array) -> Array:
 
 
 def propose(
-    asked: Array, offered: Array, noise: Array, taken: int = 16, rest: Array | float = 0.0
+    asked: Array,
+    offered: Array,
+    noise: Array | float,
+    taken: int = 16,
+    rest: Array | float = 0.0,
+    enough: float = HALF,
 ) -> Proposal:
     r"""Return the readings that narrow the band of curves at asked places (d, n).
 
-    The drawn curves have a mean and a covariance :math:`K` over asked and offered places. A reading
-    at place :math:`j` with noise :math:`s_j` takes off :math:`K_{ij}^2 / (K_{jj} + s_j^2)` of the
-    variance at place :math:`i` (linear Gaussian update); the place that takes off most of the mean
-    variance is taken, and the next one after the update, until the expected width is `HALF` of
-    today's. Of a known law as many readings as were taken leave 1/sqrt(2) of the width, however
-    they are chosen: it is counted how many halve it. `rest` is the variance (n,) that no reading
-    takes off, such as that from run to run.
+    At each of the offered places (d, m), or (d, m, r), one or r numbers would be read. The draws
+    have a mean and a covariance :math:`K` over all of them. Reading place :math:`j` with noise
+    :math:`S_j` takes :math:`K_{ij} (K_{jj} + S_j)^{-1} K_{ji}` off the variance at place :math:`i`
+    (linear Gaussian update); the place that takes off most of the mean variance is taken, and the
+    next one after the update, until the expected width is `enough`. Of a known law as many
+    readings as were taken leave 1/sqrt(2) of the width, however they are chosen: it is counted how
+    many halve it. `noise` are standard deviations (m,) or (m, r), and `rest` is the variance (n,)
+    that no reading takes off, such as that from run to run.
     (Measured: the widest place shrinks the width to .71; rehearsing draws as truths gained nothing
     over it.)
 
@@ -61,30 +77,73 @@ def propose(
     2
     >>> propose(level, level, np.ones(1), taken=1).halves  # 1 / (1 + 4) of the variance
     4
+    >>> twice = np.repeat(level[:, None], 2, axis=2)  # a place where it is read twice
+    >>> propose(level, twice, 1.0, taken=1).halves
+    2
     """
-    curves = np.hstack([asked, offered])
+    count, (draws, places) = asked.shape[1], offered.shape[:2]
+    curves = np.hstack([asked, offered.reshape(draws, -1)])
     curves = curves - curves.mean(axis=0)
-    covariance = curves.T @ curves / len(curves)
-    count = asked.shape[1]
+    covariance = curves.T @ curves / draws
+    numbers = np.arange(count, curves.shape[1]).reshape(places, -1)
+    errors = np.broadcast_to(np.reshape(noise, (-1, 1)) if np.ndim(noise) == 1 else noise,
+                             numbers.shape)  # fmt: skip
+    scatter = errors[:, :, None] ** 2 * np.eye(numbers.shape[1]) + 1e-300 * np.eye(numbers.shape[1])
 
     def width() -> float:
         """Return the mean standard deviation at the asked places."""
         return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0) + rest)))
 
     start = width()
-    places, shrinks, most = list[int](), [1.0], min(MOST, taken)
-    while start > 0.0 and len(places) < COUNTED:
-        if shrinks[-1] <= (HALF if len(places) < most else HALVED):
+    chosen, shrinks, most = list[int](), [1.0], min(MOST, taken)
+    while start > 0.0 and len(chosen) < COUNTED:
+        if shrinks[-1] <= (enough if len(chosen) < most else HALVED):
             break
-        own = np.diag(covariance)[count:] + noise**2 + 1e-300
-        gains = np.sum(covariance[:count, count:] ** 2 / own, axis=0)
-        best = int(np.argmax(gains))
-        row = covariance[:, count + best]
-        covariance = covariance - np.outer(row, row) / own[best]
-        places.append(best)
+        own = covariance[numbers[:, :, None], numbers[:, None, :]] + scatter
+        cross = covariance[numbers, :count]
+        best = int(np.argmax(np.sum(cross * np.linalg.solve(own, cross), axis=(1, 2))))
+        rows = covariance[numbers[best]]
+        covariance = covariance - rows.T @ np.linalg.solve(own[best], rows)
+        chosen.append(best)
         shrinks.append(width() / start)
-    count = min(most, len(places))
-    if shrinks[count] >= WORTH:
-        return Proposal(places=(), shrinks=1.0)
+    some = min(most, len(chosen))
+    widths = tuple(shrinks[1 : some + 1])
+    if shrinks[some] >= WORTH:
+        return Proposal(places=(), shrinks=1.0, widths=widths)
     halves = next((k for k, x in enumerate(shrinks) if x <= HALVED), None)
-    return Proposal(places=tuple(places[:count]), shrinks=shrinks[count], halves=halves)
+    return Proposal(
+        places=tuple(chosen[:some]), shrinks=shrinks[some], halves=halves, widths=widths
+    )
+
+
+def width_after(points: Array, seen: Sequence[Array]) -> float:
+    """Return the expected width of what is asked after a record is made, over today's.
+
+    Asked is which of several laws holds or, of one alone, its parameters in draws (k, p). In draws
+    of each law the record shows rows (k, r), over their noise and with it: what is seen are the
+    `DIRECTIONS` in which they differ most, and their squares, as laws may differ by the scatter of
+    what they show.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> a, b = rng.normal(size=(2, 400, 1))
+    >>> round(width_after(a, [a + b]), 1)  # sqrt(1/2)
+    0.7
+    >>> width_after(a, [a, b + 9.0]) < 0.3  # rows tell the laws apart
+    True
+    """
+    rows = np.concatenate(seen)
+    law = np.repeat(np.arange(len(seen)), [len(item) for item in seen])
+    asked = points if len(seen) == 1 else (law[:, None] == np.arange(1, len(seen))).astype(float)
+    rows = rows - rows.mean(axis=0)
+    if rows.shape[1] > DIRECTIONS:
+        rows = rows @ np.linalg.svd(rows, full_matrices=False)[2][:DIRECTIONS].T
+    rows = np.hstack([rows, rows**2])
+    scale = rows.std(axis=0)
+    rows = rows[:, scale > 0.0] / scale[scale > 0.0]
+    known = asked.std(axis=0)
+    asked = asked[:, known > 0.0] / known[known > 0.0]
+    if not asked.size or not rows.size:
+        return 1.0
+    return propose(asked, rows[:, None], 1e-4, taken=1).widths[0]

@@ -29,7 +29,7 @@ from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
-from stickslip.identify.problems.records import RecordProblem
+from stickslip.identify.problems.records import LOAD, RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import WORTH, Proposal, propose, within_band
@@ -108,17 +108,20 @@ def select_table(
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
-    asked = problem.asked()
-    typical = within_band(problem.steady(asked, judgement.draws))
+    offered = problem.offered()
+    typical = within_band(problem.steady(offered, judgement.draws))
     # new readings do not take off by what runs differ, and what may drift
-    spreads = [np.var(x, axis=0) for x in (within_band(judgement.curves(asked)), typical)]
+    spreads = [np.var(x, axis=0) for x in (within_band(judgement.curves(offered)), typical)]
+    grown = problem.model.frame.grown(offered)  # friction is as well known at each load, about
     proposal = propose(
+        typical / grown,
         typical,
-        typical,
-        problem.noise(asked),
+        problem.noise(offered),
         problem.table.total,
-        np.maximum(spreads[0] - spreads[1], 0.0),
+        np.maximum(spreads[0] - spreads[1], 0.0) / grown**2,
     )
+    chosen = offered.where(np.array(proposal.places, dtype=np.intp))
+    conditions = ({LOAD: chosen.load} if problem.model.frame.loaded else {}) | {**chosen.inputs}
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     remarks = [ORDERED] * problem.model.is_sorted
     if problem.rests is not None:
@@ -130,7 +133,8 @@ def select_table(
         words,
         checks=checks,
         proposal=proposal,
-        places=tuple(float(asked.velocity[k]) for k in proposal.places),
+        places=tuple(chosen.velocity.tolist()),
+        conditions={name: tuple(x.tolist()) for name, x in conditions.items()},
         largest_speed=problem.model.frame.fastest,
         route=route,
         foreseer=foreseer,

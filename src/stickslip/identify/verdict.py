@@ -199,6 +199,8 @@ class BandVerdict(Verdict[LawCandidate]):
     """Number of such readings, or stretches, expected to halve the band; None if too many."""
     places: tuple[float, ...] = ()
     """Velocities that are proposed [m/s] or [rad/s]."""
+    conditions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Loads [N] and inputs of the contact [SI] at these, by name, where several were measured."""
 
     @property
     def route(self) -> str:
@@ -462,7 +464,11 @@ class BandVerdict(Verdict[LawCandidate]):
             "parameters": [item.to_dict() for item in self.parameters],
             **self.judgement.details(),
             "outliers": {str(row + 1): z for row, z in self.outliers.items()},
-            "measure_at": {"velocity": list(self.places), "band_shrinks_to": self.shrinks},
+            "measure_at": {
+                "velocity": list(self.places),
+                **{name: list(values) for name, values in self.conditions.items()},
+                "band_shrinks_to": self.shrinks,
+            },
             "inside_second": None if self.foreseen is None else self.inside,
             "error_second": None if self.foreseen is None else self.foreseen.error,
         }

@@ -165,7 +165,8 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     named = [f"{place} ({counts[place]})" for place in counts if place in most]
     first, *_, last = counts
     said = f"Take {len(places)} readings" if reads else f"Move steadily {len(places)} times"
-    said += f" at {len(counts)} velocities from {first} to {last}"
+    what = "settings" if " at " in first else "velocities"
+    said += f" at {len(counts)} {what} from {first} to {last}"
     if len(places) > len(counts):
         said += f", the most at {joined(named)}"
     return f"{said} (all are in verdict.json): {expected}."

@@ -1,16 +1,15 @@
 """The force of a spring that pulls a block, compared by features of stick-slip.
 
 The rows are frequency, mean and scatter of the force (`stickslip.identify.problems.stick_slip`).
-What to measure next is what tells most of what is asked. That is which law holds, where some are
-not distinguished: draws of each, as many of one as of another, are run at other settings, and by
-linear regression of which law a draw is of on logarithms of its features, with what differs from
-run to run, a share 1 - R^2 of the variance is left. Else it is the parameters of the law.
+What to measure next is what tells most of what is asked: which law holds, where some are not
+distinguished, else the parameters of the law. Draws of each, as many of one as of another, are run
+at other settings, with what differs from run to run (`stickslip.identify.propose`).
 """
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from stickslip.identify.fits import starting_law
 from stickslip.identify.kinds.kind import Column, Request, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
+    OtherSetting,
     SimulatedCandidate,
     SimulatedKind,
 )
@@ -44,6 +44,7 @@ from stickslip.identify.problems.stick_slip import (
     Setting,
     StickSlip,
 )
+from stickslip.identify.propose import width_after
 from stickslip.identify.simulated import ENOUGH
 from stickslip.mechanisms import Mechanism, TowedBlock, input_names
 from stickslip.quantities import fields_of
@@ -55,7 +56,6 @@ from stickslip.show.formatting import (
     percent,
     quantity,
     signed_percent,
-    significant,
 )
 
 USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, CoulombViscous, Stribeck)
@@ -69,19 +69,6 @@ OTHERS = {
 }
 """Settings that are looked at as the next, over those of the first record."""
 UNITS = {"speed": "m/s", "stiffness": "N/m", "load": "N"}
-
-
-class OtherSetting(NamedTuple):
-    """What fitted laws predict at another setting, and what a record there would tell."""
-
-    name: str
-    """What is set: ``"speed"``, ``"stiffness"`` or ``"load"``."""
-    value: float
-    """To which value [SI]."""
-    predicted: Mapping[str, Mapping[str, float]]
-    """Median features by name of the law; frequency 0 if it slides on."""
-    expected_width: float
-    """Expected width of what is asked, over that of now: which law, or its parameters."""
 
 
 def _error_column(name: str) -> Column[SimulatedCandidate]:
@@ -217,12 +204,9 @@ class FeatureKind(SimulatedKind):
         for item in advised[:1]:
             titles = {each.name: in_sentence(each.law.title) for each in (fit, *others)}
             said = [f"{titles[name]} predicts {motion(x)}" for name, x in item.predicted.items()]
-            asked = "which law holds" if others else "its parameters"
             yield (
                 f"Pull again at a {item.name} of {quantity(item.value, UNITS[item.name])}, and give"
-                f" both records as trials: of what is not known of {asked},"
-                f" {significant(100.0 * item.expected_width, 2)} % is expected to be left. There"
-                f" {'; '.join(said)}."
+                f" both records as trials: {item.left(others)}. There {'; '.join(said)}."
             )
         if free:
             yield (
@@ -340,25 +324,11 @@ def other_settings(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
             fit.name: dict(zip(COMPARED, np.median(row[ok], axis=0).tolist(), strict=True))
             for fit, row, ok in zip(fits, rows, works, strict=True)
         }
-        seen = np.concatenate([row[ok] for row, ok in zip(rows, works, strict=True)])
-        label = np.repeat(np.arange(len(fits)), [int(ok.sum()) for ok in works])
-        of = (label[:, None] == np.arange(1, len(fits))).astype(float)
-        q = of if len(fits) > 1 else own[works[0]]
-        left = _left(q, np.log(np.maximum(seen, READ * first.features.compared)))
+        least = READ * first.features.compared
+        seen = [np.log(np.maximum(row[ok], least)) for row, ok in zip(rows, works, strict=True)]
+        left = width_after(own[works[0]], seen)
         result.append(OtherSetting(name, value, predicted, left))
     return tuple(sorted(result, key=lambda item: item.expected_width))
-
-
-def _left(q: Array, seen: Array) -> float:
-    """Return the width of what is asked (k, m) over that of now, by regression on what is seen."""
-    z = np.column_stack([np.ones(len(seen)), seen, seen**2])
-    off = z - z.mean(axis=0)
-    scale = off.std(axis=0)
-    z = np.column_stack([np.ones(len(seen)), off[:, scale > 0.0] / scale[scale > 0.0]])
-    rest = q - z @ np.linalg.lstsq(z, q, rcond=1e-9)[0]
-    free = max(len(seen) - z.shape[1], 1) / len(seen)
-    parts = rest.var(axis=0) / np.maximum(free * q.var(axis=0), 1e-300)
-    return math.sqrt(min(float(parts.mean()), 1.0))
 
 
 def motion(predicted: Mapping[str, float]) -> str:

@@ -15,7 +15,7 @@ from abc import abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -345,6 +345,26 @@ LAST: Final[Columns[SimulatedCandidate]] = (
     ),
 )  # fmt: skip
 """... after what they say of some."""
+
+
+class OtherSetting(NamedTuple):
+    """What fitted laws predict at another setting, and what a record there would tell."""
+
+    name: str
+    """What is set: ``"speed"``, ``"stiffness"`` or ``"load"``."""
+    value: float
+    """To which value [SI]."""
+    predicted: Mapping[str, Mapping[str, float]]
+    """Medians by name of the law: features, of which a frequency is 0 if the block slides on, or
+    the coefficient of friction after a step, less that at the reference speed."""
+    expected_width: float
+    """Expected width of what is asked, over that of now: which law, or its parameters."""
+
+    def left(self, others: Sequence[Any]) -> str:
+        """Return what is expected to be left of what is not known, beside other laws or none."""
+        asked = "which law holds" if others else "its parameters"
+        share = significant(100.0 * self.expected_width, 2)
+        return f"of what is not known of {asked}, {share} % is expected to be left"
 
 
 class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):

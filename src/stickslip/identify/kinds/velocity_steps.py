@@ -29,11 +29,12 @@ from stickslip.identify.judgement import is_asserted
 from stickslip.identify.kinds.kind import Column, Request, SeveralLaws
 from stickslip.identify.kinds.simulated import (
     AnyFit,
+    OtherSetting,
     SimulatedCandidate,
     SimulatedKind,
 )
 from stickslip.identify.problems.run_laws import UNKNOWN
-from stickslip.identify.problems.velocity_step_paths import SHORTEST
+from stickslip.identify.problems.velocity_step_paths import SHORTEST, STRAIGHT, Path
 from stickslip.identify.problems.velocity_steps import (
     DIRECT,
     EVOLVED,
@@ -44,14 +45,14 @@ from stickslip.identify.problems.velocity_steps import (
     path_of_parameter,
     record_of,
 )
-from stickslip.identify.simulated import WHITE
+from stickslip.identify.propose import WORTH, width_after
+from stickslip.identify.simulated import ENOUGH, WHITE
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.show.formatting import (
     EstimateText,
     fixed,
     joined,
     number,
-    quantities,
     quantity,
     ratio,
     significant,
@@ -74,6 +75,11 @@ SEPARATE = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
 SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
+
+STEPS, STIFFER = 10.0, (3.0, 10.0)
+"""Speed of a further step beyond those measured, and stiffnesses of other machines, over theirs."""
+ROWS = 20
+"""Rows after each further step, over its way and from a share 1/ROWS^2 of it."""
 
 
 def _rate_of(one: SimulatedCandidate) -> Estimate | None:
@@ -240,24 +246,24 @@ class VelocityStepKind(SimulatedKind):
 
     def advice(
         self, fit: AnyFit, others: Sequence[AnyFit], advised: Sequence[Any]
-    ) -> Sequence[str]:
-        return [*self._steps(fit, others)] or ["Steps to speeds beyond these, and at another load."]
-
-    def _steps(self, fit: AnyFit, others: Sequence[AnyFit]) -> Iterator[str]:
+    ) -> Iterator[str]:
         law, path = fit.law, fit.problem.record.path
         tried = {item.form.title for item in fit.problem.laws.values()}
         rest = [name for name, form in RATE_STATE_FORMS.items() if form.title not in tried]
         if rest and misses(fit):
             yield f"First compare the forms that were not tried, {joined(rest)}, by naming them."
-        if others or len(path.steps) == 1:
-            speeds = joined(quantities(path.lasting.tolist(), "m/s"))
-            yield f"More steps, up and down, between {speeds} and to other speeds."
-        if law.critical_distance is not None and not fit.details["separable"]:
-            way = law.direct_effect / _stiffness(fit)
+        if not any(item.expected_width < WORTH for item in advised[:1]):
+            asked = "which law holds" if others else "its parameters"
+            yield f"Further steps are not expected to tell more of {asked}."
+            advised = ()
+        for item in advised[:1]:
+            new = item.name == "stiffness"
+            speeds = float(path.lasting[0]), stepped_speed(path) if new else item.value
+            first, last = (quantity(speed, "m/s", 2) for speed in speeds)
+            machine = f", with a machine of {quantity(item.value, 'N/m', 2)}" if new else ""
             yield (
-                f"The same steps on a stiffer machine: this one gives way by a/k ="
-                f" {quantity(way, 'm')} before the slider follows, which hides how friction settles"
-                " over less than that."
+                f"{'Make' if new else 'Go on with'} steps from {first} to {last} and back over the"
+                f" same ways{machine}: {item.left(others)}."
             )
         fastest = float(path.lasting.max())
         interval = float(np.median(np.diff(fit.problem.record.time)))
@@ -274,6 +280,9 @@ class VelocityStepKind(SimulatedKind):
             yield "A longer way before the first step, until friction no longer drifts."
 
     # further numbers and figures
+    def advised(self, fits: Sequence[AnyFit]) -> Sequence[OtherSetting]:
+        return further_steps(fits)
+
     def details(self, fit: AnyFit) -> Mapping[str, Any]:
         result = {estimate.path: estimate for estimate in fit.estimates}
         both = [
@@ -316,6 +325,53 @@ class VelocityStepKind(SimulatedKind):
              {other.law.title: other.family.band[1][rows] for other in (fit, *others)})
             for name, rows in every.items()
         ]  # fmt: skip
+
+
+def stepped_speed(path: Path) -> float:
+    """Return the speed farthest from the first one to which there was a step, without holds."""
+    moving = path.lasting[path.lasting > STRAIGHT * path.lasting[0]]
+    return float(max(moving, key=lambda v: abs(math.log(v / path.lasting[0]))))
+
+
+def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
+    """Return what further steps would tell of laws, the most telling first.
+
+    From the first speed the load point steps to another one and back, over the way between steps
+    each time, with as many samples each time as between steps of the record. The level of friction,
+    and its change along the way, are those of each record.
+    """
+    problem: VelocitySteps = fits[0].problem
+    path, stiffness = problem.record.path, _machine(fits[0]).stiffness
+    begun, tried = float(path.lasting[0]), stepped_speed(path)
+    extremes = float(path.lasting.max()), float(path.lasting[path.lasting > STRAIGHT * begun].min())
+    speeds = {tried, STEPS * extremes[0], extremes[1] / STEPS}
+    settings = [("speed", speed, speed, 1.0) for speed in sorted(speeds)]
+    settings += [("stiffness", x * stiffness, tried, x) for x in STIFFER]
+    rng = np.random.default_rng(13)
+    result = []
+    for name, value, speed, stiffer in settings:
+        knots = np.cumsum([0.0, *(problem.way / np.array([begun, speed, begun]))])
+        seen, last = list[Array](), dict[str, dict[str, float]]()
+        steps = Path(time=knots, position=problem.way * np.arange(4.0))
+        slid = np.geomspace(ROWS**-2.0, 1.0, ROWS)
+        times = np.concatenate([knots[k] + slid * (knots[k + 1] - knots[k]) for k in (1, 2)])
+        trend = np.column_stack([np.ones(len(times)), np.interp(times, steps.time, steps.position)])
+        counts = np.tile(np.gradient(slid), 2) * len(problem.record.time) / len(path.lasting)
+        for fit in fits:
+            chosen = np.linspace(0, len(fit.family.points) - 1, int(ENOUGH)).astype(np.intp)
+            runs = problem.stepped(fit.name, fit.family.points[chosen], steps, times, stiffer)
+            noise = fit.rms / np.sqrt(fit.posterior.kappa * counts)
+            beside = np.linalg.svd(trend / noise[:, None])[0][:, 2:]
+            works = np.isfinite(runs).all(axis=0)
+            if np.mean(works) > 0.8:
+                read = runs[:, works] / noise[:, None]
+                seen.append((read + rng.normal(size=read.shape)).T @ beside)
+                last[fit.name] = {"coefficient": float(np.median(runs[ROWS - 1, works]))}
+                points = fit.family.points[chosen][works]
+        if len(seen) == len(fits):  # where a slider runs away, there is no record
+            own = points if len(fits) == 1 else np.zeros((0, 0))
+            result.append(OtherSetting(name, value, last, width_after(own, seen)))
+    return tuple(sorted(result, key=lambda item: item.expected_width))
 
 
 def form_of(law: object) -> RateStateForm:

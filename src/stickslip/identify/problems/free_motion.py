@@ -33,7 +33,6 @@ from stickslip.identify.problems.free_balance import (
 from stickslip.identify.problems.free_runs import (
     KNOTS,
     NOT_FREE,
-    ROUNDED,
     RUN_PRIOR,
     RUNS,
     SIZES,
@@ -48,6 +47,7 @@ from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.problems.records import ASKED, PLACES, parts_of
 from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.propose import propose
 from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
 from stickslip.quantities import vary
 
@@ -189,32 +189,23 @@ class FreeMotionProblem(Problem):
         return min(STARTS, key=lambda share: self.further(draws, share)[0])
 
     def further(self, draws: Sequence[Draws], share: float = 1.0) -> tuple[float, ...]:
-        r"""Return the expected width of the band after one, two ... further motions, over today's.
+        """Return the expected width of the band after one, two ... further motions, over today's.
 
         They are like the first from a `share` of its start.
 
-        Drawn curves have a covariance with their values at the knots and with what is unseen,
-        :math:`d`; what tells :math:`d` with a precision :math:`S` leaves
-        :math:`K - K_d (K_{dd} + S^{-1})^{-1} K_d^T` (linear Gaussian update). A further motion also
-        tells laws apart, which no draw shows: the width that comes may be smaller. A length is not
-        proposed, as runs tell it to some parts in 1e5.
+        A motion reads the values at the knots and what is unseen, with the precision that its rows
+        give them. A further motion also tells laws apart, which no draw shows: the width that comes
+        may be smaller. A length is not proposed, as runs tell it to some parts in 1e5.
         """
         motion = self.model.motion
         knots = self.at(self.side * np.exp(motion.knots))
         fixed = np.sum([item.at(np.abs(knots.velocity)) for item in motion.fixed], axis=0)
         unseen = self.model.beside(draws)[self.model.runs.ratio].T
         told = np.hstack([self.side * self.steady(knots, draws) / fixed, unseen])
-        curves, told = (x - x.mean(axis=0) for x in (self.steady(self.asked(), draws), told))
-        values, vectors = np.linalg.eigh(told.T @ told / len(told))
-        root = vectors * np.sqrt(np.maximum(values, ROUNDED * values[-1]))
-        gains, axes = np.linalg.eigh(root.T @ self.model.told_by_another(share) @ root)
-        # covariances with directions of d of unit variance
-        cross = curves.T @ np.linalg.solve(root, told.T).T @ axes / len(curves)
-        own = np.mean(curves**2, axis=0) + 1e-300
-        every = np.arange(1, AGAIN + 1)[:, None] * np.maximum(gains, 0.0)
-        left = np.maximum(own - every / (1.0 + every) @ cross.T**2, 0.0)
-        widths = np.mean(np.sqrt(left), axis=1) / np.mean(np.sqrt(own))
-        return tuple(widths.tolist())
+        values, vectors = np.linalg.eigh(self.model.told_by_another(share))
+        read = told @ (vectors * np.sqrt(np.maximum(values, 0.0)))
+        curves = self.steady(self.asked(), draws)
+        return propose(curves, read[:, None], 1.0, taken=AGAIN, enough=0.0).widths
 
     def metric(self, places: SteadyRows, allowed: Array) -> tuple[SteadyRows, Array]:
         """Return the knots with a root of the precision that the readings give friction there.

@@ -81,7 +81,8 @@ INPUT, INPUTS_PRIOR = (0.005, 0.2), (0.5, 0.5)
 size depends on its unit."""
 KELVINS = 10.0
 BEND = 0.05
-"""Bends of friction over an input or a load, beyond its power."""
+"""Bends of friction over a load, beyond its power, and over an input, where its change is large: an
+exponential of .3 over `KELVINS` bends by that. Where the change is small, so is its bend."""
 LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
 """Powers of the load with their priors: in proportion, adhesive, elastic contact."""
 RULES = {"own": 0.5, "all": 0.4, "hersey": 0.1}
@@ -278,6 +279,8 @@ class Frame:
     """Means of the inputs ..."""
     spans: Mapping[str, float]
     """... and by how much each changes where its effect has its prior size."""
+    squares: Mapping[str, float]
+    """Means over the readings of squares about these means, in squares of that size."""
     runs: int
     """Number of the runs."""
     loaded: bool
@@ -301,16 +304,18 @@ class Frame:
             x = np.column_stack([np.ones(len(u)), np.log(u + 1e-3 * u.max()), logs])
             y = np.log(np.abs(readings.friction) + 0.02 * size)
             power = float(np.clip(np.linalg.lstsq(x, y, rcond=None)[0][2], 0.0, 1.2))
+        spans = {
+            name: KELVINS if name == "temperature" else 0.5 * float(np.ptp(x))
+            for name, x in rows.inputs.items()
+        }
         return cls(
             slowest=float(u.min()),
             fastest=float(u.max()),
             load=load,
             size=size,
             means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
-            spans={
-                name: KELVINS if name == "temperature" else 0.5 * float(np.ptp(x))
-                for name, x in rows.inputs.items()
-            },
+            spans=spans,
+            squares={name: float(np.var(x)) / spans[name] ** 2 for name, x in rows.inputs.items()},
             runs=int(rows.run.max()) + 1,
             loaded=loaded,
             both=is_both_ways(rows),
@@ -626,8 +631,11 @@ class TableModel(Model):
             z = (rows.inputs[name] - mean) / frame.spans[name]
             result.append((f"level*{name}", size * frame.grown(rows) * side * z))
             result.append((f"viscous*{name}", size * along * z))
-            bend = [grown * z * z, size * along * z * z, grown * z * np.log(np.abs(along) + 1e-3)]
-            result.append(("bend", BEND * np.column_stack(bend)))
+            # about its mean over the readings: between two temperatures it is no level of friction
+            bent = z * z - frame.squares[name]
+            bend = [grown * bent, grown * z * np.log(np.abs(along) + 1e-3)]
+            result.append((f"level bend*{name}", BEND * np.column_stack(bend)))
+            result.append((f"viscous bend*{name}", BEND * size * along * bent))
         process = frame.basis(rows)
         result.append(("delta", process * side[:, None]))
         if frame.loaded:
@@ -657,7 +665,9 @@ class TableModel(Model):
             "sides": max(0.2 * tau, apart),
         }
         for name, own in zip(self.frame.means, node[len(SCALES) :], strict=True):
-            sizes[f"level*{name}"], sizes[f"viscous*{name}"] = INPUT[own % 2], INPUT[own // 2]
+            for part, change in (("level", INPUT[own % 2]), ("viscous", INPUT[own // 2])):
+                sizes[f"{part}*{name}"] = change
+                sizes[f"{part} bend*{name}"] = change / INPUT[-1]
         return np.array([sizes[name] for name in self.groups])
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:

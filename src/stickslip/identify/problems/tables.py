@@ -41,6 +41,7 @@ from stickslip.identify.posterior import (
     Structure,
     family_of,
 )
+from stickslip.identify.problems.records import LOAD
 from stickslip.identify.problems.table_model import (
     AT_ENDS,
     BETA,
@@ -220,6 +221,25 @@ class TableProblem(Problem):
             if len(np.unique(item)) >= FEW_SPEEDS
         ]
         return self.at(np.sort(np.concatenate(grids)))
+
+    def offered(self) -> Rows:
+        """Return the rows at which more may be read: those asked, and at ends of load and inputs.
+
+        Friction is wanted there too, so these are the rows whose band readings are to narrow.
+        """
+        usual, known = self.asked(), self.table.rows
+        every = {LOAD: known.load} if self.model.frame.loaded else {}
+        every |= known.inputs
+        rows = [usual]
+        for name, x in every.items():
+            for end in (float(x.min()), float(x.max())):
+                v = usual.velocity[::3]
+                rows.append(self.at(v, end) if name == LOAD else self.at(v, None, {name: end}))
+        return self.at(
+            np.concatenate([item.velocity for item in rows]),
+            np.concatenate([item.load for item in rows]),
+            {name: np.concatenate([item.inputs[name] for item in rows]) for name in usual.inputs},
+        )
 
     def like(self, rows: Rows) -> Rows:
         """Return rows of another table as this one sees them: of a new run, at any time."""

@@ -596,6 +596,16 @@ class VelocitySteps(Simulated):
     def contains(self, name: str, other: str) -> bool:
         return self.laws[name].form.contains(self.laws[other].form)
 
+    def stepped(
+        self, family: str, points: Array, path: Path, times: Array, stiffer: float
+    ) -> Array:
+        """Return coefficients (n, k) at times of another path, on a machine stiffer by a factor."""
+        other = copy.copy(self)
+        other.record = replace(self.record, path=path)
+        other.stiffness = stiffer * self.stiffness
+        moved = np.array([math.log(stiffer) * (name == STIFFNESS) for name in self._free(family)])
+        return other.at({family: points + moved}, times)[family]
+
     def foreseen(self, family: FamilyPosterior, name: str, record: Record) -> Array:
         """Return the coefficient (n,) that a law predicts of another record of the machine.
 
