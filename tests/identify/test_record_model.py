@@ -10,10 +10,11 @@ from scipy.optimize import nnls
 
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
+from stickslip.identify.forces import Unknown
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
 from stickslip.identify.problems.record_columns import Memory, relaxed
-from stickslip.identify.problems.record_rows import continued, cutoff_of
+from stickslip.identify.problems.record_rows import MIDDLE, continued, cutoff_of
 from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordProblem
 
@@ -282,3 +283,39 @@ def test_a_level_with_a_part_that_no_load_changes_is_in_its_band() -> None:
     true = LEVEL * (0.4 + 0.6 * rows.load) + VISCOUS * v
     assert np.all((band.low <= true) & (true <= band.high))
     assert np.max(band.high - band.low) < 0.1 * LEVEL
+
+
+def test_a_course_as_large_as_friction_does_not_go_on() -> None:
+    record = driven(4, duration=8.0)
+    course = 0.8 * LEVEL * (record.time / 8.0 - 0.5) * np.sign(np.gradient(record.position))
+    problem = RecordProblem([replace(record, force=record.force - course)])
+    rest = driven(5, duration=6.0)  # whose level is that in the mean
+    rows = problem.like([replace(rest, time=rest.time + 8.0)])
+    band = Judgement(problem).reading_band(rows)
+    assert np.sqrt(np.mean((rows.response - band.median) ** 2)) < 0.1 * LEVEL
+
+
+def test_what_follows_at_once_is_no_other_run() -> None:
+    judgement, rest = judged(), driven(5, duration=6.0)
+    widths = [
+        np.median(band.high - band.low)
+        for begin in (10.0, 10.2)
+        for band in [
+            judgement.reading_band(judgement.problem.like([replace(rest, time=rest.time + begin)]))
+        ]
+    ]
+    assert widths[0] < 0.8 * widths[1]
+
+
+def test_what_the_same_rows_told_is_as_doubtful_in_other_readings() -> None:
+    def pushed(record: Record) -> Record:
+        column = LEVEL * np.cos(1.7 * record.time)
+        unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0, told=True)}
+        return replace(record, unknown=unknown)
+
+    problem = RecordProblem([pushed(driven())])
+    rows = problem.like([pushed(driven(2))])
+    band = Judgement(problem).reading_band(rows)
+    column = rows.balance.fixed(MIDDLE)["links.0"][:, 0]
+    wide = np.abs(column) > 0.9 * LEVEL
+    assert np.median((band.high - band.low)[wide]) / 2.0 > 1.6 * LEVEL

@@ -39,9 +39,17 @@ COURSES = ("drift", "stretch", "zero")
 """What was learned as a course in time."""
 BY_PLACE = {"place": "drift", "force": "zero"}
 """What was learned of places, and what as a course in time that looks alike."""
-GOES_ON = 0.5
-"""Prior probability that a course goes on in a record that follows: warming does, but what another
-joint did, or an edge of a fit, does not, and nothing in one record says which it is."""
+GOES_ON = 0.25
+"""Prior probability that a course of friction goes on in a record that follows: warming does, but
+what another joint did, or an edge of a fit, does not (parts of first parts of public records: two
+of six)."""
+WARMING, OTHERWISE = 0.12, 0.5
+"""Sizes of such a course over that of the friction: of warming, as in tables, and of what does not
+go on, which may be as large as friction is. How large it is tells which it is."""
+EITHER = 0.5
+"""Prior probability that the course of a force beside friction goes on: no size tells which."""
+ADJOINS = 3.0
+"""Steps of time between records up to which they are parts of one run, as within a record."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -204,7 +212,8 @@ def readings(
     rng = np.random.default_rng([seed, 11])
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
-    maker = _Readings(model, other.balance, rng, rests=isinstance(other, RestRows))
+    again, rests = told_again(model, draws), isinstance(other, RestRows)
+    maker = _Readings(model, other.balance, rng, again=again, rests=rests)
     result = np.concatenate([maker.of(draw, fixed) for draw in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
@@ -218,19 +227,63 @@ def readings(
     return np.asarray(result + sizes * tail)
 
 
+def adjoins(fitted: Balance, other: Balance) -> bool:
+    """Return whether other records are of the run fitted: what follows it, or goes before, at once.
+
+    What a run differs by within itself are its stretches and its course. Of a joint of several a
+    run stands for what its rigid body misses, too, which is no less in the rest of a run.
+    """
+    if fitted.runs > 1 or other.runs > 1 or fitted.pieces[0].record.joint:
+        return False
+    (a, b), (c, d) = (
+        (balance.pieces[0].record.time[0], balance.pieces[-1].record.time[-1])
+        for balance in (fitted, other)
+    )
+    return bool(min(abs(c - b), abs(a - d)) < ADJOINS * fitted.pieces[0].step)
+
+
+def told_again(model: RecordModel, draws: Sequence[Draws]) -> dict[str, float]:
+    """Return by how much less doubtful draws have what the same rows told before, by path.
+
+    Nothing new tells it: other readings have all of its doubt.
+    """
+    result = {}
+    for path, unknown in model.balance.pieces[0].record.unknown.items():
+        if unknown.told:
+            parts = [model.split(draw.node, draw.random)[path][0] for draw in draws]
+            left = unknown.doubt**2 - float(np.var(np.concatenate(parts)))
+            result[path] = math.sqrt(max(left, 0.0))
+    return result
+
+
+def going_on(size: Array) -> Array:
+    """Return the probability that courses of a size over that of the friction (k,) go on.
+
+    Examples
+    --------
+    >>> going_on(np.array([0.0, 0.1, 0.2, 0.5])).round(2).tolist()
+    [0.58, 0.5, 0.27, 0.0]
+    """
+    precision = WARMING**-2 - OTHERWISE**-2
+    odds = OTHERWISE / WARMING * np.exp(-0.5 * precision * size**2) * GOES_ON / (1.0 - GOES_ON)
+    return np.asarray(odds / (1.0 + odds))
+
+
 class _Readings:
     """Draws of the readings of other records, one structure at one node at a time.
 
     What was learned of the law and of inputs holds there. What was learned as a course in time is
     that of the record fitted: another has another, as large as that learned, which may go on from
-    the end of the record fitted where it follows that in time. What was learned of places holds
-    where they were seen, but for the share that changes in time have: so much may have been one.
+    the end of the record fitted where it follows that in time, and as warming does if it is as
+    small. What was learned of places holds where they were seen, but for the share that changes in
+    time have: so much may have been one.
     """
 
     def __init__(
-        self, model: RecordModel, other: Balance, rng: np.random.Generator, *, rests: bool = False
-    ) -> None:
-        self.model, self.other, self.rng, self.rests = model, other, rng, rests
+        self, model: RecordModel, other: Balance, rng: np.random.Generator, *,
+        again: Mapping[str, float], rests: bool = False,
+    ) -> None:  # fmt: skip
+        self.model, self.other, self.rng, self.rests, self.again = model, other, rng, rests, again
         self.rows, frame = other.rows(MIDDLE), model.frame
         self.pulses = other.pulses(MIDDLE)
         own = model.balance.rows(MIDDLE)
@@ -245,6 +298,7 @@ class _Readings:
         ends = frame.start + frame.duration
         begins = float(self.rows.time.min())
         self.after = begins >= ends - 0.02 * frame.duration
+        self.same_run = adjoins(model.balance, other)
         self.course = frame.course(frame.start + self.rows.time - begins)
         """Course in time of another record (n, p)."""
         self.first, self.last = frame.course(np.array([frame.start, ends]))
@@ -269,7 +323,7 @@ class _Readings:
         at = [model.columns.index(column) for column in one.structure]
         f = (x[:, at] @ one.law).T
         f += self.rows.response - self.other.response(MIDDLE, model.acting(node))
-        beside = self.in_time(plain["zero"])
+        beside = self.in_time(plain["zero"], EITHER)
         every = {**groups, **fixed}
         z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)
         for name, b in plain.items():
@@ -291,23 +345,20 @@ class _Readings:
                 beside += learned
             else:
                 f += learned
+        courses = plain["drift"].reshape(2, -1, count)
         level, tilt = (
             _mean(plain["stretch"], half)[:, None]
-            + self.in_time(plain["drift"].reshape(2, -1, count)[half])
+            + self.in_time(courses[half], going_on(self.last @ courses[half] / size))
             + (rms(plain["stretch"]) * rng.normal(size=(STRETCHES, count))).T[:, self.parts]
             for half in (0, 1)
         )
-        runs = run_sizes(model, [one], rng)
+        runs = 0.0 if self.same_run else run_sizes(model, [one], rng)
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
         level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
         if "offset" in plain:
             beside = beside + runs * rng.normal(size=(count, 1))
-        of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
-        for path, unknown in self.other.pieces[0].record.unknown.items():
-            if path not in plain:  # of the other record alone
-                new = unknown.doubt * rng.normal(size=(count, self.other.runs))
-                beside = beside + new @ (fixed[path] * of).T
+        beside = beside + self.doubtful(plain, fixed, count)
         f += level * z + tilt * slope
         f += self.beyond_inputs(plain, z)
         if self.rests:  # one in ten draws is at each level, so that the band has them both
@@ -319,12 +370,27 @@ class _Readings:
             f += turned @ self.pulses.T
         return f
 
-    def in_time(self, learned: Array) -> Array:
-        """Return another course in time (k, n), as large as that with coefficients (p, k)."""
+    def doubtful(self, plain: Mapping[str, Array], fixed: Mapping[str, Array], count: int) -> Array:
+        """Return what parameters of the other record alone, or told before, change (k, n)."""
+        rng, result = self.rng, np.zeros((count, self.rows.count))
+        of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
+        for path, unknown in self.other.pieces[0].record.unknown.items():
+            if path not in plain:
+                new = unknown.doubt * rng.normal(size=(count, self.other.runs))
+                result += new @ (fixed[path] * of).T
+        for path, doubt in self.again.items():
+            result += doubt * rng.normal(size=(count, 1)) * fixed[path].T
+        return result
+
+    def in_time(self, learned: Array, likely: Array | float) -> Array:
+        """Return another course in time (k, n), as large as that with coefficients (p, k).
+
+        That goes on with a probability (k,).
+        """
         new = rms(learned) * self.rng.normal(size=learned.shape)
         result = (self.course @ new).T
         if self.after:
-            goes_on = self.rng.uniform(size=learned.shape[1]) < GOES_ON
+            goes_on = self.rng.uniform(size=learned.shape[1]) < likely
             result += (goes_on * (self.last @ learned - self.first @ new))[:, None]
         return np.asarray(result)
 
