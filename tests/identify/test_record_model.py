@@ -295,22 +295,10 @@ def test_a_course_as_large_as_friction_does_not_go_on() -> None:
     assert np.sqrt(np.mean((rows.response - band.median) ** 2)) < 0.1 * LEVEL
 
 
-def test_what_follows_at_once_is_no_other_run() -> None:
-    judgement, rest = judged(), driven(5, duration=6.0)
-    widths = [
-        np.median(band.high - band.low)
-        for begin in (10.0, 10.2)
-        for band in [
-            judgement.reading_band(judgement.problem.like([replace(rest, time=rest.time + begin)]))
-        ]
-    ]
-    assert widths[0] < 0.8 * widths[1]
-
-
-def test_what_the_same_rows_told_is_as_doubtful_in_other_readings() -> None:
+def test_an_earlier_estimate_is_as_doubtful_in_other_readings() -> None:
     def pushed(record: Record) -> Record:
         column = LEVEL * np.cos(1.7 * record.time)
-        unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0, told=True)}
+        unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0, estimated=True)}
         return replace(record, unknown=unknown)
 
     problem = RecordProblem([pushed(driven())])

@@ -175,7 +175,7 @@ class JointRecords:
             unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
             name = "links." if count else ZERO
             for k, x in enumerate(axes.T):
-                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0, told=True)
+                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0, estimated=True)
             mechanism = one.mechanism + slopes @ told.mean[at]
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 

@@ -48,8 +48,6 @@ WARMING, OTHERWISE = 0.12, 0.5
 go on, which may be as large as friction is. How large it is tells which it is."""
 EITHER = 0.5
 """Prior probability that the course of a force beside friction goes on: no size tells which."""
-ADJOINS = 3.0
-"""Steps of time between records up to which they are parts of one run, as within a record."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -212,7 +210,7 @@ def readings(
     rng = np.random.default_rng([seed, 11])
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
-    again, rests = told_again(model, draws), isinstance(other, RestRows)
+    again, rests = full_doubts(model, draws), isinstance(other, RestRows)
     maker = _Readings(model, other.balance, rng, again=again, rests=rests)
     result = np.concatenate([maker.of(draw, fixed) for draw in draws])
     noise = model.noises[MIDDLE]
@@ -227,29 +225,14 @@ def readings(
     return np.asarray(result + sizes * tail)
 
 
-def adjoins(fitted: Balance, other: Balance) -> bool:
-    """Return whether other records are of the run fitted: what follows it, or goes before, at once.
+def full_doubts(model: RecordModel, draws: Sequence[Draws]) -> dict[str, float]:
+    """Return what the doubt of earlier estimates lacks in draws, by path.
 
-    What a run differs by within itself are its stretches and its course. Of a joint of several a
-    run stands for what its rigid body misses, too, which is no less in the rest of a run.
-    """
-    if fitted.runs > 1 or other.runs > 1 or fitted.pieces[0].record.joint:
-        return False
-    (a, b), (c, d) = (
-        (balance.pieces[0].record.time[0], balance.pieces[-1].record.time[-1])
-        for balance in (fitted, other)
-    )
-    return bool(min(abs(c - b), abs(a - d)) < ADJOINS * fitted.pieces[0].step)
-
-
-def told_again(model: RecordModel, draws: Sequence[Draws]) -> dict[str, float]:
-    """Return by how much less doubtful draws have what the same rows told before, by path.
-
-    Nothing new tells it: other readings have all of its doubt.
+    The same rows were counted twice: other readings have all of the doubt.
     """
     result = {}
     for path, unknown in model.balance.pieces[0].record.unknown.items():
-        if unknown.told:
+        if unknown.estimated:
             parts = [model.split(draw.node, draw.random)[path][0] for draw in draws]
             left = unknown.doubt**2 - float(np.var(np.concatenate(parts)))
             result[path] = math.sqrt(max(left, 0.0))
@@ -298,7 +281,6 @@ class _Readings:
         ends = frame.start + frame.duration
         begins = float(self.rows.time.min())
         self.after = begins >= ends - 0.02 * frame.duration
-        self.same_run = adjoins(model.balance, other)
         self.course = frame.course(frame.start + self.rows.time - begins)
         """Course in time of another record (n, p)."""
         self.first, self.last = frame.course(np.array([frame.start, ends]))
@@ -352,7 +334,7 @@ class _Readings:
             + (rms(plain["stretch"]) * rng.normal(size=(STRETCHES, count))).T[:, self.parts]
             for half in (0, 1)
         )
-        runs = 0.0 if self.same_run else run_sizes(model, [one], rng)
+        runs = run_sizes(model, [one], rng)
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
         level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
@@ -371,7 +353,7 @@ class _Readings:
         return f
 
     def doubtful(self, plain: Mapping[str, Array], fixed: Mapping[str, Array], count: int) -> Array:
-        """Return what parameters of the other record alone, or told before, change (k, n)."""
+        """Return what parameters of the other record alone, or estimated before, change (k, n)."""
         rng, result = self.rng, np.zeros((count, self.rows.count))
         of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
         for path, unknown in self.other.pieces[0].record.unknown.items():
