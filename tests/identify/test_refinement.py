@@ -1,5 +1,6 @@
 """Servos that a voltage drives: runs tell the motor before the balance tells friction."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,10 @@ import pytest
 from benchmarks import servos
 
 from stickslip import Axis, BamM4, CoulombViscous, Measurement, RecordSettings, fit, select
-from stickslip.identify.refinement import refined
+from stickslip.identify.fits import FreeParameters, ResidualJacobian
+from stickslip.identify.fits.parameters import FreeParameter
+from stickslip.identify.refinement import Other, Refined, _Sought, refined
+from stickslip.quantities import Quantity
 
 HELD = RecordSettings(hold="zero")
 
@@ -69,3 +73,48 @@ def test_forces_that_are_linear_in_what_is_looked_for_need_no_runs():
 def test_runs_that_do_not_tell_constants_apart_leave_them_to_the_balance(servo):
     plain = replace(servo, law=CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.02))
     assert refined(guessed(servo), servos.recorded(plain), servos.VARIED, hold="zero") is None
+
+
+class Runs:
+    """Runs that a constant of e^0.5 and its reciprocal explain alike."""
+
+    free_parameters = FreeParameters(
+        (
+            FreeParameter(
+                path="mechanism.r", quantity=Quantity("R"), start=1.5, low=0.1, high=9.0, log=True
+            ),
+        )
+    )
+    noise = 0.1 * np.random.default_rng(5).normal(size=100)
+
+    def linearise(self, values, near=None):
+        (u,) = np.log(values)
+        return ResidualJacobian(
+            values=values,
+            residual=4.0 * u * u - 1.0 + self.noise,
+            slopes=np.full((100, 1), -8.0 * u / values[0]),
+            segment=np.zeros(100, int),
+        )
+
+
+@pytest.mark.parametrize("given", [1.0, 1.5])
+def test_runs_from_a_second_start_show_another_end_with_its_probability(given):
+    sought = _Sought(runs=Runs(), given=np.full(1, given), sizes=np.full(1, 0.5))
+    first = sought.end(np.full(1, 1.5))
+    other = sought.other(first)
+    assert first.at.values[0] == pytest.approx(math.exp(0.5), rel=0.01)
+    assert other.at.values[0] == pytest.approx(math.exp(-0.5), rel=0.01)
+    near, far = (((u - math.log(given)) / 0.5) ** 2 for u in (0.5, -0.5))
+    expected = 1.0 / (1.0 + math.exp(0.5 * (far - near)))  # what is known before decides
+    assert first.chance_of(other) == pytest.approx(expected, abs=0.03)
+    assert other.chance_of(first) == pytest.approx(1.0 - expected, abs=0.03)
+
+
+@pytest.mark.parametrize("chance", [0.3, 0.001])
+def test_another_end_is_said_where_it_is_not_ruled_out(chance):
+    values = {"mechanism.drive.resistance": 3.0}
+    found = Refined(
+        values=values, covariance=np.eye(1), other=Other(values=np.array([4.2]), chance=chance)
+    )
+    said = "a second start end at drive.resistance 4.2 instead of 3, with a probability of 30 %"
+    assert (said in found.sentence) == (chance > 0.05)

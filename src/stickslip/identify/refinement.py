@@ -15,19 +15,27 @@ where :math:`\theta_0` is what was given and :math:`\tau` is `PRIOR`.
 2. The deviation :math:`\sigma` of a reading, and the share :math:`\kappa` of readings that count as
    independent (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times.
 3. The curvature there is the precision of :math:`\theta`, about which the balance is then judged.
+4. A second descent begins on the other side of what was given, by :math:`\tau`. Where it ends
+   elsewhere, the likelier end is taken, and the other one, with its probability :math:`p` by
+   Laplace's approximation, widens the covariance by :math:`p\,d d^T` of their distance :math:`d`.
 
 Where this leaves a parameter nearly as open as it was, runs tell no more than a balance does.
 """
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import expit
 
 from stickslip.data import Measurement
+from stickslip.errors import ConvergenceError
 from stickslip.friction import BamM4
 from stickslip.identify.fits import (
+    CHANCE,
+    NORMAL_95,
     FreeParameters,
     Hold,
     Parameters,
@@ -45,7 +53,7 @@ from stickslip.identify.problems.record_model import KAPPA
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import joined
+from stickslip.show.formatting import joined, number, percent
 
 PRIOR = 0.5
 """Standard deviation of the logarithm of a parameter about the value that was given of it."""
@@ -56,6 +64,16 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Other:
+    """Another end of the runs' descent."""
+
+    values: Array
+    """Values (p,)."""
+    chance: float
+    """Its probability."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Refined:
     """Parameters of a mechanism by runs."""
 
@@ -63,14 +81,24 @@ class Refined:
     """By path."""
     covariance: Array
     """Of the values, in their order (p, p)."""
+    other: "Other | None" = None
+    """Where runs from a second start end, if elsewhere."""
 
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        names = joined([path.removeprefix("mechanism.") for path in self.values])
+        names = [path.removeprefix("mechanism.") for path in self.values]
+        result = (
+            f"Runs of the mechanism with friction of a gear determine {joined(names)}; the force"
+            " balance determines friction with these values."
+        )
+        if self.other is None or self.other.chance < CHANCE:
+            return result
+        pairs = zip(names, self.other.values.tolist(), self.values.values(), strict=True)
+        ends = joined([f"{name} {number(x)} instead of {number(own)}" for name, x, own in pairs])
         return (
-            f"Runs of the mechanism with friction of a gear determine {names}; the force balance"
-            " determines friction with these values."
+            f"{result} Runs from a second start end at {ends}, with a probability of"
+            f" {percent(self.other.chance)}, which the intervals allow for."
         )
 
     def on(self, mechanism: Mechanism) -> Mechanism:
@@ -171,23 +199,103 @@ def refined(
     given = np.array([known.get(path, 1.0) for path in free.paths])
     sizes = np.full(len(free), math.inf)
     sizes[[k for k in looked if free.items[k].log]] = PRIOR
-    best, share = problem.linearise(free.start), 1.0
-    for _ in range(ROUNDS):
-        deviation = best.rms / math.sqrt(share)
-        prior = _WithPrior(runs=problem, given=given, sizes=sizes, deviation=deviation)
-        end, _ = improve(prior, best.values)
-        best = problem.linearise(end.values, end)
-        share = min(
-            worth(best.slopes / best.rms, best.residual, prior.precision(end.values)), KAPPA
-        )
-    table = end.slopes / deviation
-    every: Array = np.linalg.pinv(table.T @ table, hermitian=True).astype(float)
-    covariance = every[np.ix_(looked, looked)]
-    left = np.sqrt(np.diag(prior.precision(end.values)) * np.diag(every))
-    if np.any(left > TOLD) or not is_positive(covariance):
+    sought = _Sought(runs=problem, given=given, sizes=sizes)
+    best = sought.end(free.start)
+    other, chance = sought.other(best), 0.0
+    if other is not None:
+        chance = best.chance_of(other)
+        if chance > 0.5:
+            best, other = other, best
+            chance = best.chance_of(other)
+    covariance = best.covariance[np.ix_(looked, looked)]
+    if np.any(best.left > TOLD) or not is_positive(covariance):
         return None
-    values = {free.paths[k]: float(end.values[k]) for k in looked}
-    return Refined(values=values, covariance=covariance)
+    values, elsewhere = best.at.values[looked], None
+    if other is not None:
+        off = other.at.values[looked] - values
+        if np.any(np.abs(off) > NORMAL_95 * np.sqrt(np.diag(covariance))):
+            elsewhere = Other(values=other.at.values[looked], chance=chance)
+        covariance = covariance + chance * np.outer(off, off)
+    return Refined(
+        values=dict(zip([free.paths[k] for k in looked], values.tolist(), strict=True)),
+        covariance=covariance,
+        other=elsewhere,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _End:
+    """Where a descent ended."""
+
+    at: ResidualJacobian
+    prior: _WithPrior
+    deviation: float
+    """Of a reading that would be independent of others."""
+
+    @property
+    def table(self) -> Array:
+        """Slopes of runs and of what is known before, over deviations (n, p)."""
+        return np.asarray(self.at.slopes / self.deviation)
+
+    @property
+    def covariance(self) -> Array:
+        """Of all that is found (p, p)."""
+        return np.linalg.pinv(self.table.T @ self.table, hermitian=True).astype(float)
+
+    @property
+    def left(self) -> Array:
+        """Deviation of each value over that before the runs (p,); 0 of what was not given."""
+        before = np.diag(self.prior.precision(self.at.values))
+        return np.sqrt(before * np.diag(self.covariance))
+
+    def chance_of(self, other: "_End") -> float:
+        """Return the probability of another end beside this one, with the readings' error here."""
+        there = replace(other, prior=self.prior, deviation=self.deviation)
+        there = replace(there, at=self.prior.linearise(other.at.values))
+        return float(expit(0.5 * (self._surprise - there._surprise)))
+
+    @property
+    def _surprise(self) -> float:
+        """Twice the negative logarithm of its weight, over logarithms of what is above 0."""
+        free = self.prior.free_parameters
+        table = self.table @ free.slopes(free.coordinates(self.at.values))
+        return float(self.at.cost / self.deviation**2 + np.linalg.slogdet(table.T @ table)[1])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sought:
+    """What descents look for."""
+
+    runs: Shooting
+    given: Array
+    """Values that were given (p,)."""
+    sizes: Array
+    """Deviations of their logarithms (p,); infinite of those without."""
+
+    def end(self, begin: Array) -> _End:
+        """Return where a descent from values (p,) ends; deviations of readings are found on it."""
+        best, share = self.runs.linearise(begin), 1.0
+        for _ in range(ROUNDS):
+            deviation = best.rms / math.sqrt(share)
+            prior = _WithPrior(
+                runs=self.runs, given=self.given, sizes=self.sizes, deviation=deviation
+            )
+            end, _ = improve(prior, best.values)
+            best = self.runs.linearise(end.values, end)
+            share = min(
+                worth(best.slopes / best.rms, best.residual, prior.precision(end.values)), KAPPA
+            )
+        return _End(at=end, prior=prior, deviation=deviation)
+
+    def other(self, first: _End) -> _End | None:
+        """Return the end of a descent from the other side of what was given, where it runs."""
+        told = np.isfinite(self.sizes)
+        off = np.log(first.at.values[told] / self.given[told])
+        begin = self.runs.free_parameters.start.copy()
+        begin[told] = self.given[told] * np.exp(-self.sizes[told] * np.sign(off))
+        with suppress(ConvergenceError):
+            return self.end(begin)
+        return None
 
 
 def is_positive(covariance: Array) -> bool:

@@ -53,6 +53,7 @@ from stickslip.identify.fits.results import far_above_dry as far_above_dry
 from stickslip.identify.fits.rig_uncertainties import refuse_load as refuse_load
 from stickslip.identify.fits.rig_uncertainties import span_of as span_of
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of as uncertainties_of
+from stickslip.identify.fits.settings import CHANCE as CHANCE
 from stickslip.identify.fits.settings import Hold as Hold
 from stickslip.identify.fits.settings import MOST as MOST
 from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
@@ -62,6 +63,7 @@ from stickslip.identify.fits.settings import SETTLED as SETTLED
 from stickslip.identify.fits.settings import SURE as SURE
 from stickslip.identify.fits.settings import TAKES_PART as TAKES_PART
 from stickslip.identify.fits.shooting.estimates import BLOCKS as BLOCKS
+from stickslip.identify.fits.shooting.estimates import NORMAL_95 as NORMAL_95
 from stickslip.identify.fits.shooting.estimates import TOGETHER as TOGETHER
 from stickslip.identify.fits.shooting.estimates import effective_size as effective_size
 from stickslip.identify.fits.shooting.estimates import offset_left_out as offset_left_out
