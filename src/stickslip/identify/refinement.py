@@ -201,12 +201,11 @@ def refined(
     sizes[[k for k in looked if free.items[k].log]] = PRIOR
     sought = _Sought(runs=problem, given=given, sizes=sizes)
     best = sought.end(free.start)
-    other, chance = sought.other(best), 0.0
-    if other is not None:
-        chance = best.chance_of(other)
-        if chance > 0.5:
-            best, other = other, best
-            chance = best.chance_of(other)
+    other = sought.other(best)
+    if other is not None and best.chance_of(other) > 0.5:
+        before, best = best, sought.end(other.at.values)
+        other = replace(best, at=best.prior.linearise(before.at.values))
+    chance = 0.0 if other is None else best.chance_of(other)
     covariance = best.covariance[np.ix_(looked, looked)]
     if np.any(best.left > TOLD) or not is_positive(covariance):
         return None
@@ -249,17 +248,17 @@ class _End:
         return np.sqrt(before * np.diag(self.covariance))
 
     def chance_of(self, other: "_End") -> float:
-        """Return the probability of another end beside this one, with the readings' error here."""
-        there = replace(other, prior=self.prior, deviation=self.deviation)
-        there = replace(there, at=self.prior.linearise(other.at.values))
-        return float(expit(0.5 * (self._surprise - there._surprise)))
+        """Return the probability of another end beside this one, if readings err alike."""
+        return float(expit(0.5 * (self._surprise - other._surprise)))
 
     @property
     def _surprise(self) -> float:
         """Twice the negative logarithm of its weight, over logarithms of what is above 0."""
         free = self.prior.free_parameters
         table = self.table @ free.slopes(free.coordinates(self.at.values))
-        return float(self.at.cost / self.deviation**2 + np.linalg.slogdet(table.T @ table)[1])
+        known = np.linalg.svd(table, compute_uv=False)
+        volume = 2.0 * np.sum(np.log(np.maximum(known, ROUNDED * known[0])))
+        return float(self.at.cost / self.deviation**2 + volume)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -288,13 +287,16 @@ class _Sought:
         return _End(at=end, prior=prior, deviation=deviation)
 
     def other(self, first: _End) -> _End | None:
-        """Return the end of a descent from the other side of what was given, where it runs."""
+        """Return the end of a descent from the other side of what was given, where it runs.
+
+        Readings err there as at the first end.
+        """
         told = np.isfinite(self.sizes)
         off = np.log(first.at.values[told] / self.given[told])
         begin = self.runs.free_parameters.start.copy()
         begin[told] = self.given[told] * np.exp(-self.sizes[told] * np.sign(off))
         with suppress(ConvergenceError):
-            return self.end(begin)
+            return replace(first, at=improve(first.prior, begin)[0])
         return None
 
 
