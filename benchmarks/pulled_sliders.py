@@ -20,7 +20,7 @@ if a bounded interval of the true law misses the truth by more than half its wid
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -53,6 +53,8 @@ FAR = 2.0
 """Error over the larger of that and the stated one from which the statement was false."""
 OTHERS = ({"speed": 0.5}, {"speed": 2.0}, {"stiffness": 2.0}, {"load": 2.0})
 """Settings at which features are predicted, over those of the record."""
+WAY = 3e-5
+"""Way [m] over which friction waves by a radian, where a law is not quite right."""
 CYCLES = 60
 """Slips or swings of a record, about."""
 OFF = {"stiffness": 0.08, "mass": 0.04}
@@ -345,15 +347,57 @@ def _path(random: Random, count: int) -> tuple[Array, Array]:
 
 
 def _stepped_record(
-    law: RateState, stiffness: float, knots: Array, places: Array, noise: float, random: Random
-) -> Measurement:
-    """Return the coefficient of friction while a load point moves steadily between knots."""
+    law: RateState, stiffness: float, knots: Array, places: Array, noise: float, random: Random,
+    wave: float = 0.0,
+) -> Measurement:  # fmt: skip
+    """Return the coefficient of friction while a load point moves steadily between knots.
+
+    It waves along the way by a share of its variation.
+    """
     t = np.unique(np.concatenate([
         np.linspace(a, b, 250, endpoint=False) for a, b in pairwise(knots.tolist())
     ]))  # fmt: skip
     true = simulate_velocity_steps(law, stiffness=stiffness, time=knots, pull=places, at=t)
+    pull = np.interp(t, knots, places)
     friction = true.coefficient + noise * random.normal(size=len(t))
-    return Measurement(time=t, pull=np.interp(t, knots, places), friction=friction, load=1.0)
+    friction += wave * np.ptp(true.coefficient) * np.sin(pull / WAY)
+    return Measurement(time=t, pull=pull, friction=friction, load=1.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Steps:
+    """Friction at steps of the speed of a load point, and what is true of it."""
+
+    law: RateState
+    stiffness: float
+    """Of the machine, over the load [1/m]."""
+    told: TowedBlock
+    """The machine as it is given."""
+    record: Measurement
+    knots: Array
+    """Times (n,) [s] between which the load point moves steadily."""
+    places: Array
+    """Its places (n,) [m] then."""
+    noise: float
+    """Standard deviation of a reading of the coefficient."""
+
+
+def steps(random: Random, truth: str, wave: float = 0.0) -> Steps:
+    """Return a record of random steps; friction waves along the way by a share of its variation."""
+    law = _stepped_law(random, truth)
+    # well above the stiffness below which the slider runs away
+    distance = law.critical_distance or 1e-5
+    spare = max(law.evolution_effect + max(law.second_evolution_effect, 0.0), 0.005)
+    stiffness = spare / distance * between(random, 2.0, 10.0)
+    knots, places = _path(random, int(random.choice((1, 2, 3, 4))))
+    noise = between(random, 1e-4, 1e-3)
+    record = _stepped_record(law, stiffness, knots, places, noise, random, wave)
+    off = between(random, 1.2, 1.4) ** float(random.choice((-1.0, 1.0)))
+    return Steps(
+        law=law, stiffness=stiffness, knots=knots, places=places, noise=noise,
+        told=TowedBlock(mass=1e-3, stiffness=off * stiffness, speed=1e-6, load=1.0),
+        record=record,
+    )  # fmt: skip
 
 
 def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any]:
@@ -363,21 +407,14 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
     """
     random = np.random.default_rng([59, seed, number])
     truth = STEPPED[number % len(STEPPED)]
-    law = _stepped_law(random, truth)
-    row: dict[str, Any] = {"seed": seed, "number": number, "truth": truth, "law": repr(law)}
-    # well above the stiffness below which the slider runs away
-    distance = law.critical_distance or 1e-5
-    spare = max(law.evolution_effect + max(law.second_evolution_effect, 0.0), 0.005)
-    stiffness = spare / distance * between(random, 2.0, 10.0)
-    knots, places = _path(random, int(random.choice((1, 2, 3, 4))))
+    row: dict[str, Any] = {"seed": seed, "number": number, "truth": truth}
     begun = time.process_time()
     try:
-        noise = between(random, 1e-4, 1e-3)
-        record = _stepped_record(law, stiffness, knots, places, noise, random)
-        off = between(random, 1.2, 1.4) ** float(random.choice((-1.0, 1.0)))
-        machine = TowedBlock(mass=1e-3, stiffness=off * stiffness, speed=1e-6, load=1.0)
+        made = steps(random, truth)
+        law, noise, knots, places = made.law, made.noise, made.knots, made.places
+        row["law"] = repr(law)
         begun = time.process_time()
-        verdict = select(machine, None, record)
+        verdict = select(made.told, None, made.record)
         assert isinstance(verdict, SimulatedVerdict)
         seconds = time.process_time() - begun
         closest = verdict.closest
@@ -386,7 +423,7 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
         fitted = closest.fit.law, closest.fit.details["stiffness_over_load"]
         other, own = (
             simulate_velocity_steps(each, stiffness=k, time=fresh[0], pull=fresh[1], at=fresh[2])
-            for each, k in ((law, stiffness), fitted)
+            for each, k in ((law, made.stiffness), fitted)
         )
     except StickslipError as error:
         return row | {"refused": str(error), "seconds": time.process_time() - begun}
@@ -405,8 +442,8 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
         longer = np.append(knots, knots[-1] + np.cumsum(lasts))
         further = np.append(places, places[-1] + np.cumsum(ways))
         try:
-            record = _stepped_record(law, stiffness, longer, further, noise, random)
-            after = select(machine, None, record)
+            record = _stepped_record(law, made.stiffness, longer, further, noise, random)
+            after = select(made.told, None, record)
         except StickslipError as error:
             row |= {"advice": False, "after": str(error)}
         else:
@@ -419,11 +456,11 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
         row, verdict.best.name if verdict.best else "", rival,
         hedged="is closest, but" in verdict.sentence, error=error,
         stated=closest.score / variation,
-        intervals=[*_missed(closest.fit.estimates if same else (), _at(law, closest.fit.law))],
+        intervals=[*_missed(closest.fit.estimates if same else (), at(law, closest.fit.law))],
     ) | {"verdict": verdict.sentence, "seconds": seconds, "noise": noise}  # fmt: skip
 
 
-def _at(law: RateState, fitted: RateState) -> dict[str, float]:
+def at(law: RateState, fitted: RateState) -> dict[str, float]:
     """Return parameters of a law with the coefficient that it has at the speed of another one."""
     slope = law.direct_effect - law.evolution_effect - law.second_evolution_effect
     ratio = math.log(fitted.reference_velocity / law.reference_velocity)

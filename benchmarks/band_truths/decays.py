@@ -105,8 +105,11 @@ OUTSIDE: Mapping[str, Callable[[float, float], Callable[[float], float]]] = {
 """Friction over speed of an amount and the largest speed."""
 
 
-def drawn(number: int, seed: int) -> Rig:
-    """Return a decay: inside and outside in turn, kinds of truths in turn."""
+def drawn(number: int, seed: int, *, off: float = 0.0) -> Rig:
+    """Return a decay: inside and outside in turn, kinds of truths in turn.
+
+    Its friction waves about that of its law, over the logarithm of the speed, by a share `off`.
+    """
     random = np.random.default_rng([62, seed, number])
     half, inside = number // 2, number % 2 == 0
     among = [*TRUTHS] if inside else [*OUTSIDE]
@@ -131,6 +134,8 @@ def drawn(number: int, seed: int) -> Rig:
         at, mechanism = (0.0, top), Axis(inertia=inertia)  # type: ignore[assignment]
     rate = min(rate, 20_000.0 / duration)
     friction, parameters = _friction(random, name, f, top)
+    if off:
+        friction = _waving(friction, off, top)
     body = Body(
         inertia=inertia, pull=lambda q: -weight * math.sin(q),
         level=friction(0.0), friction=friction,
@@ -217,6 +222,11 @@ def _friction(
     }
     parameters = {NAMES[k]: x for k, x in c.items()}
     return _sum(parameters), parameters
+
+
+def _waving(friction: Callable[[float], float], off: float, top: float) -> Callable[[float], float]:
+    """Return friction that waves about another, down to a thousandth of the top speed."""
+    return lambda v: friction(v) * (1.0 + off * math.sin(2.1 * math.log(max(v / top, 1e-3))))
 
 
 def _sum(parameters: Mapping[str, float]) -> Callable[[float], float]:

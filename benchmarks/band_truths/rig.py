@@ -13,7 +13,7 @@ from stickslip import Axis, Measurement
 Array: TypeAlias = NDArray[np.float64]
 Random: TypeAlias = np.random.Generator
 KINETIC, STATIC, FALL = "kinetic_coefficient", "static_coefficient", "stribeck_velocity"
-VISCOUS, EXPONENT, DRAG = "viscous_coefficient", "viscous_exponent", "drag_coefficient"
+VISCOUS, EXPONENT, DRAG = "viscous_coefficient", "viscous_exponent", "quadratic_coefficient"
 """Names of parameters of laws, as `Rig.parameters` has them."""
 AXIS = Axis(inertia=1.0)
 

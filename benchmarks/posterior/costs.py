@@ -90,6 +90,11 @@ def six_joints() -> Callable[[], Any]:
     return _select([*real_records.staubli()][-1])
 
 
+def servo() -> Callable[[], Any]:
+    """Three records of a servo with four unknown constants."""
+    return _select(next(real_records.servo()))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Kind:
     """A selection, and the most that it may take [s]."""
@@ -105,6 +110,7 @@ KINDS: Mapping[str, Kind] = {
     "long": Kind(made=long, most=12.0),
     "swing": Kind(made=free_swing, most=5.0),
     "joints": Kind(made=six_joints, most=30.0),
+    "servo": Kind(made=servo, most=20.0),
 }
 PEAK = 1.0
 """Most memory [GB]."""

@@ -13,6 +13,7 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from tools.budget import BUDGET, counted
 from benchmarks import bands, pulled_sliders, real_records
 from benchmarks.band_truths import travels as truths
 from benchmarks.closed_loop_axes import fast_lugre
-from benchmarks.posterior import costs, study
+from benchmarks.posterior import costs, fits, study
 from stickslip import select
 from stickslip.errors import StickslipError
 
@@ -411,6 +412,34 @@ def features(asked: Asked) -> Iterator[Number]:
     yield most("features: processor time, most", 5.0, max(seconds), " s")
 
 
+# ---- fits of one law
+
+
+def fit_coverage(asked: Asked, kind: str) -> Iterator[Number]:
+    """Yield which share of the intervals of fits of a kind holds the truth."""
+    rows = list[fits.Fitted]()
+    for number in range(asked.count(fits.KINDS[kind].count)):
+        rows.append(fits.fitted(kind, asked.seed, number))
+        print(rows[-1], file=sys.stderr, flush=True)
+    for exact, words in ((True, "law right"), (False, f"law within {fits.OFF:.0%}")):
+        own = [row for row in rows if row.exact == exact]
+        every = [hit for row in own for hit in row.held.values()]
+        unbounded, refused = sum(row.unbounded for row in own), sum(bool(x.refused) for x in own)
+        more = f" of {len(every)}, {unbounded} not bounded"
+        more += f", {refused} of {len(own)} refused" if refused else ""
+        share = float(np.mean(every)) if every else math.nan
+        yield held(f"fit, {kind}, {words}: intervals", share, more)
+    apart = [row.apart for row in rows if row.apart is not None]
+    if apart:
+        yield most(f"fit, {kind}: difference from select, {len(apart)}", 0.0, max(apart))
+    seconds = [row.seconds for row in rows]
+    middle, most_, allowed = float(np.median(seconds)), max(seconds), fits.KINDS[kind].seconds
+    yield Number(
+        what=f"fit, {kind}: processor time, median", asked=f"<= {allowed:g} s",
+        measured=f"{middle:.1f} s, most {most_:.1f} s", met=middle <= allowed,
+    )  # fmt: skip
+
+
 # ---- measured records
 
 
@@ -510,6 +539,7 @@ PARTS: Mapping[str, Callable[[Asked], Iterator[Number]]] = {
     "lugre": lugre,
     "swings": swings,
     "features": features,
+    **{f"fit-{kind}": partial(fit_coverage, kind=kind) for kind in fits.KINDS},
     "real": real,
     "costs": times,
     "sizes": sizes,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from benchmarks.band_verdict import handed_over
-from benchmarks.posterior import numbers, study
+from benchmarks.posterior import fits, numbers, study
 from benchmarks.real_records import Law, plain_error, watched
 
 from stickslip import Axis, Measurement, select
@@ -63,3 +63,27 @@ def test_a_swing_loses_energy_and_its_length_is_given_off():
     assert 0.001 <= abs(one.told.length / one.length - 1.0) <= 0.003
     first, last = (np.ptp(one.position[part]) for part in (slice(200), slice(-200, None)))
     assert 0.02 < last / first < 0.9
+
+
+@pytest.mark.parametrize("kind", ["decays", "steps", "travels"])
+def test_select_with_one_law_gives_the_numbers_of_fit_for_other_kinds(kind):
+    result = fits.fitted(kind, 1, 0)
+    assert result.held
+    assert not result.refused
+    assert result.apart == 0.0
+
+
+def test_intervals_of_fits_are_counted_by_whether_the_law_is_right(monkeypatch):
+    def fitted(kind, seed, number):
+        exact = number % 2 == 0
+        return fits.Fitted(
+            kind=kind, truth="level", number=number, exact=exact, held={"a": exact, "b": True},
+            missed={}, unbounded=1, apart=None, seconds=2.0,
+        )  # fmt: skip
+
+    monkeypatch.setattr(fits, "fitted", fitted)
+    right, off, time = numbers.fit_coverage(numbers.Asked(seed=1, quick=True), "servos")
+    assert right.measured == "1.000 of 4, 2 not bounded"
+    assert off.measured == "0.500 of 4, 2 not bounded"
+    assert not off.met
+    assert time.met

@@ -14,6 +14,8 @@ from stickslip.identify.fits.levenberg_marquardt import (
     step_of,
 )
 from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.shooting import fitting
+from stickslip.identify.fits.shooting.estimates import infer
 from stickslip.quantities import Quantity
 
 RANDOM = np.random.default_rng(3)
@@ -126,3 +128,41 @@ def test_a_record_that_no_start_predicts_is_refused_with_the_values_tried():
         search(problem, starts=3)
     with pytest.raises(ConvergenceError, match="cannot be simulated with these start values"):
         improve(problem, np.array([9.0, 9.0]))
+
+
+class Wells(LeastSquaresProblem):
+    """Readings that two values explain equally well, but for a share of a slope between them."""
+
+    free_parameters = FreeParameters(
+        (FreeParameter(path="friction.x", quantity=Quantity("x"), start=1.9, low=0.1, high=9.0),)
+    )
+
+    def __init__(self, tilt=0.0):
+        self.tilt, self.noise = tilt, 0.1 * np.random.default_rng(5).normal(size=(40, 1))
+
+    def linearise(self, values, near=None):
+        (x,) = values
+        rows = np.append((x - 1.0) * (x - 3.0) + self.noise, self.tilt * (x - 1.0))
+        slopes = np.append(np.full((40, 1), 4.0 - 2.0 * x), [[-self.tilt]], axis=0)
+        return ResidualJacobian(
+            values=values, residual=rows, slopes=slopes, segment=np.zeros(41, int)
+        )
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1.0])
+def test_another_end_that_is_as_likely_is_part_of_the_interval_and_said(tilt):
+    found = search(Wells(tilt), starts=4)
+    assert {round(float(end[0])) for end in found.ends} == {1, 3}
+    inference = infer(found.best, np.eye(1))
+    others = fitting._elsewhere(found, inference)
+    said = list(fitting._of_ends(Wells.free_parameters, others))
+    if tilt:  # it leaves much more
+        assert not others
+        assert not said
+        return
+    (other,) = others
+    assert abs(other.off[0]) == pytest.approx(2.0, rel=0.05)
+    assert other.chance == pytest.approx(0.5, abs=0.05)
+    wider = inference.including(other.widening)
+    assert wider.half_widths[0] > 2.0 > 5.0 * inference.half_widths[0]
+    assert said[0].startswith("Another start of the search ends at x = ")

@@ -116,6 +116,8 @@ class OptimizeResult:
     """How often the record was predicted."""
     cancelled: bool = False
     """Whether the watcher ended the search."""
+    ends: tuple[Array, ...] = ()
+    """Values (p,) that each start ended with, NaN where it could not be simulated."""
 
     @property
     def agreeing(self) -> int:
@@ -159,7 +161,7 @@ def search(
     """
     counter, random = Counter(watch), np.random.default_rng(seed)
     ends: list[ResidualJacobian] = []
-    costs: list[float] = []
+    costs, reached = list[float](), list[Array]()
     cancelled = False
     for place in range(starts):
         if cancelled:
@@ -174,8 +176,10 @@ def search(
                 gains = end.cost < (1.0 - AGREE) * before
         except ConvergenceError:
             costs.append(math.inf)
+            reached.append(np.full(len(values), math.nan))
             continue
         ends.append(end)
+        reached.append(end.values)
         costs.append(end.cost)
     if not ends:
         raise ConvergenceError(
@@ -187,6 +191,7 @@ def search(
         costs=tuple(costs),
         evaluations=counter.count,
         cancelled=cancelled,
+        ends=tuple(reached),
     )
 
 

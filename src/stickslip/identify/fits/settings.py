@@ -62,7 +62,8 @@ class RecordSettings(metaclass=Described):
     Simulated segments and balances heed it; measured friction has no force beside it.
     """
     starts: int = 1
-    """Starts of the search: beyond the first, jittered ones."""
+    """Starts of the search: beyond the first, jittered ones. Constants of a motor that a voltage
+    drives are looked for from two at least."""
     seed: int = 0
     """Of the jitter of further starts."""
     position_zeros: bool | None = None

@@ -341,7 +341,7 @@ def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
     and its change along the way, are those of each record.
     """
     problem: VelocitySteps = fits[0].problem
-    path, stiffness = problem.record.path, _machine(fits[0]).stiffness
+    path, stiffness = problem.record.path, _pulled(fits[0].mechanism).stiffness
     begun, tried = float(path.lasting[0]), stepped_speed(path)
     extremes = float(path.lasting.max()), float(path.lasting[path.lasting > STRAIGHT * begun].min())
     speeds = {tried, STEPS * extremes[0], extremes[1] / STEPS}

@@ -1,12 +1,13 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Mapping, Sequence, Set
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from stickslip.data import (
     Measurement,
@@ -34,10 +35,10 @@ from stickslip.identify.fits.levenberg_marquardt import (
     search,
     step_of,
 )
-from stickslip.identify.fits.parameters import FreeParameter, told
+from stickslip.identify.fits.parameters import FreeParameter, FreeParameters, told
 from stickslip.identify.fits.record_forces import driven, drives_itself, inside
 from stickslip.identify.fits.rig_uncertainties import refuse_load, uncertainties_of
-from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.settings import CHANCE, RecordSettings
 from stickslip.identify.fits.shooting.estimates import (
     NORMAL_95,
     Displaced,
@@ -47,6 +48,7 @@ from stickslip.identify.fits.shooting.estimates import (
     infer,
     offset_left_out,
     sentences_of,
+    with_unit,
 )
 from stickslip.identify.fits.shooting.fit import RecordFit, scale_of
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
@@ -61,7 +63,7 @@ from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms import Mechanism, input_names, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import joined, number, quantity
+from stickslip.show.formatting import joined, number, percent, quantity
 
 # Which way records are fitted, by what was measured.
 
@@ -321,6 +323,8 @@ def finished(
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     moved = displacements(ready.problem, best, mechanism, measurement)
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
+    elsewhere = _elsewhere(found, inference)
+    inference = inference.including(*(item.widening for item in elsewhere))
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)
     fit = RecordFit(
@@ -353,11 +357,62 @@ def finished(
             *sentences_of(told_by, best, inference, at_bounds, estimates),
             *offset_left_out(ready.start, ready.mechanism, free_parameters.paths),
             *_zeros(ready, best, inference),
+            *_of_ends(told_by, elsewhere),
             *unvaried(ready.start, inputs),
             *_of_recorded_swing(mechanism),
             *dict.fromkeys(volts_sentence(name) for x in measurement.records() for name in x.volts),
         ),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Elsewhere:
+    """Where another start of a search ended."""
+
+    values: Array
+    """Values (p,)."""
+    off: Array
+    """How far they are from those of the fit (p,)."""
+    chance: float
+    """Their probability."""
+
+    @property
+    def widening(self) -> Array:
+        """Half widths (p,) that a mixture of both ends has beside those of one."""
+        return np.asarray(NORMAL_95 * math.sqrt(self.chance) * self.off)
+
+
+def _elsewhere(searched: OptimizeResult, inference: Inference) -> list[_Elsewhere]:
+    """Return ends of a search that are about as likely as the best, and not it.
+
+    The probability is that of normal errors of as many independent residuals as there are.
+    """
+    result, best, least = list[_Elsewhere](), searched.best.values, min(searched.costs)
+    for cost, values in zip(searched.costs, searched.ends, strict=True):
+        if not math.isfinite(cost):
+            continue
+        worse = cost / least if least > 0.0 else math.inf
+        chance = float(expit(0.5 * inference.effective * (1.0 - worse)))
+        off = np.where(np.isfinite(inference.half_widths), values - best, 0.0)
+        apart = np.any(np.abs(off) > inference.half_widths)
+        seen = any(np.all(np.abs(x.values - values) < inference.half_widths) for x in result)
+        if apart and chance >= CHANCE and not seen:
+            result.append(_Elsewhere(values=values, off=off, chance=chance))
+    return result
+
+
+def _of_ends(free: FreeParameters, elsewhere: Sequence[_Elsewhere]) -> Iterator[str]:
+    """Yield a sentence on each further end of a search."""
+    for end in elsewhere:
+        values = [
+            f"{item.quantity.symbol} = {with_unit(x, item)}"
+            for item, x, off in zip(free.items, end.values.tolist(), end.off.tolist(), strict=True)
+            if off and not item.quantity.nuisance
+        ]
+        yield (
+            f"Another start of the search ends at {joined(values)}, which is about as likely"
+            f" ({percent(end.chance)}): intervals are as wide as both ends need."
+        )
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
