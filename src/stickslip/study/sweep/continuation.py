@@ -1194,21 +1194,24 @@ class Curve:
 
         Of the map without impact. At a hard stop the largest one decides where all are real and
         positive (Nordmark 1997; Chin, Ott, Nusse and Grebogi 1994). At a soft one the map differs
-        from it by the 3/2 power of the depth, and they go on (di Bernardo et al. 2008, chapter 7).
+        by the 3/2 power of the depth (di Bernardo et al. 2008, chapter 7), and linearly if its
+        damper acts on the way in alone: then multipliers jump, and those behind tell.
         """
         if self.searching or self.hops or self.map.section is not None:
             return ""
-        soft = there is not None and not hits(here, there)
-        contact, count = ("contact", _met) if soft else ("impact", _hit)
-        free = min(filter(None, (here, there)), key=lambda point: count(point.signature))
+        met = None if there is None or hits(here, there) else max(here, there, key=_meetings)
+        count = _meetings if met else _impacts
+        free = min(filter(None, (here, there)), key=count)
         values = free.multipliers
         largest = float(np.abs(values).max(initial=0.0))
-        real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
-        rule = next(words for bound, words in WINDOWS if largest < bound)
-        what = rule if real else "no rule for complex or negative ones"
-        if soft:
-            what = f"it goes on (3/2 power), {'' if largest < 1.0 else 'un'}stable on both sides"
-        text = f"; largest multiplier without {contact} {number(largest, 2)}: {what}"
+        text = f"; largest multiplier without {'contact' if met else 'impact'} {number(largest, 2)}"
+        if met:
+            behind = float(np.abs(met.multipliers).max(initial=0.0))
+            text += f", with it {number(behind, 2)}: {'' if behind < 1.0 else 'un'}stable behind"
+        else:
+            real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
+            rule = next(words for bound, words in WINDOWS if largest < bound)
+            text += f": {rule if real else 'no rule for complex or negative ones'}"
         # to the side on which the orbit without impact is none any more
         ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
         value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
@@ -1416,9 +1419,15 @@ def _hit(signature: Signature) -> int:
     return sum(count for _, what, count in signature if what.endswith("hits stop"))
 
 
-def _met(signature: Signature) -> int:
+def _impacts(point: Point) -> int:
+    """Return how often hard stops are hit in a period."""
+    return _hit(point.signature)
+
+
+def _meetings(point: Point) -> int:
     """Return how often soft stops are met in a period."""
-    return sum(n for _, what, n in signature if "meets" in what and what.endswith("soft stop"))
+    kinds = ((what, n) for _, what, n in point.signature)
+    return sum(n for what, n in kinds if "meets" in what and what.endswith("soft stop"))
 
 
 def hits(here: Point, there: Point) -> bool:
@@ -1429,7 +1438,7 @@ def hits(here: Point, there: Point) -> bool:
 def touches(here: Point, there: Point) -> bool:
     """Whether a soft stop is met more often in the one, where nothing else is different."""
     kinds = {what for _, what, _ in {*here.signature} ^ {*there.signature}}
-    return _met(here.signature) != _met(there.signature) and all("soft stop" in x for x in kinds)
+    return _meetings(here) != _meetings(there) and all("soft stop" in x for x in kinds)
 
 
 def _length(x: Array) -> float:
