@@ -1089,7 +1089,8 @@ class Curve:
             along = ((u - begins) * chords).sum(axis=1)
             places = begins + along[:, None] * chords
             near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
-            for i in np.flatnonzero(near & (along > 0.0) & (along <= sizes)):
+            # a point of the trail itself lies on both chords there, or by rounding on none
+            for i in np.flatnonzero(near & (along > -SAME) & (along < sizes + SAME)):
                 result = self.correct(u, chords[i], 0.0, places[i])
                 point = result and self.point(result[0])
                 if not point or _length(point.unknowns - u) > max(ALIKE * sizes[i], SAME):
