@@ -963,7 +963,8 @@ class Curve:
     def met(self, there: Point) -> int | None:
         """Return the number of the branch that is known on which a point lies, if any."""
         trail, numbers = self.known
-        at = self.chord(there, trail)
+        # a point of the trail itself lies on both chords there, or by rounding on none
+        at = self.chord(there, trail, SAME)
         return None if at is None else int(numbers[at])
 
     def is_next(self, here: Point, there: Point, u0: Array, ds: float) -> bool:
@@ -1065,8 +1066,10 @@ class Curve:
         )
         return [] if last is here else [last]
 
-    def chord(self, there: Point, trail: Array) -> int | None:
+    def chord(self, there: Point, trail: Array, slack: float = 0.0) -> int | None:
         """Return between which of neighbours on a trail a point lies, in either direction, if any.
+
+        Or beyond one of them by no more than a slack.
 
         Begun at any of its cycles: half a period later an orbit of two is the same. So it lies
         where a branch that was stepped over at grazing comes back on another way. What is near is
@@ -1089,8 +1092,7 @@ class Curve:
             along = ((u - begins) * chords).sum(axis=1)
             places = begins + along[:, None] * chords
             near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
-            # a point of the trail itself lies on both chords there, or by rounding on none
-            for i in np.flatnonzero(near & (along > -SAME) & (along < sizes + SAME)):
+            for i in np.flatnonzero(near & (along > -slack) & (along <= sizes + slack)):
                 result = self.correct(u, chords[i], 0.0, places[i])
                 point = result and self.point(result[0])
                 if not point or _length(point.unknowns - u) > max(ALIKE * sizes[i], SAME):
