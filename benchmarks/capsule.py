@@ -10,8 +10,9 @@ Marks of chaos are compared with long runs of random capsules: periodic is what 
 thousands of cycles, chaotic what does not and has left a start 1e-6 off by then.
 """
 
+import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -19,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.designs import SEED as DESIGN_SEED
 from benchmarks.designs import design
 from benchmarks.measuring import Section, Target
 from stickslip import Capsule, Coulomb, EventDriven, ensemble
@@ -57,8 +59,6 @@ RIGS = {
     ),
 }
 FOLLOWED = ("soft stop, force from outside", "hard stop, e = 0.6", "hard stop, e = 0")
-PARTS = ("sweeps", "branches", "chart", "early", "marks", "design")
-"""What `run` prints, each of which can be chosen."""
 PATH = "mechanism.drive.drive.frequency"
 FREQUENCIES = 500
 RANGE = (2.0, 20.0)
@@ -221,6 +221,8 @@ def marks() -> tuple[Target, Target]:
         swept = average_velocity(rig, LAW, {PATH: [frequency]})
         long = lyapunov_exponents(rig, LAW)
         marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
+        if sum(result.values()) % 20 == 0:
+            tell(f"{result}, of which marked {marked['chaotic']} and {marked['periodic']}")
     return tuple(
         Target(
             work=f"marks of chaos by {name}",
@@ -273,6 +275,8 @@ def regions(found: OrbitChart) -> Target:
     cell = (high - low) / (CELLS - 1)
     missed, far, alone, left, closing = 0, 0, 0, 0, 0
     for i, j in np.ndindex(CELLS, CELLS):
+        if j == 0 and i % 8 == 0:
+            tell(f"settled runs in cells {i} of {CELLS}")
         frequency, amplitude = float(found.axes[0][i]), float(found.axes[1][j])
         drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
         rig, known = replace(soft, drive=drive), [y for _, y in found.motions.get((i, j), ())]
@@ -422,36 +426,62 @@ def early_ends() -> Target:
     )  # fmt: skip
 
 
+def sweeps() -> tuple[list[tuple[str, ...]], list[Target]]:
+    """Return rows of the times of sweeps, and whether that of the first one is short enough."""
+    taken = {name: sweep(rig) for name, rig in RIGS.items()}
+    first = next(iter(RIGS))
+    target = Target(
+        work=f"{FREQUENCIES} frequencies, 100 cycles each, {first}",
+        goal=f"{GOAL_SWEEP:g} s of processor time", measured=f"{taken[first]:.2f} s",
+        met=taken[first] <= GOAL_SWEEP, reason="the machine was busy",
+    )  # fmt: skip
+    return [(name, "", f"{seconds:.2f}", "", "", "") for name, seconds in taken.items()], [target]
+
+
+def all_branches() -> tuple[list[tuple[str, ...]], list[Target]]:
+    """Return rows and targets of the branches of the capsules that are followed."""
+    pairs = [branches(name) for name in FOLLOWED]
+    return [row for row, _ in pairs], [target for _, target in pairs]
+
+
+PARTS: Mapping[str, Callable[[], tuple[list[tuple[str, ...]], list[Target]]]] = {
+    "early": lambda: ([], [early_ends()]),
+    "sweeps": sweeps,
+    "branches": all_branches,
+    "chart": lambda: ([], [*chart()]),
+    "marks": lambda: ([], [*marks()]),
+    "design": lambda: ([], [design()]),
+}
+"""What `run` prints, each of which can be chosen."""
+SEEDS = (
+    f"Seeds: {SEED} (random capsules, starts of settled runs and of cells), {MARKS_SEED} (motions"
+    f" with which marks of chaos are compared), {DESIGN_SEED} (random designs and the search)."
+)
+
+
 def table(parts: Sequence[str]) -> tuple[list[tuple[str, ...]], list[Target]]:
-    """Return rows and targets of parts."""
+    """Return rows and targets of parts; each is told as soon as it is known."""
     rows, targets = list[tuple[str, ...]](), list[Target]()
-    if "sweeps" in parts:
-        sweeps = {name: sweep(rig) for name, rig in RIGS.items()}
-        rows += [(name, "", f"{taken:.2f}", "", "", "") for name, taken in sweeps.items()]
-        first = next(iter(RIGS))
-        targets.append(
-            Target(
-                work=f"{FREQUENCIES} frequencies, 100 cycles each, {first}",
-                goal=f"{GOAL_SWEEP:g} s of processor time",
-                measured=f"{sweeps[first]:.2f} s",
-                met=sweeps[first] <= GOAL_SWEEP,
-                reason="the machine was busy",
-            )
-        )
-    for name in FOLLOWED if "branches" in parts else ():
-        row, target = branches(name)
-        rows.append(row)
-        targets.append(target)
-    for name, own in (("chart", chart), ("marks", marks)):
-        targets += own() if name in parts else ()
-    for name, alone in (("early", early_ends), ("design", design)):
-        targets += [alone()] if name in parts else []
+    for number, part in enumerate(parts, 1):
+        tell(f"{part}, part {number} of {len(parts)} ...")
+        begun = time.process_time()
+        more, known = PARTS[part]()
+        tell(f"{part} took {time.process_time() - begun:.0f} s of processor time.")
+        for target in known:
+            verdict = "met" if target.met else "NOT MET"
+            tell(f"{target.work}: {target.measured} ({target.goal}): {verdict}")
+        rows, targets = [*rows, *more], [*targets, *known]
     return rows, targets
+
+
+def tell(line: str) -> None:
+    """Print what has been done so far beside the page."""
+    print(f"capsule: {line}", file=sys.stderr, flush=True)
 
 
 def run(*parts: str) -> Section:
     """Return times of sweeps and branches, a chart, marks of chaos, and an optimised capsule."""
-    rows, targets = table(parts or PARTS)
+    rows, targets = table(parts or tuple(PARTS))
     return Section(
         title="A vibro-impact capsule",
         heads=("capsule", "branches", "time, s", "settled runs, s", "closing", "on no branch"),
@@ -462,6 +492,7 @@ def run(*parts: str) -> Section:
             f" {SETTLE} cycles from random states, of which those that close within {MOST} cycles"
             f" must lie on a branch; those on none count if they close to {CLOSED:g} after"
             f" {FURTHER:,} cycles more. Processor time of one core.",
+            SEEDS,
         ),
         targets=tuple(targets),
     )

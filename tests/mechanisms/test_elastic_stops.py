@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from stickslip import Capsule, Coulomb, PendulumCart, load_rig, simulate
 from stickslip.data import rig_toml
+from stickslip.engine.trajectory import Status
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
@@ -92,7 +93,7 @@ def cart_field(stop):
 
 
 def test_a_pendulum_that_bounces_at_a_hard_stop_moves_its_cart_as_scipy_says():
-    rig, e = replace(CART, upper_stop=0.15, lower_stop=-0.2, restitution=0.7), 0.7
+    rig, e = replace(CART, lower_stop=0.0, restitution=0.7), 0.7  # the rod is upright there
 
     def hits(side, place):
         def event(_t, y):
@@ -102,8 +103,8 @@ def test_a_pendulum_that_bounces_at_a_hard_stop_moves_its_cart_as_scipy_says():
         return event
 
     times = np.linspace(0.0, 2.0, 201)
-    t, y, found, events = 0.0, np.zeros(4), np.full((4, len(times)), np.nan), 0
-    walls = [hits(1.0, 0.15), hits(-1.0, -0.2)]
+    t, y, found, events = 0.0, np.array([0.0, 0.1, 0.0, 0.0]), np.full((4, len(times)), np.nan), 0
+    walls = [hits(-1.0, 0.0)]
     while t < 2.0:
         run = solve_ivp(
             cart_field(None), (t, 2.0), y, "DOP853", events=walls, dense_output=True, rtol=1e-11,
@@ -118,15 +119,33 @@ def test_a_pendulum_that_bounces_at_a_hard_stop_moves_its_cart_as_scipy_says():
             y[2] -= 0.1 * 0.3 * math.cos(y[1]) * (1.0 + e) * y[3] / 0.6
             y[3] *= -e
     assert events > 3
-    seen = simulate(rig, FREE, t_end=2.0).at(times)
+    seen = simulate(rig, FREE, t_end=2.0, y0={"theta": 0.1}).at(times)
     for row, name in enumerate(("x", "theta", "v", "omega")):
         size = np.nanmax(np.abs(found[row]))
         np.testing.assert_allclose(seen[name][1:-1], found[row][1:-1], atol=1e-6 * size)
-    run = simulate(rig, RUBS, t_end=2.0)
+    run = simulate(rig, RUBS, t_end=2.0, y0={"theta": 0.1})
     assert run.certificate.certified
     balance = energy_balance(rig, run)
     assert balance.mismatch < 1e-9
     assert balance.stops[-1] > 0.0
+
+
+@pytest.mark.parametrize("place", [0.15, -0.2, 2.0])
+def test_a_hard_stop_whose_blow_acts_on_the_normal_force_is_refused(place):
+    with pytest.raises(ParameterError, match=f"{place:g} rad: a blow elsewhere lifts the cart"):
+        replace(CART, upper_stop=place)
+    with pytest.raises(ParameterError, match="Use soft stops"):
+        replace(CART, lower_stop=0.0, wheelbase=0.2)
+
+
+def test_a_blow_on_a_stiff_soft_stop_may_lift_the_cart():
+    # a hanging rod whose ball is stopped on its way up pulls its cart up
+    stop = SoftStop(place=math.pi + 1.0, stiffness=2e4, damping=0.0)
+    rig = replace(CART, upper_soft_stop=stop, pivot_stiffness=0.0, pendulum=Torque())
+    start = {"theta": math.pi, "omega": 12.0}
+    run = simulate(rig, RUBS, t_end=2.0, y0=start, throw=False)
+    assert run.status is Status.LIFT_OFF
+    assert run["theta"][-1] > stop.place
 
 
 def test_a_pendulum_with_an_elastic_stop_moves_its_cart_as_scipy_says():
@@ -154,7 +173,7 @@ type = "pendulum-cart"
 cart_mass = "0.5 kg"
 ball_mass = "0.1 kg"
 length = "0.3 m"
-upper_stop = "10 deg"
+upper_stop = "180 deg"
 restitution = 0.5
 
 [mechanism.pendulum]
@@ -173,7 +192,7 @@ kinetic_coefficient = 0.1
 """
     )
     rig = load_rig(path).mechanism
-    assert math.isclose(rig.upper_stop, math.radians(10.0))
+    assert math.isclose(rig.upper_stop, math.pi)
     assert rig.lower_soft_stop == SoftStop(
         place=math.radians(-10.0), stiffness=2.0, spring="exponential", stiffening=3.0
     )

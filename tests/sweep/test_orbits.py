@@ -210,6 +210,36 @@ def test_what_survives_a_touch_follows_from_real_eigenvalues_and_is_met_by_a_run
     assert "a run behind closes after" in event.sentence
 
 
+def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touched():
+    """The map differs by the 3/2 power of the depth; a damper on the way in alone makes a jump."""
+    law, turns, k, c = Coulomb(kinetic_coefficient=5.0), 2.0 * math.pi * 8.0, 60.0, 0.1
+    graze = STOP * 1e-3 * abs(complex(k - 0.02 * turns**2, c * turns))  # the capsule rests
+
+    def touching(amplitude, damping=0.0):
+        return Capsule(
+            capsule_mass=1.0, inner_mass=0.02, stiffness=k, damping=c, drive_on="inner mass",
+            drive=Torque(drive=Sine(amplitude=amplitude, frequency=8.0)),
+            upper_soft_stop=SoftStop(place=STOP * 1e-3, stiffness=600.0, damping=damping),
+        )  # fmt: skip
+
+    orbit = periodic_orbit(touching(0.8 * graze), law)
+    branch = continue_orbit(orbit, "drive.amplitude", (0.5 * graze, 1.1 * graze))
+    (event,) = branch.events
+    assert event.kind == "grazing"
+    assert event.value == pytest.approx(graze, rel=1e-6)
+    size = math.exp(-c / 0.02 / 2.0 / 8.0)
+    assert f"largest multiplier without contact {size:.2g}, with it" in event.sentence
+    assert "stable behind; a run behind closes after 1 cycle" in event.sentence
+    pair = np.sort_complex(orbit.multipliers[:2])
+
+    def change(depth, damping):
+        near = periodic_orbit(touching(graze * (1.0 + depth), damping), law).multipliers[:2]
+        return float(np.abs(np.sort_complex(near) - pair).max())
+
+    assert math.log10(change(1e-5, 0.0) / change(1e-7, 0.0)) == pytest.approx(1.0, abs=0.05)
+    assert change(1e-8, 0.1) > 0.8 * change(1e-7, 0.1)
+
+
 def test_the_saltation_of_a_touch_grows_like_the_inverse_root_of_its_depth():
     """The square-root law: dPhi/dy = O(depth^-1/2), as an impact at a speed of sqrt(2 a depth)."""
     law = Viscous(viscous_coefficient=0.4)

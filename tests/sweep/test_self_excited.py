@@ -203,6 +203,23 @@ def test_the_diagram_of_a_belt_ends_with_its_cycle():
     assert not (diagram.settled[diagram.values > end] > 0).any()
     assert (diagram.settled[diagram.values < end] == 1).all()
     assert diagram.states == ("x", "cycle")
+    assert not diagram.chaotic.any()
+
+
+def test_blocks_whose_neighbours_leave_are_chaotic_and_those_that_close_are_not():
+    chain = BlockChain(blocks=3, mass=1.0, coupling=2.0, stiffness=1.0, speed=0.1)
+    runs = [
+        simulate(chain, FADING, t_end=400.0, y0={"x1": x, "x2": 0.1}) for x in (0.3, 0.3 + 1e-9)
+    ]
+    here, there = ([run.at([400.0])[name][0] for name in ("x1", "x2", "x3")] for run in runs)
+    assert np.abs(np.subtract(here, there)).max() > 0.1  # a hundred million times as far apart
+    settings = {"values": 2, "starts": 1, "settle": 60, "y0": {"x1": 0.3, "x2": 0.1}}
+    diagram = orbit_diagram(chain, FADING, "coupling", (2.0, 2.1), cycles=1, **settings)
+    assert diagram.chaotic.all()
+    pair = BlockChain(blocks=2, mass=1.0, coupling=1.2, stiffness=1.0, speed=0.1, damping=0.1)
+    settings["y0"] = {"x1": 0.3}
+    diagram = orbit_diagram(pair, FADING, "coupling", (1.2, 1.25), cycles=1, **settings)
+    assert not diagram.chaotic.any()  # cycles of two passes do not close after one
 
 
 @dataclass(frozen=True, kw_only=True)

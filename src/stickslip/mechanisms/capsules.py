@@ -605,19 +605,28 @@ class Capsule(base.BoundedMechanism):
         return self.drive.limits(forces["xi"]) if "xi" in forces else {}
 
 
+ALONG_GROUND = 1e-12
+"""Sine of an angle up to which a blow along it is one along the ground, or across it."""
+
+
 def _hard_stops(place: str, mass: "Capsule | InnerMass") -> tuple[base.Stop, ...]:
     """Return the hard stops of a mass, which moves along the ground where there are any."""
     stops = base.stops_between(place, mass.lower_stop, mass.upper_stop, mass.restitution)
-    if stops and isinstance(mass.angle, float | np.ndarray):  # not where equations are traced
-        angles = np.ravel(mass.angle)
-        off = angles[np.abs(np.sin(angles)) > 1e-12]
-        if len(off):
-            raise ParameterError(
-                f"{type(mass).__name__}: hard stops are for a mass that moves along the ground, got"
-                f" an angle (alpha) of {off[0]:g} rad: a blow may lift the capsule there. Use soft"
-                " stops (lower_soft_stop, upper_soft_stop), or an angle of 0 rad."
-            )
+    for angle in _sloped(mass.angle) if stops else ():
+        raise ParameterError(
+            f"{type(mass).__name__}: hard stops are for a mass that moves along the ground, got"
+            f" an angle (alpha) of {angle:g} rad: a blow may lift the capsule there. Use soft"
+            " stops (lower_soft_stop, upper_soft_stop), or an angle of 0 rad."
+        )
     return stops
+
+
+def _sloped(angles: Scalar) -> list[float]:
+    """Return those of some angles at which a blow acts on the normal force."""
+    if not isinstance(angles, int | float | np.ndarray):  # where equations are traced
+        return []
+    known = np.ravel(angles)
+    return [float(x) for x in known[np.abs(np.sin(known)) > ALONG_GROUND]]
 
 
 # A capsule that two inner masses drive.
@@ -820,11 +829,11 @@ class PendulumCart(base.BoundedMechanism):
     the ground and above the pivot. On an incline positive x is uphill. The swing is prescribed, or
     a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
     at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
-    to give, and not the motion. With stops, hard or soft, the pendulum strikes the cart, which
-    takes the torque; whether a blow on a hard one would lift the cart is not looked at. With a
-    `pivot_load` the pivot rubs too: the contacts are then `wheels` and `pivot`. A run ends where
-    the cart lifts off or tips over its wheels, and where its equations lose their meaning
-    (Painleve).
+    to give, and not the motion. With stops the pendulum strikes the cart, which takes the torque:
+    soft ones stand anywhere, hard ones where the rod is along the normal (0 or pi), since a blow
+    elsewhere acts on the normal force, and by that on friction, in no time. With a `pivot_load`
+    the pivot rubs too: the contacts are then `wheels` and `pivot`. A run ends where the cart lifts
+    off or tips over its wheels, and where its equations lose their meaning (Painleve).
 
     Examples
     --------
@@ -867,9 +876,9 @@ class PendulumCart(base.BoundedMechanism):
     """Load of the friction law of the pivot, 1 where its levels are torques; with None or 0, the
     pivot does not rub."""
     lower_stop: Annotated[float, Quantity("theta_l", "rad")] | None = None
-    """Hard stop that theta does not fall below; none if not given."""
+    """Hard stop that theta does not fall below, at 0 or a multiple of pi; none if not given."""
     upper_stop: Annotated[float, Quantity("theta_u", "rad")] | None = None
-    """Hard stop that theta does not rise above; none if not given."""
+    """Hard stop that theta does not rise above, at 0 or a multiple of pi; none if not given."""
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Angular velocity after an impact at a stop over that before; 0 if nothing bounces."""
     lower_soft_stop: SoftStop | None = None
@@ -1004,7 +1013,24 @@ class PendulumCart(base.BoundedMechanism):
 
     @override
     def stops(self) -> tuple[base.Stop, ...]:
-        return base.stops_between("theta", self.lower_stop, self.upper_stop, self.restitution)
+        stops = base.stops_between("theta", self.lower_stop, self.upper_stop, self.restitution)
+        soft = "Use soft stops (lower_soft_stop, upper_soft_stop)"
+        for stop in stops:
+            for place in _sloped(stop.position):
+                name, symbol = f"{stop.side}_stop", f"theta_{stop.side[0]}"
+                raise ParameterError(
+                    f"PendulumCart: hard stops are for a rod that stands or hangs along the normal"
+                    f" there, got {name} ({symbol}) = {place:g} rad: a blow elsewhere lifts the"
+                    " cart or presses it on its ground, whose friction takes a part of the blow."
+                    f" {soft}, or 0 or pi rad."
+                )
+        if stops and self.wheelbase is not None:
+            raise ParameterError(
+                "PendulumCart: a blow on a hard stop has a moment that no weight holds, got a"
+                f" wheelbase (b) of {self.wheelbase:g} m, so that the cart would tip. {soft}, or"
+                " leave the wheelbase out."
+            )
+        return stops
 
     @override
     def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:

@@ -480,7 +480,8 @@ class EventDriven(Solver):
             refuse_turned(mechanism, model)
             inputs = inputs_of(mechanism, form.p, t_end)
         start = within_stops(mechanism, y0)
-        record = self._executed(model, inputs, start, t_end, self.tolerance_for(law))
+        tolerance = self.tolerance_for(law)
+        record = self._executed(model, inputs, start, t_end, tolerance, books=False)
         return bare_run(mechanism, law, model, inputs, record, t_end, sloped)
 
     def _executed(
@@ -490,6 +491,8 @@ class EventDriven(Solver):
         y0: Sequence[float],
         t_end: float,
         tolerance: float,
+        *,
+        books: bool = True,
     ) -> Record:
         """Return what the kernels wrote down of a run."""
         return execute(
@@ -500,6 +503,7 @@ class EventDriven(Solver):
             tolerance=tolerance,
             limit=int(self.max_steps),
             tier=self.tier,
+            books=books,
         )
 
 

@@ -250,12 +250,14 @@ def execute(
     tolerance: float,
     limit: int,
     tier: Tier,
+    books: bool = True,
 ) -> Record:
-    """Run a model from time 0 to `t_end`."""
+    """Run a model from time 0 to `t_end`, with or without its books of energy."""
     work = work_of(model)
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and work.is_enough()))
     header = runner.header
     w, iw = runner.working(inputs.p), runner.iw()
+    iw[layout.BOOKS] = int(books)
     for i, value in enumerate(y0, header[layout.Y]):
         w[i] = float(value)
     given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]

@@ -603,6 +603,7 @@ class Curve:
         self.box = [(-1, low, high, unit)]
         self.tests, self.hops, self.smooth = TESTS, False, False
         self.accept: Callable[[Point], object] = _nothing
+        self.beside: Callable[[Point], str] = _no_words  # what else changes right there
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
@@ -845,22 +846,17 @@ class Curve:
         if len(last) > FLICKERS and all(a != b for a, b in itertools.pairwise(last)):
             self.beyond.clear()
             why = "what happens in a period changes with every step"
-        elif len(points) >= WINDOW and self.crept < SLOWED and (near := self.beside(points[-1])):
-            why = f"it is nearer than {BORDER:g} of the range to where {near}"
+        elif (
+            len(points) >= WINDOW
+            and self.crept < (SLOWED if self.smooth else CREPT)
+            and (near := self.beside(points[-1]))
+        ):
+            why = near
         elif len(points) >= WINDOW and self.crept < CREPT:
             why = "the steps become too short"
         else:
             return ""
         return f"It ends at {quantity(points[-1].shot.value, self.unit, 6)}: {why}."
-
-    def beside(self, here: Point) -> str:
-        """Return what changes right beside a smooth event, in words, if anything does."""
-        for off in (-BORDER, BORDER) if self.smooth else ():
-            with suppress(SimulationError, InputError):
-                near = self.shoot(here.unknowns + off * np.eye(len(here.unknowns))[-2])
-                if near.signature != here.signature:
-                    return _change(here.signature, near.signature)[1]
-        return ""
 
     @property
     def crept(self) -> float:
@@ -912,7 +908,8 @@ class Curve:
         A long predictor is off the branch by more than a short arc.
         """
         low, high = 0.0, ds
-        while high - low > (self.least if ds <= SHORT else COARSE * ds):
+        # a fold may lie in front of a change that is nearer than that: not over both at once
+        while high - low > (self.least if ds <= SHORT or low == 0.0 else COARSE * ds):
             middle = 0.5 * (low + high)
             same = self.is_alike(here, ahead(middle))
             low, high = (middle, high) if same else (low, middle)
@@ -966,7 +963,8 @@ class Curve:
     def met(self, there: Point) -> int | None:
         """Return the number of the branch that is known on which a point lies, if any."""
         trail, numbers = self.known
-        at = self.chord(there, trail)
+        # a point of the trail itself lies on both chords there, or by rounding on none
+        at = self.chord(there, trail, SAME)
         return None if at is None else int(numbers[at])
 
     def is_next(self, here: Point, there: Point, u0: Array, ds: float) -> bool:
@@ -974,7 +972,12 @@ class Curve:
         off = there.unknowns - u0 - ds * here.tangent
         if _length(off) > ON_CURVE * ds or here.signature != there.signature:
             return False
-        return float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
+        if ds < FIRST_STEP**2:
+            return True
+        # the two sides of a sharp fold have the same tangent nearly, and opposite signs of this
+        signs = here.crossing, there.crossing
+        jumps = signs[0] * signs[1] < 0.0 and min(map(abs, signs)) > NEARBY
+        return float(there.tangent @ here.tangent) > TURN and not jumps
 
     def halves(
         self, points: list[Point], there: Point, u0: Array, ds: float, events: list[Event]
@@ -1063,8 +1066,10 @@ class Curve:
         )
         return [] if last is here else [last]
 
-    def chord(self, there: Point, trail: Array) -> int | None:
+    def chord(self, there: Point, trail: Array, slack: float = 0.0) -> int | None:
         """Return between which of neighbours on a trail a point lies, in either direction, if any.
+
+        Or beyond one of them by no more than a slack.
 
         Begun at any of its cycles: half a period later an orbit of two is the same. So it lies
         where a branch that was stepped over at grazing comes back on another way. What is near is
@@ -1087,7 +1092,7 @@ class Curve:
             along = ((u - begins) * chords).sum(axis=1)
             places = begins + along[:, None] * chords
             near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
-            for i in np.flatnonzero(near & (along > 0.0) & (along <= sizes)):
+            for i in np.flatnonzero(near & (along > -slack) & (along <= sizes + slack)):
                 result = self.correct(u, chords[i], 0.0, places[i])
                 point = result and self.point(result[0])
                 if not point or _length(point.unknowns - u) > max(ALIKE * sizes[i], SAME):
@@ -1182,26 +1187,34 @@ class Curve:
         wide = _length(there.unknowns - here.unknowns) > CLEAN
         passed = "; passed by its square root" if hits(here, there) else "; stepped over"
         more = TURNS_BACK if back else passed if wide else ""
-        more += self.survives(here, there) if hits(here, there) else ""
+        more += self.survives(here, there) if hits(here, there) or touches(here, there) else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
 
     def survives(
         self, here: Point, there: Point | None, settle: int = 300, longest: int = 12
     ) -> str:
-        """Return what is stable behind a hard stop that is touched: by eigenvalues, and by a run.
+        """Return what is stable behind a stop that is touched: by eigenvalues, and by a run.
 
-        Of the map without impact, whose largest eigenvalue decides where all are real and positive
-        (Nordmark 1997; Chin, Ott, Nusse and Grebogi 1994).
+        Of the map without impact. At a hard stop the largest one decides where all are real and
+        positive (Nordmark 1997; Chin, Ott, Nusse and Grebogi 1994). At a soft one the map differs
+        by the 3/2 power of the depth (di Bernardo et al. 2008, chapter 7), and linearly if its
+        damper acts on the way in alone: then multipliers jump, and those behind tell.
         """
         if self.searching or self.hops or self.map.section is not None:
             return ""
-        free = min(filter(None, (here, there)), key=lambda p: _hit(p.signature))
+        met = None if there is None or hits(here, there) else max(here, there, key=_meetings)
+        count = _meetings if met else _impacts
+        free = min(filter(None, (here, there)), key=count)
         values = free.multipliers
         largest = float(np.abs(values).max(initial=0.0))
-        real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
-        rule = next(words for bound, words in WINDOWS if largest < bound)
-        what = rule if real else "no rule for complex or negative ones"
-        text = f"; largest multiplier without impact {number(largest, 2)}: {what}"
+        text = f"; largest multiplier without {'contact' if met else 'impact'} {number(largest, 2)}"
+        if met:
+            behind = float(np.abs(met.multipliers).max(initial=0.0))
+            text += f", with it {number(behind, 2)}: {'' if behind < 1.0 else 'un'}stable behind"
+        else:
+            real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
+            rule = next(words for bound, words in WINDOWS if largest < bound)
+            text += f": {rule if real else 'no rule for complex or negative ones'}"
         # to the side on which the orbit without impact is none any more
         ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
         value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
@@ -1212,8 +1225,8 @@ class Curve:
                 y = y + shot.residual
                 states += [y] if k >= settle else []
             closes = period_of(np.array(states), free.shot.scale, SAME)
-            count = closes * self.map.cycles
-            ends = f"closes after {count} cycle{'s' * (count > 1)}" if closes else "does not close"
+            turns = closes * self.map.cycles
+            ends = f"closes after {turns} cycle{'s' * (turns > 1)}" if closes else "does not close"
             text += f"; a run behind {ends}"
         return text
 
@@ -1233,7 +1246,7 @@ class Curve:
             after = ahead.signature
             if after == here.signature:
                 continue
-            kind, sentence = _change(here.signature, after)
+            kind, sentence = change_of(here.signature, after)
             if kind != "grazing" or _hit(after) == _hit(here.signature):
                 return kind, f"{at}: {sentence}, and no orbit like it follows."
             large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
@@ -1242,7 +1255,8 @@ class Curve:
                 f" infinite: right behind, the largest multiplier is {number(large, 2)}"
                 f"{self.survives(here, None)}."
             )
-        return "", f"{at}: {lack.rstrip('.') or 'the corrector does not converge'}."
+        lack = self.beside(here) or lack.rstrip(".") or "the corrector does not converge"
+        return "", f"{at}: {lack}."
 
     # -- events
 
@@ -1270,7 +1284,7 @@ class Curve:
     def change(self, here: Point, there: Point) -> tuple[str, str]:
         """Return the kind of a change of what happens, and the sentence in the order of points."""
         pair = (there, here) if self.backward else (here, there)
-        return _change(pair[0].signature, pair[1].signature)
+        return change_of(pair[0].signature, pair[1].signature)
 
     def between(self, here: Point, there: Point, u0: Array, ds: float, index: int) -> list[Event]:
         """Return the events in a step in which the same happens, each located."""
@@ -1381,6 +1395,11 @@ def _nothing(_: Point) -> None:
     """Note nothing of a point."""
 
 
+def _no_words(_: Point) -> str:
+    """Tell nothing of a point."""
+    return ""
+
+
 def units_of(map_: ReturnMap) -> dict[str, str]:
     """Return the SI units of all states."""
     known = path_units(map_.mechanism, map_.law)
@@ -1403,9 +1422,26 @@ def _hit(signature: Signature) -> int:
     return sum(count for _, what, count in signature if what.endswith("hits stop"))
 
 
+def _impacts(point: Point) -> int:
+    """Return how often hard stops are hit in a period."""
+    return _hit(point.signature)
+
+
+def _meetings(point: Point) -> int:
+    """Return how often soft stops are met in a period."""
+    kinds = ((what, n) for _, what, n in point.signature)
+    return sum(n for what, n in kinds if "meets" in what and what.endswith("soft stop"))
+
+
 def hits(here: Point, there: Point) -> bool:
     """Whether a hard stop is hit more often in the one than in the other."""
     return _hit(here.signature) != _hit(there.signature)
+
+
+def touches(here: Point, there: Point) -> bool:
+    """Whether a soft stop is met more often in the one, where nothing else is different."""
+    kinds = {what for _, what, _ in {*here.signature} ^ {*there.signature}}
+    return _meetings(here) != _meetings(there) and all("soft stop" in x for x in kinds)
 
 
 def _length(x: Array) -> float:
@@ -1430,7 +1466,7 @@ def _pair_outside(point: Point) -> bool | None:
     return max(pairs) > 1.0 if pairs else None
 
 
-def _change(before: Signature, after: Signature) -> tuple[str, str]:
+def change_of(before: Signature, after: Signature) -> tuple[str, str]:
     """Return the kind of a change of what happens in a period, and the sentence."""
     counts = [{(c, what): n for c, what, n in pair} for pair in (before, after)]
     keys = sorted({key for count in counts for key in count})

@@ -41,6 +41,7 @@ from stickslip.quantities import replaced
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity, span
 from stickslip.study.sweep.continuation import (
+    BORDER,
     LEAST_STEP,
     MOST_NEWTON,
     MOST_POINTS,
@@ -50,6 +51,7 @@ from stickslip.study.sweep.continuation import (
     Curve,
     Point,
     between_of,
+    change_of,
     check_step,
     units_of,
     within,
@@ -385,6 +387,31 @@ class Plane:
         if most is not None and (np.abs(result.residual) > most).any():
             raise SimulationError("a step along a curve has led away from it.")
         return result
+
+    def also(self, point: Point) -> str:
+        """Return what else changes right beside the event at a point, in words, if anything does.
+
+        Beside a fold or a doubling in the first parameter, and else in any unknown.
+        """
+        shot, u = self.base_of(point.shot), point.unknowns * point.scale
+        sizes, smooth = self.sizes(shot), isinstance(self.condition, _Singular)
+        back = self.back / float(self.back @ self.back) * sizes
+        steps = (np.diag(sizes)[-2:-1] if smooth else np.diag(sizes)) * BORDER
+
+        def happens(u: Array) -> Signature:
+            return self.at(float(u[-1])).happens(u[:-2], float(u[-2]))
+
+        with suppress(SimulationError, InputError):
+            # its own change is that right on both sides
+            sides = () if smooth else (-10.0 * NEARBY, -NEARBY, NEARBY, 10.0 * NEARBY)
+            known = {point.signature, *(happens(u + off * back) for off in sides)}
+            for step in [*-steps, *steps]:
+                other = happens(u + step)
+                if other not in known:
+                    near = min(known, key=lambda own: len({*own} ^ {*other}))
+                    what = change_of(near, other)[1]
+                    return f"it is nearer than {BORDER:g} of the range to where {what}"
+        return ""
 
     def near(self, u: Array) -> Shot:
         """Return what a run from unknowns tells, or one in front of a contact near them."""
@@ -726,7 +753,7 @@ def continue_event(
         if isinstance(own, Sensing):
             plane.condition.accept(own.shot, curve.scale[:-2], own.at)
 
-    curve.accept = accept
+    curve.accept, curve.beside = accept, plane.also
     return _curve(event.kind, curve, plane, first[0], full, units)
 
 

@@ -553,7 +553,7 @@ class Search:
             columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
         rows = np.flatnonzero(np.isfinite(samples).all(axis=(1, 2)) & (closed == 0))
         spreads, chaotic = np.full_like(ways, np.nan), np.zeros(len(samples), dtype=bool)
-        if len(rows) and self.map.section is None:  # neighbours pass a section at other times
+        if len(rows):
             scale = np.maximum(self.sizes, np.abs(samples[rows]).max(axis=(0, 1)))
             stopped = {f"initial.{stop.coordinate}" for stop in stops_of(self.map.mechanism)}
             near = {
@@ -561,12 +561,17 @@ class Search:
                 for (path, column), size in zip(begun.items(), scale, strict=True)
             }
             points, others, _ = self.sampled(value, near, count - keep)
+            same, means = samples[rows], ways[rows]
+            if self.map.section is not None:  # the same pass of both, counted from the start
+                again = {path: column[rows] for path, column in begun.items()}
+                same, means, _ = self.sampled(value, again, count - keep)
             self.brute_cycles += len(rows) * count
-            spreads[rows] = np.abs(others - ways[rows])
+            spreads[rows] = np.abs(others - means)
             size = np.where(scale > 0.0, scale, np.finfo(float).tiny)
-            gaps = (np.abs(points - samples[rows]) / size).max(axis=(1, 2)) / ROUNDING
+            gaps = (np.abs(points - same) / size).max(axis=(1, 2)) / ROUNDING
             chaotic[rows], unclear = have_left(gaps)
-            for row in rows[unclear].tolist():
+            # exponents are those of cycles of a known length
+            for row in rows[unclear].tolist() if self.map.section is None else ():
                 with suppress(SimulationError, InputError):
                     chaotic[row] = diverges(self.map, samples[row, -1], value=value)
         self.spreads += list(spreads)
