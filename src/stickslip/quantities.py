@@ -293,6 +293,18 @@ class Quantity:
         over a force, the coefficient of friction times the radius at which it acts. If no normal
         force is known, they are forces or torques.
 
+        Parameters
+        ----------
+        per_load : bool
+            Whether a normal force is known, which levels are over.
+        turning : bool
+            Whether slip is an angle.
+
+        Returns
+        -------
+        str
+            The unit of the value.
+
         Examples
         --------
         >>> level = Quantity("mu_k", per_load=True)
