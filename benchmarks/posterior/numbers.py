@@ -2,7 +2,8 @@
 
 ``python -m benchmarks posterior`` prints a row for each: what, what is asked, what is measured, and
 whether that is met. ``python -m benchmarks posterior swings costs`` prints the parts that are named
-(``--seed S``; ``--quick`` takes a sixth of the made-up truths). Rows of made-up truths are
+(``--seed S``; ``--quick`` takes a sixth of the made-up truths, ``--count N`` takes N of each kind;
+``special:rounded`` and ``costs:table`` are one line of a part). Rows of made-up truths are
 kept in a file of lines by seed and number, as `benchmarks.bands` has it: after each change of the
 judge a fresh seed is to be drawn. Processor times depend on the machine.
 """
@@ -11,7 +12,7 @@ import argparse
 import math
 import sys
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -76,11 +77,21 @@ class Asked:
 
     seed: int
     quick: bool = False
+    number: int | None = None
+    """Truths of each kind; the usual ones if not given."""
+    only: str = ""
+    """The line of a part that is printed; all of them if empty."""
     results: Path = Path(bands.RESULTS)
 
     def count(self, usual: int) -> int:
         """Return how many truths are drawn."""
+        if self.number is not None:
+            return self.number
         return math.ceil(usual / QUICK) if self.quick else usual
+
+    def of(self, names: Iterable[str]) -> list[str]:
+        """Return the lines of a part that are printed."""
+        return [name for name in names if self.only in ("", name)]
 
     def rows(self, kind: str) -> list[dict[str, Any]]:
         """Return what verdicts on made-up measurements of a kind are worth."""
@@ -128,20 +139,25 @@ def is_right(row: Mapping[str, Any]) -> bool:
 
 def made_up(asked: Asked) -> Iterator[Number]:
     """Yield what all made-up measurements show."""
-    rows = [row for kind in COUNTS for row in asked.rows(kind)]
+    yield from _statements("made-up", [row for kind in COUNTS for row in asked.rows(kind)])
+
+
+def _statements(what: str, rows: Rows) -> Iterator[Number]:
+    """Yield how many verdicts are false, right or in doubt, and how close laws handed over are."""
     false = [row for row in rows if row["false"]]
-    yield most(f"false statements, {len(rows)} made-up", 0.02, len(false) / len(rows))
+    yield most(f"{what}: false statements, {len(rows)}", 0.02, len(false) / len(rows))
     judged = [row for row in rows if "named" in row]
     right = [row for row in judged if is_right(row)]
     doubt = [row for row in judged if not is_right(row) and not row["false"]]
-    yield least("right, equal within 2 %, or cause named", 0.9, len(right) / len(judged))
-    yield most("in doubt: neither that nor false", 0.1, len(doubt) / len(judged))
+    yield least(f"{what}: right, equal within 2 %, or cause named", 0.9, len(right) / len(judged))
+    yield most(f"{what}: in doubt, neither that nor false", 0.1, len(doubt) / len(judged))
     handed = [row["handed"] for row in rows if row.get("handed")]
     beyond = [off - said for off, said in handed if off > said]
     yield Number(
-        what=f"law handed over within the stated share of the band's middle, {len(handed)}",
+        what=f"{what}: law handed over within the stated share of the band's middle",
         asked="all",
-        measured=f"{len(handed) - len(beyond)}, beyond it by {max(beyond, default=0.0):.1%}",
+        measured=f"{len(handed) - len(beyond)} of {len(handed)}, beyond it by"
+        f" {max(beyond, default=0.0):.1%}",
         met=not beyond,
     )
 
@@ -162,6 +178,7 @@ def tables(asked: Asked) -> Iterator[Number]:
             yield least("tables, outside: equal within 2 %", 0.92, _mean(equal, "equal"))
     yield from _intervals("tables", rows)
     yield from _advice("tables", rows)
+    yield from _statements("tables", rows)
 
 
 def _intervals(kind: str, rows: Rows) -> Iterator[Number]:
@@ -300,7 +317,7 @@ DRAWN: Mapping[str, Callable[[Asked, int], dict[str, Any]]] = {
 
 def special(asked: Asked) -> Iterator[Number]:
     """Yield what tables that are special in one thing show."""
-    for name in study.SPECIAL:
+    for name in asked.of(study.SPECIAL):
         result = study.of_special(name, asked.seed, asked.count(SPECIAL))
         width = float(np.median([item.width for item in result]))
         share = float(np.mean([item.inside for item in result]))
@@ -493,8 +510,8 @@ def real(asked: Asked) -> Iterator[Number]:
 def times(asked: Asked) -> Iterator[Number]:
     """Yield processor time and peak memory."""
     peaks = []
-    for name, kind in costs.KINDS.items():
-        cost = costs.alone(name)
+    for name in asked.of(costs.KINDS):
+        kind, cost = costs.KINDS[name], costs.alone(name)
         peaks.append(cost.peak)
         doc = (kind.made.__doc__ or name).splitlines()[0].rstrip(".")
         yield most(f"processor time: {doc} ({cost.peak:.2f} GB)", kind.most, cost.seconds, " s")
@@ -552,16 +569,18 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(PARTS)}")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--quick", action="store_true", help="a sixth of the made-up truths")
+    parser.add_argument("--count", type=int, help="made-up truths of each kind")
     parser.add_argument("-o", "--results", type=Path, default=Path(bands.RESULTS))
     given = parser.parse_args(arguments)
-    if unknown := [part for part in given.parts if part not in PARTS]:
+    if unknown := [part for part in given.parts if part.partition(":")[0] not in PARTS]:
         parser.error(f"no part {', '.join(unknown)}; there are {', '.join(PARTS)}")
-    asked = Asked(seed=given.seed, quick=given.quick, results=given.results)
+    every = Asked(seed=given.seed, quick=given.quick, number=given.count, results=given.results)
     print(f"seed {given.seed}{', a sixth of the truths' * given.quick}")
     print("| what | asked | measured | |\n|---|---|---|---|", flush=True)
     for name in given.parts or PARTS:
+        part, _, only = name.partition(":")
         try:
-            for number in PARTS[name](asked):
+            for number in PARTS[part](replace(every, only=only)):
                 print(number, flush=True)
         except (StickslipError, OSError) as error:
             print(f"| {name} | | {error} | |", flush=True)

@@ -57,16 +57,20 @@ def rounded(random: Random) -> tuple[Measurement, Callable[[Array], Array]]:
     return Measurement(velocity=v, friction=friction), lambda u: 3.0 + 2.0 * u
 
 
-def specimens(random: Random, *, new: bool) -> tuple[Measurement, Callable[[Array], Array]]:
-    """Return six specimens, and the friction of one of them or of another."""
-    v = np.geomspace(0.01, 1.0, 8)
-    factors = random.normal(1.0, 0.05, 7)
+def specimens(
+    random: Random, *, new: bool, fewest: int = 6, most: int = 6
+) -> tuple[Measurement, Callable[[Array], Array]]:
+    """Return some specimens, and the friction of one of them or of another."""
+    v, count = np.geomspace(0.01, 1.0, 8), fewest
+    if most > fewest:
+        count = int(random.integers(fewest, most + 1))
+    factors = random.normal(1.0, 0.05, count + 1)
     shape = 5.0 + 2.0 * np.exp(-((v / 0.05) ** 2)) + 3.0 * v
     trials = tuple(
         Measurement(velocity=v, friction=item * shape * random.normal(1.0, 0.004, 8))
-        for item in factors[:6]
+        for item in factors[:count]
     )
-    own = factors[6] if new else factors[int(random.integers(6))]
+    own = factors[count] if new else factors[int(random.integers(count))]
     return (
         Measurement(trials=trials),
         lambda u: own * (5.0 + 2.0 * np.exp(-((u / 0.05) ** 2)) + 3.0 * u),
@@ -118,6 +122,7 @@ SPECIAL: Mapping[str, Callable[[Random], tuple[Measurement, Callable[[Array], Ar
     "repeats": repeated,
     "one of six specimens": partial(specimens, new=False),
     "a new specimen": partial(specimens, new=True),
+    "a new one beside 3 to 8 specimens": partial(specimens, new=True, fewest=3, most=8),
     "rounded": rounded,
     "ordered": ordered,
     "stated errors": with_errors,

@@ -286,6 +286,39 @@ class Quantity:
         simple = {"1": "N", "N": "1", "N^2": "1/N"}.get(over)
         return simple or (f"N {self.unit}" if over == self.unit else f"N/{over}")
 
+    def unit_at(self, *, per_load: bool, turning: bool) -> str:
+        """Return the unit of the value at a contact.
+
+        Levels over a normal force are pure numbers, or lengths where slip is an angle: torques
+        over a force, the coefficient of friction times the radius at which it acts. If no normal
+        force is known, they are forces or torques.
+
+        Parameters
+        ----------
+        per_load : bool
+            Whether a normal force is known, which levels are over.
+        turning : bool
+            Whether slip is an angle.
+
+        Returns
+        -------
+        str
+            The unit of the value.
+
+        Examples
+        --------
+        >>> level = Quantity("mu_k", per_load=True)
+        >>> level.unit_at(per_load=True, turning=False), level.unit_at(per_load=True, turning=True)
+        ('1', 'm')
+        >>> level.unit_at(per_load=False, turning=True)
+        'N m'
+        """
+        force = turned(self.force_unit, turning)
+        if not per_load:
+            return force
+        whole = turning and self.force_unit != self.unit and force.startswith("N m")
+        return force.removeprefix("N ") if whole else turned(self.unit, turning)
+
     def scaled_by(self, sizes: Mapping[str, float]) -> float:
         """Return what start value and bounds are multiples of.
 

@@ -61,6 +61,62 @@ def test_a_jump_between_two_speeds_lies_in_the_band_wherever_it_is():
     assert np.median((band.high - band.low)[~gap]) < 0.2
 
 
+def test_a_far_reading_at_the_end_may_be_friction_beyond_a_jump():
+    v = np.linspace(0.15, 1.5, 9)
+
+    def jumping(place):
+        return lambda v: (24.0 + 5.0 * (v > place)) * (1.0 + 0.15 * v)
+
+    for seed in (1, 2):
+        found = judged(jumping(0.2), v, noise=0.2, seed=seed)
+        assert found.problem.model.weights[0] < 0.1
+        rows = found.problem.at(np.geomspace(v[0], v[-1], 60))
+        band = found.band(rows)
+        for place in (0.18, 0.2, 0.23, 0.26):
+            true = jumping(place)(rows.velocity)
+            assert np.mean((band.low <= true) & (true <= band.high)) > 0.9
+
+
+@pytest.mark.parametrize("shuffled", [False, True])
+def test_a_coefficient_that_changes_at_a_load_is_stated_and_the_law_is_as_close_as_it_says(
+    shuffled,
+):
+    random = np.random.default_rng(1)
+    load, v = np.repeat([15.0, 30, 50, 70, 100, 150], 5), np.tile(np.geomspace(0.01, 1.0, 5), 6)
+    if shuffled:
+        order = random.permutation(len(v))
+        load, v = load[order], v[order]
+    true = load * np.where(load < 60.0, 0.2, 0.14) + 3.0 * v
+    read = true * (1.0 + 0.01 * random.normal(size=len(v)))
+    table = Measurement(velocity=v, friction=read, load=load)
+    found = Judgement(TableProblem.of(AXIS, table))
+    (change,) = (one for one in found.findings if one.asserted)
+    assert change.term == "break"
+    assert "between 50 N and 70 N" in change.sentence
+    assert change.low <= -9.0 / 30.3 <= change.high  # at .1 m/s and 150 N
+    rows = found.problem.at(v, load)
+    band = found.band(rows)
+    assert np.mean((band.low <= true) & (true <= band.high)) > 0.9
+    assert np.median((band.high - band.low) / true) < 0.05
+    off = np.quantile(np.abs(found.curve_of(found.named, rows) - true) / true, 0.95)
+    assert 0.1 < off <= found.named.distance + 0.02
+
+
+def test_a_bend_of_friction_over_an_input_is_in_the_band():
+    random = np.random.default_rng(2)
+    warm, v = np.repeat(np.linspace(20.0, 70.0, 6), 6), np.tile(np.geomspace(0.05, 1.0, 6), 6)
+    order = random.permutation(len(v))
+    warm, v = warm[order], v[order]
+    true = 5.0 + 0.1 * np.maximum(warm - 50.0, 0.0) + 2.0 * v
+    read = true * (1.0 + 0.01 * random.normal(size=len(v)))
+    found = Judgement(
+        TableProblem.of(AXIS, Measurement(velocity=v, friction=read, inputs={"temperature": warm}))
+    )
+    band = found.band(found.problem.at(v, inputs={"temperature": warm}))
+    assert np.mean((band.low <= true) & (true <= band.high)) > 0.9
+    assert np.median((band.high - band.low) / true) < 0.05
+
+
 def test_intervals_whichever_law_holds_have_the_laws_that_are_not_told_apart():
     v = np.linspace(0.06, 0.6, 22)
     read = 0.56 + 3.0 * v**0.52 + 0.012 * np.random.default_rng(4).normal(size=len(v))

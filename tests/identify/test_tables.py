@@ -581,6 +581,19 @@ def test_no_laws_are_refused():
         select(AXIS, [], table(stribeck))
 
 
+def test_levels_of_a_torque_over_a_load_are_lengths():
+    v, load = np.tile(np.geomspace(0.1, 30.0, 8), 3), np.repeat([100.0, 200.0, 400.0], 8)
+    torque = 0.002 * load + 0.01 * v + 0.005 * np.random.default_rng(1).normal(size=24)
+    table = Measurement(velocity=v, friction=torque, load=load, turning=True)
+    verdict = select(AXIS, None, table)
+    units = {one.path: one.quantity.unit for one in verdict.best.fit.estimates}
+    assert units["friction.kinetic_coefficient"] == "m"
+    assert units["friction.viscous_coefficient"] == "N m s/rad"
+    assert any("times the radius" in one for one in verdict.words.cannot_tell)
+    fitted = fit(AXIS, CoulombViscous, table)
+    assert {one.path: one.quantity.unit for one in fitted.estimates} == units
+
+
 def test_friction_in_proportion_to_the_load_is_not_said_to_be_otherwise():
     v, load = np.tile(np.geomspace(0.01, 1.0, 8), 3), np.repeat([10.0, 20.0, 50.0], 8)
     friction = 0.2 * load * (1.0 + 0.01 * np.random.default_rng(0).normal(size=24))

@@ -15,7 +15,7 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError, check
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.maths import NORMAL_95
 from stickslip.mechanisms import Mechanism, slips_by_angle
-from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
+from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.show.formatting import number
 
 T = TypeVar("T")
@@ -45,8 +45,8 @@ def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
     >>> unit_on(Pendulum(mass=1.0, length=0.5), viscous)
     'N m s/rad'
     """
-    unit = quantity.unit if levels_at(mechanism) == "per load" else quantity.force_unit
-    return turned(unit, slips_by_angle(mechanism))
+    per_load = levels_at(mechanism) == "per load"
+    return quantity.unit_at(per_load=per_load, turning=slips_by_angle(mechanism))
 
 
 def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> float:

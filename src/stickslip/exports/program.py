@@ -553,8 +553,7 @@ class Subject:
 
     def unit(self, quantity: Quantity) -> str:
         """Return the unit in which a parameter of the law reads."""
-        unit = quantity.unit if self.levels == "per load" else quantity.force_unit
-        return turned(unit, self.rotary)
+        return quantity.unit_at(per_load=self.levels == "per load", turning=self.rotary)
 
     def constants(self) -> tuple[Constant, ...]:
         """Return the parameters with units and with how well they are known."""

@@ -488,6 +488,22 @@ class Judgement:
             if any(item is other for other in kept)
         )
 
+    @cached_property
+    def _asked(self) -> tuple[Any, Target]:
+        """The rows over which the band is stated, and what friction is there."""
+        rows = self.problem.asked()
+        draws = self.problem.steady(rows, self.draws)
+        return rows, Target(draws=draws, tolerance=self.tolerance, scale=self.problem.scale(rows))
+
+    def distance_of(self, rung: Rung) -> float:
+        """Return the share of friction within which a law stays at `PLACES` of the places.
+
+        Of those at which laws are compared, and of those over which the band is stated.
+        """
+        rows, target = self._asked
+        apart = np.abs(self.curve_of(rung, rows) - target.middle) / target.size
+        return max(rung.distance, float(np.quantile(apart, PLACES)))
+
     def _is_named(self, rung: Rung) -> bool:
         return rung.family == self.named.family
 

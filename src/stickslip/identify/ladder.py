@@ -16,7 +16,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from stickslip.data import UNIT_LOAD, Checks, Measurement
+from stickslip.data import UNIT_LOAD, Checks, Measurement, levels_at, tells_load
 from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import (
     MOST,
@@ -45,6 +45,7 @@ from stickslip.identify.verdict import (
 )
 from stickslip.identify.wording import (
     NO_FRICTION,
+    RADIUS_SENTENCE,
     UNIT_LOAD_SENTENCE,
     Words,
     advice_sentence,
@@ -110,7 +111,7 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
 
     What is less than the tolerance is said to be within it.
     """
-    within = max(rung.distance, judgement.tolerance)
+    within = max(judgement.distance_of(rung), judgement.tolerance)
     said = f"{percent(within)} of friction"
     if rung.worst > 1.5 * within:
         at = quantity(abs(judgement.problem.speed_of(rung.where)), words.speed_unit, 2)
@@ -143,8 +144,9 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
             f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
         )
-    near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
-    if near and judgement.known > max(named.distance, judgement.tolerance):
+    distance = judgement.distance_of(named)
+    near = distance <= max(MARGIN * judgement.tolerance, judgement.known)
+    if near and judgement.known > max(distance, judgement.tolerance):
         said = (
             f"Use {phrase}{beside}: it follows the most probable curve to {how}, which is known to"
             f" ± {percent(judgement.known)}"
@@ -298,7 +300,7 @@ def candidate_of(
         share=rung.share,
         left=judgement.problem.scatter(rung),
         count=rung.parameters,
-        distance=rung.distance,
+        distance=judgement.distance_of(rung),
         worst=rung.worst,
         worst_at=judgement.problem.speed_of(rung.where),
     )
@@ -363,6 +365,8 @@ def ladder_verdict(
     of_load = {"load_exponent", "adhesion"} & {item.path for item in every}
     if of_load:
         doubts.append(load_sentence(judgement.composition.normal()))
+    if measurement.turning and (levels_at(mechanism) == "per load" or tells_load(measurement)):
+        doubts.append(RADIUS_SENTENCE)
     doubts += [UNIT_LOAD_SENTENCE] * any(UNIT_LOAD in x.provenance for x in measurement.records())
     doubts += [*at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
     said_next = []

@@ -686,11 +686,12 @@ def _estimate(
     known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
     own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
     per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
-    unit = own.unit if per_load or not one.path.startswith("friction.") else own.force_unit
     if one.path.startswith("mechanism."):  # these say which other unit they have about an axis
         unit = own.or_unit if measurement.turning and own.or_unit else own.unit
+    elif one.path.startswith("friction."):
+        unit = own.unit_at(per_load=per_load, turning=measurement.turning)
     else:
-        unit = turned(unit, measurement.turning)
+        unit = turned(own.unit, measurement.turning)
     own = replace(own, unit=unit)
     low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
     least = own.low if own.above is None else max(own.low, own.above)

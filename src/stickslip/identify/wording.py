@@ -212,6 +212,11 @@ def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> st
     return f"The law states ${symbol}$ for inputs of 0; at {at}, the median, it is {value} ({own})."
 
 
+RADIUS_SENTENCE = (
+    "Friction is a torque and the load a force: levels over the load are in m, the coefficient of"
+    " friction times the radius at which it acts, which nothing here distinguishes."
+)
+"""What levels of a torque over a load are."""
 UNIT_LOAD_SENTENCE = (
     "No load is known: coefficients are taken as forces at 1 N, the load of the mechanism. At"
     " another load set mechanism.load, and multiply viscous and other flow parts by it."

@@ -124,9 +124,13 @@ def _number(
 ) -> Any:
     """Return the annotation of a value of laws, which may have its unit at a contact."""
     units = [
-        (quantity, {turned(quantity.unit, at.turning), turned(quantity.force_unit, at.turning)})
-        if at.in_forces
-        else (quantity, {turned(quantity.unit, at.turning)})
+        (
+            quantity,
+            {
+                turned(quantity.unit, at.turning),
+                quantity.unit_at(per_load=not at.in_forces, turning=at.turning),
+            },
+        )
         for quantity in quantities
     ]
     others = (

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -351,13 +351,14 @@ class FreeParameters:
         return (self.known or {})[item.above]
 
 
-def in_forces(
+def told(
     free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
 ) -> FreeParameters:
-    """Return the unknowns with the units that their values read in.
+    """Return the unknowns of a record with the units that their values read in.
 
-    A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
-    the number is the force, and is said in N.
+    A law's levels are over the normal force. Where that is 1 for want of another, the number is
+    the force, and is said in N. Parameters of a mechanism say themselves which other unit they
+    have about an axis, if any: the mass and the length of a pendulum stay a mass and a length.
 
     Examples
     --------
@@ -368,59 +369,30 @@ def in_forces(
     ...     (FreeParameter(path=path, quantity=Quantity("mu_k", per_load=True), start=2.0),)
     ... )
     >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
-    >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
+    >>> told(level, Axis(inertia=1.0), table).items[0].quantity.unit
     'N'
     """
-    if levels_at(mechanism) == "per load" or tells_load(measurement):
-        return free_parameters
-    return replace(free_parameters, items=tuple(_in_forces(free_parameters.items)))
-
-
-def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> FreeParameters:
-    """Return the unknowns in the units of what was measured: about an axis, forces are torques.
-
-    Parameters of a mechanism say themselves which other unit they have then, if any: the mass and
-    the length of a pendulum stay a mass and a length.
-
-    Examples
-    --------
-    >>> from stickslip.quantities import Quantity
-    >>> units = {"mass": Quantity("m", "kg"), "offset": Quantity("o", "N", or_unit="N m")}
-    >>> unknowns = FreeParameters(
-    ...     tuple(
-    ...         FreeParameter(path=f"mechanism.{name}", quantity=unit, start=0.0)
-    ...         for name, unit in units.items()
-    ...     )
-    ... )
-    >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
-    >>> [item.quantity.unit for item in turned_as(swing, unknowns).items]
-    ['kg', 'N m']
-    """
-    pairs = [(item, _unit_of(item, turning=measurement.turning)) for item in free_parameters.items]
-    items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
+    per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
+    items = (
+        replace(
+            item,
+            quantity=replace(
+                item.quantity,
+                unit=_unit_of(item, per_load=per_load, turning=measurement.turning),
+            ),
+        )
+        for item in free_parameters.items
+    )
     return replace(free_parameters, items=tuple(items))
 
 
-def _unit_of(item: FreeParameter, *, turning: bool) -> str:
+def _unit_of(item: FreeParameter, *, per_load: bool, turning: bool) -> str:
     """Return the unit of an unknown where motion is straight, or about an axis."""
+    if item.path.startswith("friction."):
+        return item.quantity.unit_at(per_load=per_load, turning=turning)
     if item.path.startswith("mechanism."):
         return (turning and item.quantity.or_unit) or item.quantity.unit
     return turned(item.quantity.unit, turning)
-
-
-def told(
-    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
-) -> FreeParameters:
-    """Return the unknowns of a record with the units that their values read in."""
-    return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
-
-
-def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
-    for item in items:
-        quantity = item.quantity
-        if item.path.startswith("friction."):
-            quantity = replace(quantity, unit=quantity.force_unit)
-        yield replace(item, quantity=quantity)
 
 
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:

@@ -95,11 +95,16 @@ NOISE_RANGE = (1e-4, 1.3)
 BEYOND = (0.03, 1.0)
 """Deviation an e-fold beyond the measured speeds: of friction, and of what no law says."""
 
-JUMP, JUMPS, JUMP_PRIOR = "jump", 3, 0.02
-"""Friction may jump somewhere between two speeds, which no law says and no process follows: the
-name of that term, the number of laws beside which it is tried, and its prior."""
+JUMP, KINK = "jump", "kink"
+"""Dry friction may jump somewhere between two speeds, loads or values of an input, or change its
+slope there over a load or an input, which no law says and no process follows: names of terms, with
+what they are over."""
+JUMPS, JUMP_PRIOR = 3, 0.02
+"""Laws beside which each is tried, and its prior."""
+FINE = 4
+"""Parts of a gap in which a kink may be."""
 MOST_GAPS = 60
-"""Gaps between speeds up to which jumps are tried."""
+"""Gaps between speeds, loads or inputs up to which jumps are tried."""
 TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
@@ -394,12 +399,69 @@ def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
         return np.asarray(rows.direction * ratio * surplus)
     if name == "adhesion":
         return rows.direction
-    if name == JUMP:
-        return np.asarray(rows.direction * ratio * (rows.speed > math.sqrt(shape[0] * shape[1])))
+    if is_break(name):
+        return break_column(name, middle_of(name, shape), rows, frame)
     part = PARTS[name]
     own = len(part.shapes)
     power = shape[own] if len(shape) > own else (1.0 if part.dry else 0.0)
     return np.asarray(rows.direction * ratio**power * part.curve(rows.speed, shape))
+
+
+def is_break(name: str) -> bool:
+    """Return whether a term is a jump or a kink."""
+    return name.partition(" ")[0] in (JUMP, KINK)
+
+
+def is_ratio(name: str) -> bool:
+    """Return whether what a jump or a kink is over is a ratio: speeds and loads, no inputs."""
+    return name.partition(" ")[2] in ("speed", "load")
+
+
+def middle_of(name: str, ends: tuple[float, ...]) -> float:
+    """Return the middle of a gap in which friction jumps or has a kink.
+
+    Examples
+    --------
+    >>> middle_of("jump load", (10.0, 40.0)), middle_of("kink temperature", (10.0, 40.0))
+    (20.0, 25.0)
+    """
+    low, high = ends
+    return math.sqrt(low * high) if is_ratio(name) else 0.5 * (low + high)
+
+
+def break_column(name: str, place: float | Array, rows: Rows, frame: Frame) -> Array:
+    """Return what a jump or a kink at a place, or places (k, 1), adds at rows (n,) or (k, n)."""
+    kind, _, over = name.partition(" ")
+    x = {"speed": rows.speed, "load": rows.load}.get(over)
+    x = rows.inputs[over] if x is None else x
+    beyond = np.asarray(x > place, dtype=float)
+    if kind == KINK:
+        beyond *= np.log(x / place) if is_ratio(name) else (x - place) / frame.spans[over]
+    return np.asarray(rows.direction * rows.load / frame.load * beyond)
+
+
+def gaps_of(rows: Rows, over: str) -> list[tuple[float, float]]:
+    """Return gaps (low, high) between values of a speed, load or input, two of them on each side.
+
+    Examples
+    --------
+    >>> v = np.array([0.1, 0.2, 0.4, 0.8, 1.6])
+    >>> rows = Rows(velocity=v, load=v, inputs={}, run=np.zeros(5, int), order=v)
+    >>> gaps_of(rows, "speed")
+    [(0.2, 0.4), (0.4, 0.8)]
+    """
+    x = {"speed": rows.speed, "load": rows.load}.get(over)
+    x = rows.inputs[over] if x is None else x
+    least = {"speed": NEAR, "load": NEAR_LOAD}.get(over, NEAR_LOAD * float(np.ptp(x)))
+    values = np.unique(x)
+    apart = np.diff(np.log(values) if over in ("speed", "load") else values, prepend=-math.inf)
+    return list(itertools.pairwise(values[apart > least].tolist()))[1:-1]
+
+
+def breaks_of(frame: Frame) -> list[str]:
+    """Return the names of the jumps and kinks that readings may show."""
+    by = ["load"] * frame.loaded + [*frame.means]
+    return [f"{JUMP} speed", *(f"{kind} {over}" for over in by for kind in (JUMP, KINK))]
 
 
 def structures_of(
@@ -524,17 +586,16 @@ def running_medians(readings: Readings, grown: Array | float = 1.0) -> Array:
 class TableModel(Model):
     """Readings with weights, and a size of friction with which things grow."""
 
-    signed = SIGNED | {JUMP}
-
     def __init__(
         self, readings: Readings, frame: Frame, weights: Array, reference: Reference
     ) -> None:
         self.readings, self.frame = readings, frame
+        self.signed = SIGNED | {*breaks_of(frame)}
         self.weights, self.reference = weights, reference
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
-        self.is_sorted = follows_speed(readings) and not readings.timed
+        self.is_sorted = is_in_order(readings) and not readings.timed
         self.scales = self._scales()
         self._columns, self.groups = self.random(readings.rows)
         self._laws: tuple[tuple[Column, ...], Array, Array] | None = None
@@ -811,12 +872,15 @@ def step_of(readings: Readings, frame: Frame) -> float:
     return least if divides and least > 2e-3 * frame.size else 0.0
 
 
-def follows_speed(readings: Readings) -> bool:
-    """Return whether the order of the readings follows their speed, as in a sorted file."""
+def is_in_order(readings: Readings) -> bool:
+    """Return whether the order of the readings follows speed and load, as in a sorted file."""
     rows, n = readings.rows, len(readings.friction)
-    x = np.log(rows.speed)
+    x, load = np.log(rows.speed), np.log(rows.load)
     order = np.arange(n) / n
-    columns = np.column_stack([rows.direction**k * x**j for k in (0, 1) for j in range(4)])
+    columns = np.column_stack([
+        *(rows.direction**k * x**j for k in (0, 1) for j in range(4)),
+        *(load**j for j in (1, 2, 3) if np.ptp(load) > NEAR_LOAD),
+    ])  # fmt: skip
     columns = columns / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-300)
     left = order - columns @ np.linalg.lstsq(columns, order, rcond=None)[0]
     return bool(1.0 - np.var(left) / np.var(order) > FOLLOWS)
@@ -870,7 +934,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
         if not turn:
             kept = [k for some in _near(posterior, LOST) for k in some]
             structures = [structures[k] for k in kept]
-            structures, priors = _with_jumps(structures, priors[kept], readings.rows)
+            structures, priors = _with_breaks(structures, priors[kept], readings.rows, frame)
         begin, before = [posterior.best], weights
         best = posterior.nodes.index(posterior.best)
         structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
@@ -931,17 +995,21 @@ def _finer_still(
     return [*result], np.array([*result.values()])
 
 
-def _with_jumps(
-    structures: Sequence[Structure], priors: Array, rows: Rows
+def _with_breaks(
+    structures: Sequence[Structure], priors: Array, rows: Rows, frame: Frame
 ) -> tuple[list[Structure], Array]:
-    """Return structures, the most likely first, and these beside a jump between two speeds."""
-    speeds = np.unique(rows.speed)
-    speeds = speeds[np.diff(np.log(speeds), prepend=-math.inf) > NEAR].tolist()
-    gaps = list(itertools.pairwise(speeds))[1:-1]
-    if not 0 < len(gaps) <= MOST_GAPS:
-        return [*structures], priors
-    prior = math.log(JUMP_PRIOR / len(gaps))
+    """Return structures, the most likely first, and these beside a jump or a kink."""
     result = dict(zip(structures, priors.tolist(), strict=True))
-    for structure, own in zip(structures[:JUMPS], priors.tolist(), strict=False):
-        result |= {tuple(sorted((*structure, (JUMP, gap)))): own + prior for gap in gaps}
+    for name in breaks_of(frame):
+        gaps = gaps_of(rows, name.partition(" ")[2])
+        if not 0 < len(gaps) <= MOST_GAPS:
+            continue
+        if name.startswith(KINK):  # where in a gap a slope changes, readings show
+            points = [
+                low + (high - low) * (k + 0.5) / FINE for low, high in gaps for k in range(FINE)
+            ]
+            gaps = list(itertools.pairwise(points))
+        prior = math.log(JUMP_PRIOR / len(gaps))
+        for structure, own in zip(structures[:JUMPS], priors.tolist(), strict=False):
+            result |= {tuple(sorted((*structure, (name, gap)))): own + prior for gap in gaps}
     return [*result], np.array([*result.values()])

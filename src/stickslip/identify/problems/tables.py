@@ -50,6 +50,7 @@ from stickslip.identify.problems.table_model import (
     FEW_SPEEDS,
     FOLLOWS,
     JUMP,
+    KINK,
     MOST,
     NEAR,
     RHO,
@@ -61,8 +62,11 @@ from stickslip.identify.problems.table_model import (
     Rows,
     TableFit,
     TableModel,
+    break_column,
     ends_of,
     fitted,
+    is_break,
+    is_ratio,
     law_column,
     structures_of,
 )
@@ -77,6 +81,7 @@ from stickslip.identify.vocabulary import (
     parameters_of,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import joined, percent, quantity
 
@@ -178,7 +183,7 @@ class TableProblem(Problem):
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "TableProblem":
         before, model = self.posterior, copy.copy(self.model)
-        model.signed, model.certain = TableModel.signed | signed_of(own), certain_of(own)
+        model.signed, model.certain = model.signed | signed_of(own), certain_of(own)
         priors = np.append(self.fit.priors, np.full(len(own), np.max(self.fit.priors)))
         posterior = Posterior(
             model, [*before.structures, *own], priors, begin=before.nodes, most=MOST
@@ -332,7 +337,7 @@ class TableProblem(Problem):
         met = [
             structure
             for structure in self.posterior.structures
-            if structure and JUMP not in dict(structure)
+            if structure and not any(map(is_break, family_of(structure)))
         ]
         for entry in [*every, *met]:
             laws.setdefault(family_of(entry), {})[entry] = None
@@ -414,8 +419,10 @@ class TableProblem(Problem):
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
         small = [item <= BELOW_NOISE for item in RHO]
-        jumps = [JUMP in dict(structure) for structure in self.posterior.structures]
-        none = 1.0 - float(self.posterior.shares[jumps].sum())
+        breaks = [
+            any(map(is_break, family_of(structure))) for structure in self.posterior.structures
+        ]
+        none = 1.0 - float(self.posterior.shares[breaks].sum())
         return none * float(self.posterior.scale("delta")[small].sum())
 
     def composition(
@@ -539,8 +546,8 @@ class TableProblem(Problem):
         for draw in draws:
             curve = np.zeros((draw.random.shape[1], len(rows.velocity)))
             for column, c in zip(draw.structure, draw.law, strict=True):
-                if column[0] == JUMP:
-                    curve += c[:, None] * self._jumps(rows, column, len(c))
+                if is_break(column[0]):
+                    curve += c[:, None] * self._breaks(rows, column, len(c))
                     continue
                 if column not in columns:
                     columns[column] = law_column(column, rows, self.model.frame)
@@ -548,13 +555,12 @@ class TableProblem(Problem):
             result.append(curve)
         return np.vstack(result)
 
-    def _jumps(self, rows: Rows, column: Column, count: int) -> Array:
-        """Return columns (k, n) of jumps anywhere between two speeds, at evenly many places."""
-        low, high = column[1]
+    def _breaks(self, rows: Rows, column: Column, count: int) -> Array:
+        """Return columns (k, n) of a jump or kink anywhere in its gap, at evenly many places."""
+        name, (low, high) = column
         share = (np.arange(count)[:, None] + 0.5) / count
-        places = low * (high / low) ** share
-        grown = rows.direction * rows.load / self.model.frame.load
-        return np.asarray(grown * (rows.speed > places))
+        places = low * (high / low) ** share if is_ratio(name) else low + (high - low) * share
+        return break_column(name, places, rows, self.model.frame)
 
     def steady(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return drawn curves alone (k, n): midway, in the mean of the runs."""
@@ -579,36 +585,55 @@ class TableProblem(Problem):
             sizes = [np.full(draw.random.shape[1], DRIFTS[draw.node[5]]) for draw in draws]
             off = np.concatenate(sizes) * rng.normal(size=len(curves))
             curves += np.outer(off, self.model.reference(rows) * rows.direction)
-        curves[::2] += self._at_ends(rows)
+        curves += self._at_ends(rows, draws)
         return np.asarray(curves + self._beyond(rows, draws, curves, rng))
 
-    def _at_ends(self, rows: Rows) -> Array:
-        """Return what readings that are far from the others at an end are, if friction (n,)."""
-        result = np.zeros(len(rows.velocity))
-        for row, off in self._far_ends:
-            own = self.table.rows
+    def _at_ends(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return what makes draws pass through readings alone at an end that are far away (k, n).
+
+        They may be friction as well as outliers: half of the draws take them so, of which half go
+        on to the next reading with the logarithm of the speed, and half jump.
+        """
+        count, rng = sum(draw.random.shape[1] for draw in draws), np.random.default_rng(5)
+        result, own = np.zeros((count, len(rows.velocity))), self.table.rows
+        for row in self._far_ends:
             same = own.direction == own.direction[row]
             others = np.log(own.speed[same & (np.abs(np.log(own.speed / own.speed[row])) > NEAR)])
             log = math.log(own.speed[row])
             near = float(others[np.argmin(np.abs(others - log))])
             share = np.clip((np.log(rows.speed) - near) / (log - near), 0.0, 1.0)
-            result += off * share * (rows.direction == own.direction[row])
+            share = share * (rows.direction == own.direction[row])
+            at = self._row(row)
+            off = self.table.friction[row] - self.steady(at, draws)
+            off = off + rng.normal(size=(count, 1)) * np.concatenate([
+                np.full((draw.random.shape[1], 1),
+                        self.model.sigma(draw.node) * self.model.growth(at, draw.node)[0])
+                for draw in draws
+            ])  # fmt: skip
+            jumps = off[2::4]
+            places = (np.arange(len(jumps))[:, None] + 0.5) / max(len(jumps), 1)
+            result[::4] += off[::4] * share
+            result[2::4] += jumps * (share > places)
         return result
 
+    def _row(self, row: int) -> Rows:
+        """Return a row that was measured, midway and in the mean of the runs."""
+        own = self.table.rows.where(np.array([row]))
+        return self.at(own.velocity, own.load, own.inputs)
+
     @cached_property
-    def _far_ends(self) -> list[tuple[int, float]]:
-        """Readings alone at an end that are far from the others, and by how much [N]."""
-        rows, result = self.table.rows, list[tuple[int, float]]()
+    def _far_ends(self) -> list[int]:
+        """Readings alone at an end that are far from the others, and may be friction."""
+        rows, result = self.table.rows, list[int]()
         draws = self.posterior.draws(DRAWS, seed=3)
-        for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)):
+        for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)).tolist():
             alike = (rows.direction == rows.direction[row]) & (
                 np.abs(np.log(rows.speed / rows.speed[row])) < NEAR
             )
-            at = rows.where(np.array([row]))
-            usual = float(np.median(self.steady(at, draws)[:, 0]))
+            usual = float(np.median(self.steady(self._row(row), draws)))
             off = float(self.table.friction[row]) - usual
             if np.sum(alike) == 1 and abs(off) <= AT_ENDS * abs(usual):
-                result.append((int(row), off))
+                result.append(row)
         return result
 
     def _of_runs(
@@ -704,17 +729,24 @@ class TableProblem(Problem):
         return result
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
-        """Return drifts and differences between runs, with their probability."""
+        """Return drifts, differences between runs, and breaks over the load or an input."""
+        frame = self.model.frame
         result = [self._drift(draws)]
+        result += [self._break(x, draws) for x in (*["load"] * frame.loaded, *frame.means)]
         if self.model.frame.runs > 1:
             result.append(self._differences(draws))
         return [item for item in result if item.probability > 0.5]
 
+    @property
+    def _middle_speed(self) -> float:
+        """Median of the velocities of a direction [m/s]."""
+        rows = self.table.rows
+        middle = float(np.exp(np.median(np.log(rows.speed))))
+        return middle if (rows.velocity > 0.0).any() else -middle
+
     def _drift(self, draws: Sequence[Draws]) -> Finding:
         """Return what friction changes by from the first reading to the last."""
-        rows, frame = self.table.rows, self.model.frame
-        middle = float(np.exp(np.median(np.log(rows.speed))))
-        at = self.at([middle if (rows.velocity > 0.0).any() else -middle])
+        frame, at = self.model.frame, self.at(self._middle_speed)
         ends = []
         for time in (0.0, 1.0):
             x, group = self.model.random(replace(at, order=np.full(1, time)))
@@ -732,6 +764,41 @@ class TableProblem(Problem):
             change,
             f"Friction {verb} over the readings, from {first} at the first to {last} at the last.",
         )
+
+    def _break(self, over: str, draws: Sequence[Draws]) -> Finding:
+        """Return the jump or kink of friction over the load or an input."""
+        frame, rows = self.model.frame, self.table.rows
+        known = dict(zip(self.posterior.structures, self.posterior.shares.tolist(), strict=True))
+        of = {law: [item for item in law if item[0] in (f"{JUMP} {over}", f"{KINK} {over}")]
+              for law in known}  # fmt: skip
+        likely = min(sum(p for law, p in known.items() if of[law]), 1.0)
+        title = f"break of friction over the {over}"
+        if likely < 0.5:
+            return stated("break", title, likely, np.zeros(1), "")
+        ends, sizes = list[tuple[float, ...]](), list[Array]()
+        x = rows.load if over == "load" else rows.inputs[over]
+        for draw in draws:
+            for name, gap in of[draw.structure]:
+                # what the break adds at the largest value, over friction there
+                last = {over: float(x.max())}
+                at = self.at(self._middle_speed, last.get("load"), last)
+                added = draw.law[[item[0] for item in draw.structure].index(name)]
+                added = added * law_column((name, gap), at, frame)[0]
+                sizes.append(added / (self.steady(at, [draw])[:, 0] - added))
+                ends += [gap] * len(added)
+        low, high = np.quantile(np.array(ends), (0.025, 0.975), axis=0)
+        change = np.concatenate(sizes)
+        unit = (
+            "N" if over == "load" else CONTACT_INPUTS[over].unit if over in CONTACT_INPUTS else ""
+        )
+        middle, *span = map(percent, np.quantile(np.abs(change), (0.5, 0.025, 0.975)).tolist())
+        sentence = (
+            f"Friction over the {over} breaks between {quantity(low[0], unit, 3)} and"
+            f" {quantity(high[1], unit, 3)}: at {quantity(float(x.max()), unit, 3)} it is"
+            f" {middle} ({span[0]} to {span[1]})"
+            f" {'less' if np.median(change) < 0.0 else 'more'} than what was measured below says."
+        )
+        return stated("break", title, likely, change, sentence)
 
     def _differences(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much friction differs from run to run."""
