@@ -11,6 +11,7 @@ from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_model import RecordModel, force_wave
+from stickslip.identify.problems.record_rows import by_best_sensor
 from stickslip.identify.problems.record_signals import Record, noise_of
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -209,3 +210,17 @@ def test_a_force_that_acts_late_is_a_delay_and_no_inertia():
         parameter for parameter in found.parameters if parameter.path == "mechanism.inertia"
     ]
     assert inertia.low_any < INERTIA < inertia.high_any
+
+
+def test_velocities_that_are_later_than_positions_are_not_taken() -> None:
+    rng, t = np.random.default_rng(4), np.arange(0.0, 20.0, 0.01)
+    x = np.sin(2.0 * t) + 0.3 * np.sin(5.0 * t) + 1e-4 * rng.normal(size=len(t))
+    v = 2.0 * np.cos(2.0 * t) + 1.5 * np.cos(5.0 * t) + 1e-4 * rng.normal(size=len(t))
+    force = 3.0 * np.gradient(v, t) + np.sign(v)
+    late = lfilter([0.3], [1.0, -0.7], v)
+    kept = [
+        by_best_sensor([Record(time=t, position=x, force=force, velocity=y)])[0].velocity
+        for y in (v, late)
+    ]
+    assert kept[0] is not None
+    assert kept[1] is None

@@ -28,7 +28,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky
+from scipy.linalg import cho_factor, cho_solve, cholesky
 
 from stickslip.identify.own_laws import certain_of, signed_of
 from stickslip.identify.posterior import (
@@ -61,6 +61,7 @@ from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, 
 
 Names: TypeAlias = NDArray[np.str_]
 Mask: TypeAlias = NDArray[np.bool_]
+Solver: TypeAlias = Callable[[Array], tuple[Array, Array]]
 
 FINE = 1.6
 """Shapes of a term for each e-fold of speed."""
@@ -210,7 +211,7 @@ SOFT = 1e-7
 """Share of the products of columns that keeps a first fit solvable."""
 LEAST = 1e-6
 """Least size over that of the friction."""
-DELAYS = np.linspace(-1.0, 1.0, 21)
+DELAYS = np.linspace(-3.0, 3.0, 61)
 """Delays of forces that are looked at, over 1/cutoff."""
 NARROWER = 0.98
 """What is left with the widest band of velocities over that with the usual one, up to which it is
@@ -244,6 +245,9 @@ WRONG = {"given": 3}
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
 LOOKED = ("given", "inertia", "offset")
+PARTS_LATE = ("jerk", "turning")
+"""The inertial force alone and the level alone, late: flexible parts, a motion that was filtered
+and rests shorter than a filter shows make what looks like a delay of all forces."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -558,6 +562,10 @@ class RecordModel(Model):
                 result[at] = self.at(node, name)
             elif name == "delay":
                 result[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
+            elif name in PARTS_LATE:  # by no more than where forces are between samples, all are
+                late = (self.at(node, "delay") - SCALES["delay"][0][0]) * record.sample
+                of = size if name == "turning" else max(self.inertia, 0.0)
+                result[at] = late * of + LEAST * size * record.sample
             elif name == "damping":
                 longest = max(bristle.length, self.frame.noise)
                 result[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
@@ -689,13 +697,13 @@ class RecordModel(Model):
         """
         balance, count = self.balance, self.balance.rows(MIDDLE).count
 
-        def likely(delay: float, kept: int | None = -1) -> float:
+        def likely(delay: float, solvers: Sequence[Solver]) -> float:
             y = balance.response(MIDDLE, replace(balance.acting, delay=delay))
-            left = min(capped(solved_softly(x[:, :kept], y)[1]) for x in columns)
-            return -0.5 * count * math.log(left + TINY)
+            return -0.5 * count * math.log(min(capped(of(y)[1]) for of in solvers) + TINY)
 
-        best, most = likeliest(likely, DELAYS / balance.pieces[0].cutoff)
-        gain = most - likely(0.0, None)
+        without = [soft_solver(x[:, :-1]) for x in columns]
+        best, most = likeliest(lambda x: likely(x, without), DELAYS / balance.pieces[0].cutoff)
+        gain = most - likely(0.0, [soft_solver(x) for x in columns])
         return replace(balance.acting, delay=best), gain * (gain > 0.5 * count * math.log(HALVED))
 
     def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
@@ -704,11 +712,12 @@ class RecordModel(Model):
         As of the posterior, for rows that all count and have the same noise.
         """
         balance, count = self.balance, self.balance.rows(MIDDLE).count
+        solvers = [soft_solver(x) for x in columns]
 
         def likely(logarithm: float) -> float:
             limit = math.exp(logarithm)
             y = balance.response(MIDDLE, replace(balance.acting, limit=limit))
-            noise = math.sqrt(min(capped(solved_softly(x, y)[1]) for x in columns)) + TINY
+            noise = math.sqrt(min(capped(of(y)[1]) for of in solvers)) + TINY
             above = float(np.minimum(np.abs(balance.above(MIDDLE, limit)), 1.0).sum())
             wider = max(balance.excess(limit) / noise, 1.0)
             return -count * math.log(noise) - above * math.log(wider)
@@ -1113,12 +1122,22 @@ def _top(x: Array, y: Array) -> tuple[float, float]:
     return bend, -tilt / (2.0 * bend) if bend < 0.0 else float(x[np.argmax(y)])
 
 
-def solved_softly(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return coefficients (p,) of columns (n, p) for values (n,), and what they leave (n,)."""
+def soft_solver(x: Array) -> Solver:
+    """Return what gives coefficients of columns (n, p) for values, and what they leave."""
     size = np.sqrt(np.mean(x * x, axis=0)) + TINY
     x = x / size
-    c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
-    return c / size, y - x @ c
+    factor = cho_factor(x.T @ x + SOFT * len(x) * np.eye(x.shape[1]))
+
+    def solved(y: Array) -> tuple[Array, Array]:
+        c = cho_solve(factor, x.T @ y)
+        return c / size, y - x @ c
+
+    return solved
+
+
+def solved_softly(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return coefficients (p,) of columns (n, p) for values (n,), and what they leave (n,)."""
+    return soft_solver(x)(y)
 
 
 def capped(left: Array, far: float = 4.0) -> float:

@@ -615,16 +615,26 @@ def _distance(piece: Piece, usable: Mask) -> Array:
 
 
 def by_best_sensor(records: Sequence[Record]) -> list[Record]:
-    """Return records without velocities where positions tell accelerations better."""
+    """Return records without velocities where positions tell accelerations better.
+
+    What the two differ by, beyond the noise of both, is an error of the velocities: they may have
+    been filtered on their way, or come from another place.
+    """
     moving = [even(record) for record in records if moves(record)]
     if not all(record.velocity is not None and record.located for record in records):
         return [*records]
     bare = [replace(item, velocity=None) for item in moving]
     band = float(np.median([cutoff_of(item) for item in [*moving, *bare]]))
-    less = [
-        _noise_of_acceleration(own, band) < _noise_of_acceleration(item, band)
-        for own, item in zip(bare, moving, strict=True)
-    ]
+    less = []
+    for own, item in zip(bare, moving, strict=True):
+        filt = Filter(
+            count=len(item.time), step=float(np.diff(item.time[:2])[0]), band=band, every=1
+        )
+        apart = acceleration_of(item, filt) - acceleration_of(own, filt)
+        apart = apart[len(apart) // SHORTEST : -len(apart) // SHORTEST]
+        by_place, by_speed = (_noise_of_acceleration(x, band) for x in (own, item))
+        error = max(float(np.mean(apart**2)) - by_place**2, by_speed**2)
+        less.append(by_place**2 < error)
     better = 2 * sum(less) > len(less)
     return [replace(record, velocity=None) for record in records] if better else [*records]
 
