@@ -23,7 +23,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from typing import TypeAlias
 
 import numpy as np
@@ -167,7 +167,7 @@ EXPONENTS = (0.5, 2.0)
 NEARER = (0.84, 1.19)
 """Lengths about the best, if that has another exponent than Dahl's usual one."""
 KEPT = 2
-"""Bristles that are kept, beside none."""
+"""Bristles beside which delays and limits are looked for."""
 SEEN = 0.03
 """Root mean square of what a bristle lacks of being stretched, from which its length follows."""
 FOLLOWING = (0.8, 1.0, 1.3, 1.7)
@@ -655,8 +655,9 @@ class RecordModel(Model):
         looked.sort(key=lambda item: item[0])
         bristles = [item[1] for item in looked if item[1].length]
         balance.first = bristles[0].length
-        kept = [item[1] for item in looked[:KEPT] if item[1].length]
-        self.memories = [RIGID, *kept]
+        # both kinds, or the rounds refine only that which the coarse curve here prefers
+        kinds = [[item for item in bristles if item.lags is lags][:1] for lags in (True, False)]
+        self.memories = [RIGID, *chain(*kinds)]
         balance.forget(self.memories)
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
