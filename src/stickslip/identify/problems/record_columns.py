@@ -47,7 +47,7 @@ WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
 """Standard deviation of what a gear transmits over its mean, from which friction may show it."""
-OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
+OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3, 10.0, 16.0)
 """Lengths of further bristles, over that of the law."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
@@ -485,14 +485,13 @@ class Balance:
             groups["sides"] = np.abs(z)[:, None] * hats
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
-        others = [
-            bristle(piece.along(length), length, n) - state for length in lengths for n in (0.0, 1.0)
-        ]
-        if memory.length:  # what no law says while they are not stretched depends on the speed, too
-            whole = bristle(piece.along(first), first, 1.0)
-            lacking = (piece.direction - whole)[:, None] * hats
-            others += [*lacking.T]
-        groups["others"] = np.column_stack(others)
+        groups["others"] = np.column_stack(
+            [
+                bristle(piece.along(length), length, n) - state
+                for length in lengths
+                for n in (0.0, 1.0)
+            ]
+        )
         for name in frame.inputs:
             u = self.input(piece, name)
             groups[f"level*{name}"] = (z * u)[:, None]
