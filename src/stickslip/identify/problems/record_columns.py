@@ -485,13 +485,15 @@ class Balance:
             groups["sides"] = np.abs(z)[:, None] * hats
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
-        groups["others"] = np.column_stack(
-            [
-                bristle(piece.along(length), length, n) - state
-                for length in lengths
-                for n in (0.0, 1.0)
-            ]
-        )
+        others = [
+            bristle(piece.along(length), length, n) - state
+            for length in lengths
+            for n in (0.0, 1.0)
+        ]
+        if memory.length:  # what no law says while it is not stretched depends on the speed, too
+            lacks = piece.direction - bristle(piece.along(memory.length), memory.length, 1.0)
+            others += [*(lacks[:, None] * hats).T]
+        groups["others"] = np.column_stack(others)
         for name in frame.inputs:
             u = self.input(piece, name)
             groups[f"level*{name}"] = (z * u)[:, None]

@@ -880,7 +880,9 @@ class RecordModel(Model):
         if noise.bristle is not None:
             lacks = 1.0 - np.abs(rows.taken(balance.states(noise.bristle)))
             short = (result < SPEEDS) & (lacks > LACKING[0])
-            result = np.where(short, SPEEDS + len(NEAR) + np.searchsorted(LACKING, lacks) - 1, result)
+            result = np.where(
+                short, SPEEDS + len(NEAR) + np.searchsorted(LACKING, lacks) - 1, result
+            )
         return np.asarray(result, dtype=np.intp)
 
     def _noise(self, which: int, left: Array, bristle: Memory | None) -> Noise:
