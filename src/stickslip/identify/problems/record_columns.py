@@ -48,7 +48,8 @@ WIDER = 2.0
 VARIES = 0.05
 """Standard deviation of what a gear transmits over its mean, from which friction may show it."""
 OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3, 10.0, 16.0)
-"""Lengths of further bristles, over that of the law."""
+"""Lengths of further bristles, over that of the law: so near that their sums follow how a surface
+of any kind yields."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 STRAIGHT = 4.0

@@ -282,8 +282,8 @@ class Noise:
     pieces: Array
     """Factors of the pieces."""
     bristle: Memory | None
-    """Bristle whose rows are classes while it is not stretched: as it would be along its length, for
-    one that yields at once may lack more than it says."""
+    """Bristle whose rows are classes while it is not stretched, as one that lags along its length:
+    another may lack more than its exponent says."""
 
 
 class RecordModel(Model):
