@@ -47,9 +47,11 @@ WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
 """Standard deviation of what a gear transmits over its mean, from which friction may show it."""
-OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3, 10.0, 16.0)
+OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
 """Lengths of further bristles, over that of the law: so near that their sums follow how a surface
 of any kind yields."""
+TOGETHER = 10
+"""Columns of them whose sum is as large as that of all: more of them say no more."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 STRAIGHT = 4.0
@@ -494,7 +496,7 @@ class Balance:
         if memory.length:  # what no law says while it is not stretched depends on the speed, too
             lacks = piece.direction - bristle(piece.along(memory.length), memory.length, 1.0)
             others += [*(lacks[:, None] * hats).T]
-        groups["others"] = np.column_stack(others)
+        groups["others"] = np.column_stack(others) * math.sqrt(TOGETHER / len(others))
         for name in frame.inputs:
             u = self.input(piece, name)
             groups[f"level*{name}"] = (z * u)[:, None]
