@@ -47,8 +47,11 @@ WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
 """Standard deviation of what a gear transmits over its mean, from which friction may show it."""
-OTHERS = (0.15, 0.4, 1.0, 2.5, 6.0)
-"""Lengths of further bristles, over that of the law."""
+OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
+"""Lengths of further bristles, over that of the law: so near that their sums follow how a surface
+of any kind yields."""
+TOGETHER = 10
+"""Columns of them whose sum is as large as that of all: more of them say no more."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 STRAIGHT = 4.0
@@ -485,13 +488,15 @@ class Balance:
             groups["sides"] = np.abs(z)[:, None] * hats
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
-        groups["others"] = np.column_stack(
-            [
-                bristle(piece.along(length), length, n) - state
-                for length in lengths
-                for n in (0.0, 1.0)
-            ]
-        )
+        others = [
+            bristle(piece.along(length), length, n) - state
+            for length in lengths
+            for n in (0.0, 1.0)
+        ]
+        if memory.length:  # what no law says while it is not stretched depends on the speed, too
+            lacks = piece.direction - bristle(piece.along(memory.length), memory.length, 1.0)
+            others += [*(lacks[:, None] * hats).T]
+        groups["others"] = np.column_stack(others) * math.sqrt(TOGETHER / len(others))
         for name in frame.inputs:
             u = self.input(piece, name)
             groups[f"level*{name}"] = (z * u)[:, None]

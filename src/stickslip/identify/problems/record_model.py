@@ -148,8 +148,10 @@ SPEEDS = 8
 """Classes of speed."""
 NEAR = (0.6, 1.2, 2.4)
 """Classes of the distance from a turn, over 1/cutoff."""
-FULL, PART = 0.98, 0.9
-"""States of a bristle that count as stretched, and as not."""
+LACKING = (0.005, 0.02, 0.1)
+"""Classes of what a bristle lacks of being stretched."""
+PART = 0.9
+"""State of a bristle that counts as not stretched."""
 TAIL, FAR_OUT = 4.0, 2.5
 """Degrees of freedom of what is left, and from where on its tail counts."""
 KAPPA = 0.3
@@ -284,7 +286,8 @@ class Noise:
     pieces: Array
     """Factors of the pieces."""
     bristle: Memory | None
-    """Bristle whose rows are a class while it is not stretched."""
+    """Bristle whose rows are classes while it is not stretched, as one that lags along its length:
+    another may lack more than its exponent says."""
 
 
 class RecordModel(Model):
@@ -885,9 +888,11 @@ class RecordModel(Model):
         near = SPEEDS + np.searchsorted(NEAR, np.minimum(rows.far, NEAR[-1]))
         result = np.where(rows.far > NEAR[-1], speed, near)
         if noise.bristle is not None:
-            state = rows.taken(balance.states(noise.bristle))
-            short = (result < SPEEDS) & (np.abs(state) < FULL)
-            result = np.where(short, SPEEDS + len(NEAR), result)
+            lacks = 1.0 - np.abs(rows.taken(balance.states(noise.bristle)))
+            short = (result < SPEEDS) & (lacks > LACKING[0])
+            result = np.where(
+                short, SPEEDS + len(NEAR) + np.searchsorted(LACKING, lacks) - 1, result
+            )
         return np.asarray(result, dtype=np.intp)
 
     def _noise(self, which: int, left: Array, bristle: Memory | None) -> Noise:
@@ -897,13 +902,15 @@ class RecordModel(Model):
         edges = np.quantile(
             speed[away] if away.sum() > FEW else speed, np.linspace(0.0, 1.0, SPEEDS + 1)
         )
+        if bristle is not None and not bristle.lags:
+            bristle = replace(bristle, exponent=1.0)
         seen = bristle is not None and bristle.length > SHORT * self.frame.noise
         noise = Noise(
             edges=edges, deviations=np.zeros(0), pieces=np.ones(len(self.balance.pieces)),
             bristle=bristle if seen else None,
         )  # fmt: skip
         of = self.classes(self.balance, which, noise)
-        sizes = np.zeros(SPEEDS + len(NEAR) + 1)
+        sizes = np.zeros(SPEEDS + len(NEAR) + len(LACKING))
         for k in range(len(sizes)):
             e = np.abs(left[of == k])
             if len(e) >= FEWEST:
