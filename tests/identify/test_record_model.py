@@ -13,12 +13,8 @@ from stickslip.errors import InputError
 from stickslip.identify.forces import Unknown
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
-from stickslip.identify.problems.record_columns import Memory, relaxed
-from stickslip.identify.problems.record_rows import MIDDLE, continued, cutoff_of
-
-
 from stickslip.identify.problems.record_columns import OTHERS, Memory, relaxed
-from stickslip.identify.problems.record_rows import continued, cutoff_of
+from stickslip.identify.problems.record_rows import MIDDLE, continued, cutoff_of
 from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordProblem
 
