@@ -24,7 +24,7 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.forces import load_slopes
 from stickslip.identify.judgement import DRAWS, ONE_WAY, Candidates, Finding, Problem, stated
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import (
     certain_of,
     is_dry,
@@ -70,7 +70,7 @@ from stickslip.identify.problems.table_model import (
     law_column,
     structures_of,
 )
-from stickslip.identify.projection import Free, Rung, Shaped, names_of, shapes_to_draw
+from stickslip.identify.projection import Rung, Shaped, names_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
     FAMILIES,
@@ -103,8 +103,6 @@ REST_PRIOR = 0.05
 """... and the prior of each: friction of a body at rest is anything up to its break-away."""
 BESIDE_SLOWEST = 5
 """Readings at the next speeds with which slow ones are compared."""
-OUTLYING = 6.0
-"""Deviations from which a reading is said to be far from the others."""
 MOST_RESTS = 4
 """Readings that may be at rest, in each direction."""
 NOT_BY_LOAD = frozenset({"offset", "adhesion", *FLOWS, *FLOW_DIRECTIONS})
@@ -193,14 +191,6 @@ class TableProblem(Problem):
 
     def slips(self, rows: Rows) -> Rows:
         return rows
-
-    def title(self, term: str) -> str:
-        """Return what a term is called in a sentence."""
-        return term_title(term)
-
-    def speed_of(self, place: int) -> float:
-        """Return the velocity of a place at which laws are compared [m/s]."""
-        return float(self.places().velocity[place])
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -323,7 +313,7 @@ class TableProblem(Problem):
         return [law_column(column, rows, frame)]
 
     @cached_property
-    def _grid(self) -> Grid:
+    def grid(self) -> Grid:  # type: ignore[override]
         frame = self.model.frame
         return Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
 
@@ -332,7 +322,7 @@ class TableProblem(Problem):
         known = [tuple(item.split()) for item in FAMILIES]
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
-        every, _ = structures_of(self.model.frame, self._grid, [item for item in known if item])
+        every, _ = structures_of(self.model.frame, self.grid, [item for item in known if item])
         laws: dict[Family, dict[Structure, None]] = {}
         met = [
             structure
@@ -410,11 +400,6 @@ class TableProblem(Problem):
         ]
         more = [(name, own.get(name, ())) for name in beside]
         return tuple(sorted([*kept, *more], key=lambda item: item[0]))
-
-    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
-        """Return the entries of shapes that draws have of their own, and structures to begin at."""
-        frame = self.model.frame
-        return shapes_to_draw(rung.structure, frame.slowest, frame.fastest)
 
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
@@ -843,7 +828,7 @@ class TableProblem(Problem):
         """Readings that are far from the others, with how many deviations."""
         if np.any(self.table.count > 1.0):
             return {}
-        far = np.flatnonzero(self.fit.far > OUTLYING)
+        far = np.flatnonzero(self.fit.far > THRESHOLDS.outlying)
         return {int(row): float(self.fit.far[row]) for row in far}
 
 
