@@ -314,6 +314,7 @@ class TableProblem(Problem):
 
     @cached_property
     def grid(self) -> Grid:  # type: ignore[override]
+        """Shapes of laws for the speeds that were measured."""
         frame = self.model.frame
         return Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
 
