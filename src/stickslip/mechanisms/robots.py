@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError, UnknownNameError
@@ -435,7 +436,7 @@ class RobotJoint(Parametrised):
                 f"{owner}: a joint with a coupling takes no lower_stop or upper_stop, which would"
                 " be of its angle and not of the coordinate: leave them out."
             )
-        rows = np.array(self.rotation)
+        rows: NDArray[np.float64] = np.array(self.rotation)
         if np.abs(rows @ rows.T - np.eye(3)).max() > 1e-6 or np.linalg.det(rows) < 0.0:
             raise ParameterError(
                 f"{owner}: orientation must be a rotation matrix, got {self.orientation}."

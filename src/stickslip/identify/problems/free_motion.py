@@ -133,9 +133,9 @@ class FreeMotionProblem(Problem):
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen, self.normal)
-        laws = [tuple(item.split()) for item in FAMILIES] if known is None else known
+        self.laws = [tuple(item.split()) for item in FAMILIES] if known is None else known
         near = followed(motion)
-        self.posterior = judged(near, self.grid, laws)
+        self.posterior = judged(near, self.grid, self.laws)
         self.size, self.load = motion.size, self.normal
         self.side = self.balance.side
 
@@ -144,9 +144,9 @@ class FreeMotionProblem(Problem):
     ) -> "FreeMotionProblem":
         result = copy.copy(self)
         result.families, result.restricted = (*families, *map(family_of, own)), True
-        known, model = [*dict.fromkeys(map(parts_of, families))], self.model
+        result.laws, model = [*dict.fromkeys(map(parts_of, families))], self.model
         model = RunModel(model.runs, model.linear, model, own)
-        result.posterior = judged(model, self.grid, known)
+        result.posterior = judged(model, self.grid, result.laws)
         return result
 
     def slips(self, rows: SteadyRows) -> Slips:
@@ -236,11 +236,8 @@ class FreeMotionProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(item.split()) for item in FAMILIES]
-        if self.families is not None:
-            known = [*dict.fromkeys(map(parts_of, self.families))]
         laws: dict[Family, list[Structure]] = {}
-        for family, shapes, _ in self.grid.families([item for item in known if item]):
+        for family, shapes, _ in self.grid.families([item for item in self.laws if item]):
             laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
         laws |= {family_of(item): [item] for item in self.model.own}
         return [
