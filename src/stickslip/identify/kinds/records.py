@@ -259,7 +259,12 @@ class RecordKind(BandKind):
         if second is not None:
             in_segments = f"in segments of {formatting.quantity(second.horizon, 's')}"
             lines.append(f"On the second record: {text(second.rms)}, {in_segments}")
-        lines += [f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions]
+        left = math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
+        lines += [
+            f"The fit leaves {percent(left)} of what varies; `stickslip select` compares laws and"
+            " looks for what else acts.",
+            *restarts_lines(fit), *fit.remarks, *fit.assumptions,
+        ]  # fmt: skip
         return FitSummary(
             lines=lines,
             findings=[f"Model error: {error}" for error in fit.model_errors],
@@ -301,15 +306,6 @@ def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     ('0.24 mm', '1.23 N')
     """
     return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
-
-
-def left_text(fit: RecordFit[Any]) -> str:
-    """Return what a fit leaves of what a law is to explain, and who compares laws."""
-    share = math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
-    return (
-        f"The fit leaves {percent(share)} of what varies; `stickslip select` compares laws and"
-        " looks for what else acts"
-    )
 
 
 def restarts_lines(fit: RecordFit[Any]) -> list[str]:

@@ -3,7 +3,7 @@
 import copy
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -566,10 +566,15 @@ class TableProblem(Problem):
             x, group = self.model.random(own)
             curves[when == k] += random[:, when == k].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
-            curves += self._of_runs(rows, draws, random[group == "run"], new, rng)
+            effects, count = random[group == "run"], len(curves)
+            which = rng.integers(len(effects), size=count)
+            # one of the runs that were measured, or another one: draws have a deviation each
+            other = of_each(draws, lambda x: RUNS[x.node[6]]) * rng.normal(size=count)
+            is_new = new or np.all(rows.run == -2)
+            effect = other if is_new else effects[which, np.arange(count)]
+            curves += np.outer(effect, self.model.reference(rows) * rows.direction)
         if np.all(rows.run == -2):  # at another time friction is off by as much as it drifts
-            sizes = [np.full(draw.random.shape[1], DRIFTS[draw.node[5]]) for draw in draws]
-            off = np.concatenate(sizes) * rng.normal(size=len(curves))
+            off = of_each(draws, lambda x: DRIFTS[x.node[5]]) * rng.normal(size=len(curves))
             curves += np.outer(off, self.model.reference(rows) * rows.direction)
         curves += self._at_ends(rows, draws)
         return np.asarray(curves + self._beyond(rows, draws, curves, rng))
@@ -591,11 +596,9 @@ class TableProblem(Problem):
             share = share * (rows.direction == own.direction[row])
             at = self._row(row)
             off = self.table.friction[row] - self.steady(at, draws)
-            off = off + rng.normal(size=(count, 1)) * np.concatenate([
-                np.full((draw.random.shape[1], 1),
-                        self.model.sigma(draw.node) * self.model.growth(at, draw.node)[0])
-                for draw in draws
-            ])  # fmt: skip
+            noise = [self.model.sigma(x.node) * self.model.growth(at, x.node)[0] for x in draws]
+            each = np.repeat(noise, [x.random.shape[1] for x in draws])
+            off = off + rng.normal(size=(count, 1)) * each[:, None]
             jumps = off[2::4]
             places = (np.arange(len(jumps))[:, None] + 0.5) / max(len(jumps), 1)
             result[::4] += off[::4] * share
@@ -622,25 +625,6 @@ class TableProblem(Problem):
                 result.append(row)
         return result
 
-    def _of_runs(
-        self,
-        rows: Rows,
-        draws: Sequence[Draws],
-        effects: Array,
-        new: bool,
-        rng: np.random.Generator,
-    ) -> Array:
-        """Return what a run adds (k, n): one of those measured, or another one."""
-        runs, count = effects.shape
-        which = rng.integers(runs, size=count)
-        sizes = np.concatenate(
-            [np.full(draw.random.shape[1], RUNS[draw.node[6]]) for draw in draws]
-        )
-        other = sizes * rng.normal(size=count)  # draws have a deviation each
-        is_new = new or np.all(rows.run == -2)
-        effect = other if is_new else effects[which, np.arange(count)]
-        return np.asarray(np.outer(effect, self.model.reference(rows) * rows.direction))
-
     def _beyond(
         self, rows: Rows, draws: Sequence[Draws], curves: Array, rng: np.random.Generator
     ) -> Array:
@@ -650,9 +634,7 @@ class TableProblem(Problem):
             np.maximum(math.log(frame.slowest) - logs, 0.0),
             np.maximum(logs - math.log(frame.fastest), 0.0),
         )
-        tau = np.concatenate(
-            [np.full(draw.random.shape[1], self.model.tau(draw.node)) for draw in draws]
-        )
+        tau = of_each(draws, lambda x: self.model.tau(x.node))
         result = np.zeros_like(curves)
         for own in far:
             e = rng.normal(size=(2, len(curves)))
@@ -831,6 +813,11 @@ class TableProblem(Problem):
             return {}
         far = np.flatnonzero(self.fit.far > THRESHOLDS.outlying)
         return {int(row): float(self.fit.far[row]) for row in far}
+
+
+def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
+    """Return a value of the node of each draw (k,)."""
+    return np.repeat([value(draw) for draw in draws], [draw.random.shape[1] for draw in draws])
 
 
 def known_terms(table: Readings) -> list[str]:
