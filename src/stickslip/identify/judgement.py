@@ -601,6 +601,11 @@ class Judgement:
         """Return friction of the named law and its constant offset (n,) at rows."""
         return self.curve_of(self.named, rows)
 
+    @property
+    def outliers(self) -> Mapping[int, float]:
+        """Readings that are far from the others, with how many deviations."""
+        return self.problem.outliers
+
     def details(self) -> Mapping[str, Any]:
         """Return what a document has of the judgement beside the band and the parameters."""
         return {

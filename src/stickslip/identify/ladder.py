@@ -358,7 +358,7 @@ def ladder_verdict(
     doubts = [finding_sentence(finding) for finding in judgement.findings if finding.asserted]
     doubts += judgement.problem.untold()
     doubts += untold_of_law(judgement, first.fit)
-    if far := judgement.problem.outliers:
+    if far := judgement.outliers:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if foreseen is not None:
         doubts.append(second_sentence(foreseen))

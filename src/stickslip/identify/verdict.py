@@ -317,7 +317,7 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def outliers(self) -> Mapping[int, float]:
         """Readings of a table that are far from the others, with how many deviations."""
-        return self.judgement.problem.outliers
+        return self.judgement.outliers
 
     @property
     def explained(self) -> bool:
