@@ -35,6 +35,7 @@ from stickslip.exports.program import (
 )
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import turned
+from stickslip.show.formatting import lower_first
 
 # The functions that a law becomes: its forces, one step in discrete time, its compensation.
 #
@@ -114,14 +115,10 @@ def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
         Variable(
             name=name,
             unit=turned(CONTACT_INPUTS[key].unit, rotary),
-            meaning=_lowered(CONTACT_INPUTS[key].meaning.rstrip(".")),
+            meaning=lower_first(CONTACT_INPUTS[key].meaning.rstrip(".")),
         )
         for name, key in law.inputs.items()
     )
-
-
-def _lowered(text: str) -> str:
-    return text[:1].lower() + text[1:]
 
 
 def _informed(

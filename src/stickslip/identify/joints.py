@@ -697,7 +697,7 @@ def _of_each(joints: Mapping[str, BandVerdict], part: str) -> tuple[str, ...]:
 def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of the page of a verdict on several joints."""
     return (
-        partial(opening_section, verdict, origin, remark),
+        partial(opening, verdict.words, origin.data, remark),
         *(
             partial(joint_section, name, joint, number)
             for number, (name, joint) in enumerate(verdict.joints.items(), 1)
@@ -706,11 +706,6 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
         partial(record_and_checks, verdict.checks),
         partial(reproduce, origin, laws=[law for _, law in verdict.law.members]),
     )
-
-
-def opening_section(verdict: JointVerdict, origin: Origin, remark: str) -> Section:
-    """Return the section that a reader may stop after."""
-    return opening(verdict.words, origin.data, remark)
 
 
 def joint_section(name: str, verdict: BandVerdict, number: int) -> Section:

@@ -51,7 +51,9 @@ from stickslip.identify.projection import (
     is_signed,
     most_probable,
     names_of,
+    shapes_to_draw,
 )
+from stickslip.identify.vocabulary import Grid
 from stickslip.show.formatting import joined
 
 SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
@@ -176,6 +178,8 @@ class Problem(ABC):
     """Root mean square of the friction [N]."""
     load: float
     """Normal force at which levels are stated [N]."""
+    grid: Grid
+    """Shapes of the laws on which curves are projected."""
     restricted: bool = False
     """Whether only laws that were asked for are compared."""
     runs: int = 1
@@ -197,9 +201,10 @@ class Problem(ABC):
     def places(self) -> Any:
         """Return the rows at which curves are projected."""
 
-    @abstractmethod
-    def scale(self, rows: Any) -> Array | float:
+    def scale(self, rows: Any) -> Array:
         """Return how friction grows with the load at rows (n,)."""
+        ratio: Array = rows.ratio
+        return ratio
 
     @abstractmethod
     def columns(self, column: tuple[str, Any], rows: Any) -> list[Array]:
@@ -237,29 +242,44 @@ class Problem(ABC):
     def candidates(self) -> Sequence[Candidates]:
         """Return the families on which curves are projected, with their structures."""
 
-    @abstractmethod
     def free(self, rung: Rung) -> tuple[Sequence[Free], Sequence[Structure]]:
         """Return the entries of shapes that draws have of their own, and structures to begin at."""
+        return shapes_to_draw(rung.structure, self.grid.slowest, self.grid.fastest)
 
-    @abstractmethod
+    def is_small(self, tolerance: float) -> NDArray[np.bool_]:
+        """Return at which nodes what no law says is small (k,)."""
+        raise NotImplementedError
+
     def exact(self) -> float:
-        """Return the probability that what no law says is below the noise."""
+        """Return the probability that what no law says is small beside any tolerance."""
+        return float(self.posterior.weights[self.is_small(TOLERANCE)].sum())
 
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
         return term_title(term)
 
-    @abstractmethod
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
+        return float(self.places().velocity[place])
 
-    @abstractmethod
+    @property
+    def families_of_structures(self) -> Sequence[Family]:
+        """The family of each structure, with what stands beside it."""
+        return [family_of(item) for item in self.posterior.structures]
+
     def masses(self, tolerance: float) -> tuple[Mapping[Family, float], Mapping[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
+        every, adequate = dict[Family, float](), dict[Family, float]()
+        small = self.posterior.weights[self.is_small(tolerance)].sum(axis=0)
+        shares = zip(self.families_of_structures, self.posterior.shares, small, strict=True)
+        for family, share, own in shares:
+            every[family] = every.get(family, 0.0) + float(share)
+            adequate[family] = adequate.get(family, 0.0) + float(own)
+        return every, adequate
 
     def holds(self, family: Family) -> NDArray[np.bool_]:
         """Return the nodes and structures (k, s) of the posterior at which a family holds."""
-        same = np.array([family_of(item) == family for item in self.posterior.structures])
+        same = np.array([item == family for item in self.families_of_structures])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
     @abstractmethod

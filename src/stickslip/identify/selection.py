@@ -90,7 +90,6 @@ def select_table(
     laws: Any = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
-    route: str = "table",
 ) -> BandVerdict:
     """Judge a table of friction: which law, and what friction is over all candidate laws.
 
@@ -136,7 +135,7 @@ def select_table(
         places=tuple(chosen.velocity.tolist()),
         conditions={name: tuple(x.tolist()) for name, x in conditions.items()},
         largest_speed=problem.model.frame.fastest,
-        route=route,
+        route="table",
         foreseer=foreseer,
         second=validate,
         foreseen=None if validate is None else foreseer(validate),
@@ -263,7 +262,6 @@ def select_record(
     hold: Hold | None = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
-    route: str = "balance",
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is over all candidate laws.
 
@@ -303,7 +301,7 @@ def select_record(
         offset=not offset,
         tolerance=tolerance,
         checks=checks,
-        route=route,
+        route="balance",
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),

@@ -28,8 +28,6 @@ class Thresholds:
     """Evidence that each place in the order of terms from usual to unusual costs (study: names)."""
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
-    odds: float = 100.0
-    """Odds against a family up to which it cannot be distinguished from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
     explained: float = 0.5

@@ -30,6 +30,7 @@ from stickslip.identify.fits import (
     estimates_for,
     inputs_text,
     typical_inputs,
+    unit_of,
 )
 from stickslip.identify.judgement import Finding, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding
@@ -41,7 +42,7 @@ from stickslip.identify.wording import (
     usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
+from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.show.formatting import Scale, interval, joined, number, quantity, with_unit
 
 if TYPE_CHECKING:
@@ -605,7 +606,17 @@ def law_fit(
     law = composed.through(sliding) if own is None else own
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
-    rig, remarks = _rig_of(composed, law, mechanism, measurement, offset=not judgement.offset)
+    result = {path: float(x[0]) for path, x in composed.rig.items()}
+    values = {path: x for path, x in result.items() if path.startswith("mechanism.")}
+    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    if not judgement.offset and "offset" in result and "mechanism.offset" in known:
+        values["mechanism.offset"] = result["offset"]
+    values = {path: x for path, x in values.items() if known[path].allows(x)}
+    rig = vary(mechanism, "mechanism", values) if values else mechanism
+    rig, loaded = as_loaded(rig, measurement)
+    rig, of_inputs = as_informed(law, rig, measurement)
+    said = (*unphysical_of(composed, mechanism), loaded, *of_inputs)
+    remarks = [remark for remark in said if remark]
     if named:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
@@ -636,31 +647,6 @@ def law_fit(
     )
 
 
-def _rig_of(
-    composed: Composition,
-    law: FrictionLaw,
-    mechanism: Mechanism,
-    measurement: Measurement,
-    *,
-    offset: bool,
-) -> tuple[Mechanism, list[str]]:
-    """Return a mechanism under what was measured and fitted beside a law, and what to say of it.
-
-    A constant offset is set with `offset`.
-    """
-    result = {path: float(x[0]) for path, x in composed.rig.items()}
-    own = {path: x for path, x in result.items() if path.startswith("mechanism.")}
-    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    if offset and "offset" in result and "mechanism.offset" in known:
-        own["mechanism.offset"] = result["offset"]
-    remarks = unphysical_of(composed, mechanism)
-    own = {path: x for path, x in own.items() if known[path].allows(x)}
-    mechanism = vary(mechanism, "mechanism", own) if own else mechanism
-    mechanism, said = as_loaded(mechanism, measurement)
-    mechanism, of_inputs = as_informed(law, mechanism, measurement)
-    return mechanism, [remark for remark in (*remarks, said, *of_inputs) if remark]
-
-
 def unphysical_of(composed: Composition, mechanism: Mechanism) -> list[str]:
     """Return what to say of parameters of a mechanism that came out where they cannot be."""
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
@@ -670,54 +656,6 @@ def unphysical_of(composed: Composition, mechanism: Mechanism) -> list[str]:
         for path, x in result.items()
         if not known[path].allows(x)
     ]
-
-
-def _estimate(
-    one: Interval,
-    law: FrictionLaw,
-    mechanism: Mechanism,
-    measurement: Measurement,
-    *,
-    any_law: bool,
-) -> Estimate:
-    """Return an interval as an estimate with symbol and unit, within the range of the quantity."""
-    name = one.path.rpartition(".")[2]
-    known = {path: q for path, q, _ in parameters(law, "friction")}
-    known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
-    per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
-    if one.path.startswith("mechanism."):  # these say which other unit they have about an axis
-        unit = own.or_unit if measurement.turning and own.or_unit else own.unit
-    elif one.path.startswith("friction."):
-        unit = own.unit_at(per_load=per_load, turning=measurement.turning)
-    else:
-        unit = turned(own.unit, measurement.turning)
-    own = replace(own, unit=unit)
-    low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
-    least = own.low if own.above is None else max(own.low, own.above)
-    least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
-    least = least if math.isfinite(low) else -math.inf
-    ends = math.isfinite(low) + math.isfinite(high)
-    reason = ("no reading tells it from the others", "the speeds measured do not bound it", "")[
-        ends
-    ]
-    outside = one.path.startswith("mechanism.") and not (own.allows(low) or own.allows(high))
-    if outside and math.isfinite(high - low):
-        reason = f"it lies where it cannot be, {interval(low, high)}"
-        low, high, least = -math.inf, math.inf, -math.inf
-    if high <= least:
-        bound = with_unit(number(least), unit)
-        low, high, reason = -math.inf, math.inf, f"it reached its lower bound, {bound}"
-        least = low
-    return Estimate(
-        path=one.path,
-        quantity=own,
-        value=one.value,
-        low=max(low, least),
-        high=max(high, least),
-        interval="95 %",
-        reason=reason,
-    )
 
 
 def _usual_quantity(name: str) -> Quantity:
@@ -748,7 +686,40 @@ def estimates_of(
     any_law: bool,
 ) -> tuple[Estimate, ...]:
     """Return the parameters of the named law, with intervals if it holds or over all laws."""
-    return tuple(
-        _estimate(item, law, mechanism, measurement, any_law=any_law)
-        for item in judgement.intervals
-    )
+    known = {path: q for path, q, _ in parameters(law, "friction")}
+    known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
+
+    def estimate(one: Interval) -> Estimate:
+        """Return an estimate with symbol and unit, within the range of the quantity."""
+        name = one.path.rpartition(".")[2]
+        own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
+        unit = unit_of(one.path, own, per_load=per_load, turning=measurement.turning)
+        own = replace(own, unit=unit)
+        low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
+        least = own.low if own.above is None else max(own.low, own.above)
+        # what is no law has values that laws lack
+        least = least if least <= one.value and math.isfinite(low) else -math.inf
+        ends = math.isfinite(low) + math.isfinite(high)
+        reason = ("no reading tells it from the others", "the speeds measured do not bound it", "")[
+            ends
+        ]
+        outside = one.path.startswith("mechanism.") and not (own.allows(low) or own.allows(high))
+        if outside and math.isfinite(high - low):
+            reason = f"it lies where it cannot be, {interval(low, high)}"
+            low, high, least = -math.inf, math.inf, -math.inf
+        if high <= least:
+            bound = with_unit(number(least), unit)
+            low, high, reason = -math.inf, math.inf, f"it reached its lower bound, {bound}"
+            least = low
+        return Estimate(
+            path=one.path,
+            quantity=own,
+            value=one.value,
+            low=max(low, least),
+            high=max(high, least),
+            interval="95 %",
+            reason=reason,
+        )
+
+    return tuple(map(estimate, judgement.intervals))

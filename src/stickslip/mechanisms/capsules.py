@@ -1017,12 +1017,11 @@ class PendulumCart(base.BoundedMechanism):
         soft = "Use soft stops (lower_soft_stop, upper_soft_stop)"
         for stop in stops:
             for place in _sloped(stop.position):
-                name, symbol = f"{stop.side}_stop", f"theta_{stop.side[0]}"
                 raise ParameterError(
                     f"PendulumCart: hard stops are for a rod that stands or hangs along the normal"
-                    f" there, got {name} ({symbol}) = {place:g} rad: a blow elsewhere lifts the"
-                    " cart or presses it on its ground, whose friction takes a part of the blow."
-                    f" {soft}, or 0 or pi rad."
+                    f" there, got {stop.side}_stop (theta_{stop.side[0]}) = {place:g} rad: a blow"
+                    " elsewhere lifts the cart or presses it on its ground, whose friction takes a"
+                    f" part of the blow. {soft}, or 0 or pi rad."
                 )
         if stops and self.wheelbase is not None:
             raise ParameterError(

@@ -324,8 +324,6 @@ class DCMotor(Parametrised):
             Voltage [V], without the droop of the supply.
         """
         demand = command if self.loop is None else self.loop.voltage(command, position, rate, self)
-        if self.supply is None:
-            return demand
         return _within(demand, self.supply, "voltage")
 
     def current(self, command: Scalar, position: Scalar, rate: Scalar) -> Scalar:
@@ -353,8 +351,6 @@ class DCMotor(Parametrised):
             duty = voltage / self.supply
             resistance = resistance + self.supply_resistance * duty * duty
         current = (voltage - self.back_emf * self.gear_ratio * rate) / resistance
-        if self.current_limit is None:
-            return current
         return _within(current, self.current_limit, "current")
 
     def force(self, command: Scalar, position: Scalar, rate: Scalar) -> Scalar:
@@ -377,8 +373,10 @@ class DCMotor(Parametrised):
         return self.gear_ratio * self.torque_constant * self.current(command, position, rate)
 
 
-def _within(value: Scalar, most: Scalar, what: str) -> Scalar:
-    """Return a value cut at a limit; runs have an event where that begins and ends."""
+def _within(value: Scalar, most: Scalar | None, what: str) -> Scalar:
+    """Return a value cut at a limit, if any; runs have an event where that begins and ends."""
+    if most is None:
+        return value
     named = (f"{what} meets its limit", f"{what} leaves its limit")
     return where(value < -most, -most, where(value > most, most, value, named), named)
 

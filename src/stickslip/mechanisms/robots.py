@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError, UnknownNameError
@@ -285,15 +287,12 @@ class TwoLinkArm(rigid_bodies.JointedMechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        return (
-            Contact(name="shoulder", slip="shoulder", load=1.0),
-            Contact(name="elbow", slip="elbow", load=1.0),
-        )
+        return tuple(Contact(name=name, slip=name, load=1.0) for name in self.coordinates)
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        given = {"shoulder_drive": self.shoulder_drive, "elbow_drive": self.elbow_drive}
-        return {name: drive for name, drive in given.items() if drive is not None}
+        shoulder = driving(self.shoulder_drive, "shoulder_drive")
+        return {**shoulder, **driving(self.elbow_drive, "elbow_drive")}
 
 
 # A robot of rigid links in a tree, with friction in every joint.
@@ -437,10 +436,8 @@ class RobotJoint(Parametrised):
                 f"{owner}: a joint with a coupling takes no lower_stop or upper_stop, which would"
                 " be of its angle and not of the coordinate: leave them out."
             )
-        rows = self.rotation
-        gap = max(abs(sum(a * b for a, b in zip(rows[i], rows[j], strict=True)) - (i == j))
-                  for i in range(3) for j in range(3))  # fmt: skip
-        if gap > 1e-6 or _determinant(rows) < 0.0:
+        rows: NDArray[np.float64] = np.array(self.rotation)
+        if np.abs(rows @ rows.T - np.eye(3)).max() > 1e-6 or np.linalg.det(rows) < 0.0:
             raise ParameterError(
                 f"{owner}: orientation must be a rotation matrix, got {self.orientation}."
             )
@@ -537,11 +534,6 @@ def _numbers(owner: str, name: str, given: object, count: int) -> tuple[float, .
 def _exact(x: float) -> float:
     """Return an entry of a rotation, -1, 0 or 1 where it is one but for roundings."""
     return float(round(x)) if abs(x - round(x)) < EXACT else x
-
-
-def _determinant(m: rigid_bodies.Matrix) -> float:
-    (a, b, c), (d, e, f), (g, h, i) = m
-    return float(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g))
 
 
 def _with_z_along(axis: Sequence[float]) -> rigid_bodies.Matrix:

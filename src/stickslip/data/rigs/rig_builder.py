@@ -123,20 +123,14 @@ def _number(
     quantities: Sequence[Quantity], at: ContactUnits, elsewhere: tuple[Quantity, str] | None = None
 ) -> Any:
     """Return the annotation of a value of laws, which may have its unit at a contact."""
-    units = [
-        (
-            quantity,
-            {
-                turned(quantity.unit, at.turning),
-                quantity.unit_at(per_load=not at.in_forces, turning=at.turning),
-            },
-        )
-        for quantity in quantities
-    ]
+    per_load, turning = not at.in_forces, at.turning
     others = (
-        dataclasses.replace(quantity, unit=unit)
-        for quantity, spellings in units
-        for unit in sorted(spellings - {quantity.unit})
+        dataclasses.replace(item, unit=unit)
+        for item in quantities
+        for unit in sorted(
+            {turned(item.unit, turning), item.unit_at(per_load=per_load, turning=turning)}
+            - {item.unit}
+        )
     )
     number = Number(
         quantities[0],

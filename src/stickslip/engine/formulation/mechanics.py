@@ -442,11 +442,6 @@ def _checked(
     return {name: trace.expression(forces.get(name, 0.0)) for name in places}
 
 
-def _work_rate(forces: Mapping[str, se.Expr], speeds: Mapping[str, se.Symbol]) -> se.Expr:
-    """Return the power of generalised forces."""
-    return sum((force * speeds[i] for i, force in forces.items()), se.Integer(0))
-
-
 def _lagrange(
     kinetic: se.Expr,
     potential: se.Expr,
@@ -523,7 +518,7 @@ def lagrange_rows(
         other |= dict(zip(q, moving, strict=True))
     # Only now: derivatives along held coordinates give the rows of their reactions.
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
-    supplied = _work_rate(other, speeds)
+    supplied = sum((force * speeds[i] for i, force in other.items()), se.Integer(0))
     if isinstance(mechanism, mechanisms.MatrixMechanism):
         mass, forces = matrix_rows(mechanism, seen, held), [other[name] for name in places]
         if directions is not None:

@@ -630,11 +630,9 @@ class _Equations:
     def constant_loads(self) -> bool:
         """Whether all prescribed loads and contact inputs are constant."""
         given = [*self.loads, *self.inputs]
-        return not any(_flags(e) or _names(e) & (self.moving | self._driven()) for e in given)
-
-    def _driven(self) -> set[str]:
-        """Return the symbols of the drives' numbers, which change from piece to piece."""
-        return {f"p{i}" for i in range(3 * len(self.symbols.drives))}
+        # the drives' numbers change from piece to piece
+        changing = self.moving | {f"p{i}" for i in range(3 * len(self.symbols.drives))}
+        return not any(_flags(e) or _names(e) & changing for e in given)
 
     @property
     def margin_slopes(self) -> list[se.Expr]:
@@ -789,7 +787,9 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts
     board, index = trace.Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
-    quantities = _quantities(symbols, index.values()) if slopes else []
+    # all numbers that equations read: those of the drives, then the parameters
+    numbers = (*range(3 * len(symbols.drives)), *index.values()) if slopes else ()
+    quantities = [se.Symbol(f"p{place}") for place in numbers]
     switches = list(board.switches.values())
     functions = _mode_functions(symbols, mechanics, modes, board, quantities)
     # Drives, their values from outside, and a place for the time come before parameters.
@@ -990,11 +990,6 @@ def _limits(modes: Mapping[mode_text.Mode, mode_text.ModeEquations]) -> tuple[st
 def _contact(equations: mode_text.ModeEquations) -> list[se.Expr]:
     """Return what `contact` gives: forces at the contact, then the channels."""
     return [*equations.contact, *equations.channels.values()]
-
-
-def _quantities(symbols: trace.Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
-    """Return all numbers that equations read: those of the drives, then the parameters."""
-    return [se.Symbol(f"p{place}") for place in (*range(3 * len(symbols.drives)), *parameters)]
 
 
 def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Case:

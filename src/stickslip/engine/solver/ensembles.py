@@ -728,7 +728,10 @@ def _check(
     for path, values in columns.items():
         owner, _, name = path.rpartition(".")
         if not np.isfinite(values).all():
-            raise ParameterError(f"{path} must be finite in all runs, got {_odd(values)}.")
+            odd = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise ParameterError(
+                f"{path} must be finite in all runs, got {values[odd]} in run {odd}."
+            )
         for value in (values.min(), values.max()):
             known[path].check(owner, name, float(value))
     # Ranges hold by the extremes; what depends on several parameters is checked there alone.
@@ -745,11 +748,6 @@ def _check(
 def _extreme(columns: Mapping[str, Array]) -> set[int]:
     """Return the runs with the least and the largest value of anything."""
     return {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
-
-
-def _odd(values: Array) -> str:
-    where = int(np.flatnonzero(~np.isfinite(values))[0])
-    return f"{values[where]} in run {where}"
 
 
 def _varied(root: Any, prefix: str, columns: Mapping[str, Array], row: int) -> Any:

@@ -480,8 +480,7 @@ class EventDriven(Solver):
             refuse_turned(mechanism, model)
             inputs = inputs_of(mechanism, form.p, t_end)
         start = within_stops(mechanism, y0)
-        tolerance = self.tolerance_for(law)
-        record = self._executed(model, inputs, start, t_end, tolerance, books=False)
+        record = self._executed(model, inputs, start, t_end, self.tolerance_for(law), books=False)
         return bare_run(mechanism, law, model, inputs, record, t_end, sloped)
 
     def _executed(

@@ -450,16 +450,13 @@ def _starts(tables: Sequence[Array], count: int) -> Array:
         each = [np.broadcast_to(table, (count, table.shape[1])) for table in tables]
         starts = np.sort(np.concatenate([beginning, *each], axis=1), axis=1)
     # From the end on: what is too short joins the next piece, and may do so again.
-    for i in range(starts.shape[1] - 2, -1, -1) if _too_short(starts).any() else ():
+    too_short = np.diff(starts, axis=1) <= SHORTEST_PIECE * np.spacing(np.abs(starts[:, 1:]))
+    for i in range(starts.shape[1] - 2, -1, -1) if too_short.any() else ():
         short = starts[:, i + 1] - starts[:, i] <= SHORTEST_PIECE * np.spacing(
             np.abs(starts[:, i + 1])
         )
         starts[short, i] = starts[short, i + 1]
     return starts
-
-
-def _too_short(starts: Array) -> NDArray[np.bool_]:
-    return np.asarray(np.diff(starts, axis=1) <= SHORTEST_PIECE * np.spacing(np.abs(starts[:, 1:])))
 
 
 def _merged(tables: Sequence[NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:

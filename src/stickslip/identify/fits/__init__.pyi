@@ -37,6 +37,7 @@ from stickslip.identify.fits.parameters import Sizes as Sizes
 from stickslip.identify.fits.parameters import refuse_open as refuse_open
 from stickslip.identify.fits.parameters import required_of as required_of
 from stickslip.identify.fits.parameters import starting_law as starting_law
+from stickslip.identify.fits.parameters import unit_of as unit_of
 from stickslip.identify.fits.parameters import with_arrays as with_arrays
 from stickslip.identify.fits.parameters import with_known as with_known
 from stickslip.identify.fits.parameters import with_ranges as with_ranges

@@ -1,7 +1,7 @@
 """Levenberg and Marquardt's least squares with bounds, from several starts."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -122,7 +122,8 @@ class OptimizeResult:
     @property
     def agreeing(self) -> int:
         """How many starts came to the least cost."""
-        return _agreeing(self.costs)
+        least = min(self.costs)
+        return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in self.costs)
 
 
 class _StoppedError(Exception):
@@ -193,12 +194,6 @@ def search(
         cancelled=cancelled,
         ends=tuple(reached),
     )
-
-
-def _agreeing(costs: Sequence[float]) -> int:
-    """Return how many starts came to the least cost."""
-    least = min(costs)
-    return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs)
 
 
 def _start(

@@ -378,7 +378,9 @@ def told(
             item,
             quantity=replace(
                 item.quantity,
-                unit=_unit_of(item, per_load=per_load, turning=measurement.turning),
+                unit=unit_of(
+                    item.path, item.quantity, per_load=per_load, turning=measurement.turning
+                ),
             ),
         )
         for item in free_parameters.items
@@ -386,13 +388,13 @@ def told(
     return replace(free_parameters, items=tuple(items))
 
 
-def _unit_of(item: FreeParameter, *, per_load: bool, turning: bool) -> str:
-    """Return the unit of an unknown where motion is straight, or about an axis."""
-    if item.path.startswith("friction."):
-        return item.quantity.unit_at(per_load=per_load, turning=turning)
-    if item.path.startswith("mechanism."):
-        return (turning and item.quantity.or_unit) or item.quantity.unit
-    return turned(item.quantity.unit, turning)
+def unit_of(path: str, quantity: Quantity, *, per_load: bool, turning: bool) -> str:
+    """Return the unit of a parameter where motion is straight, or about an axis."""
+    if path.startswith("friction."):
+        return quantity.unit_at(per_load=per_load, turning=turning)
+    if path.startswith("mechanism."):  # these say which other unit they have about an axis
+        return (turning and quantity.or_unit) or quantity.unit
+    return turned(quantity.unit, turning)
 
 
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:

@@ -65,7 +65,13 @@ class Parameters(Generic[L]):
         ('friction.viscous_coefficient',)
         """
         of_law = law_quantities(law)
-        values = _fixed_values(mechanism, law, of_law, fixed)
+        every = {**of_law, **all_paths(mechanism, "mechanism")}
+        if law is None and isinstance(fixed, Mapping):
+            refuse_of_laws(map(str, fixed), every)
+        kind = law if isinstance(law, type) else type(law)
+        values = fixed_values(
+            fixed, every, lambda path: (kind if path in of_law else type(mechanism)).__name__
+        )
         for record in () if measurement is None else measurement.records():
             for path in values.keys() & record.overrides.keys():
                 raise InputError(
@@ -104,22 +110,6 @@ def law_quantities(law: AnyLaw) -> Mapping[str, Quantity]:
     if isinstance(law, type):
         return {f"friction.{name}": quantity for name, quantity in fields_of(law).items()}
     return all_paths(law, "friction")
-
-
-def _fixed_values(
-    mechanism: Mechanism,
-    law: AnyLaw,
-    of_law: Mapping[str, Quantity],
-    fixed: Fixed,
-) -> dict[str, float]:
-    """Return fixed values by full path, each within the range of its parameter."""
-    known = {**of_law, **all_paths(mechanism, "mechanism")}
-    if law is None and isinstance(fixed, Mapping):
-        refuse_of_laws(map(str, fixed), known)
-    kind = law if isinstance(law, type) else type(law)
-    return fixed_values(
-        fixed, known, lambda path: (kind if path in of_law else type(mechanism)).__name__
-    )
 
 
 def refuse_of_laws(names: Iterable[str], known: Collection[str]) -> None:

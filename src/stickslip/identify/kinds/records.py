@@ -1,7 +1,6 @@
 """Records in time, and measured friction."""
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
@@ -9,7 +8,7 @@ from typing import Any, cast
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.friction import FrictionLaw, LuGre
+from stickslip.friction import LuGre
 from stickslip.identify import (
     BandVerdict,
     Fit,
@@ -46,7 +45,7 @@ from stickslip.identify.kinds.trials import compared
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
-from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.mechanisms import motor_of
 from stickslip.quantities import turned
 from stickslip.show import formatting
 from stickslip.show.formatting import joined, percent
@@ -86,16 +85,6 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             unknown=chosen.unknown,
         )
 
-    def _refit(
-        self,
-        mechanism: Mechanism,
-        law: FrictionLaw,
-        measurement: Measurement,
-        **options: Any,
-    ) -> LawFit:
-        """Return the fit of a law to one of several trials."""
-        return self._fit(Request(mechanism=mechanism, law=law, measurement=measurement, **options))
-
     def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         """Return the verdict on some laws, for what is known and looked for of a mechanism."""
         raise NotImplementedError
@@ -127,7 +116,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
             second=second,
-            trials=compared(fit, self._refit),
+            trials=compared(fit, lambda **given: self._fit(Request(**given))),
         )
 
     def sections(
@@ -224,9 +213,12 @@ class RecordKind(BandKind):
         if motor_of(request.mechanism) is not None:  # no balance tells what a voltage hides
             return {}, None
         plain = replace(request, settings=None, tolerance=None)
+        if request.vary is not None:  # all of the law, and what is of the mechanism
+            of_rig = (x for x in names_of(request.vary) if x.startswith("mechanism."))
+            plain = replace(plain, vary=[LAW, *of_rig])
         for law in (request.law, LuGre):
             with suppress(InputError, ConvergenceError):
-                fit = self._fit(replace(plain, law=law, vary=_of_mechanism(request.vary)))
+                fit = self._fit(replace(plain, law=law))
                 values = {
                     estimate.path: estimate.value for estimate in fit.estimates if estimate.bounded
                 }
@@ -267,7 +259,12 @@ class RecordKind(BandKind):
         if second is not None:
             in_segments = f"in segments of {formatting.quantity(second.horizon, 's')}"
             lines.append(f"On the second record: {text(second.rms)}, {in_segments}")
-        lines += [f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions]
+        left = math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
+        lines += [
+            f"The fit leaves {percent(left)} of what varies; `stickslip select` compares laws and"
+            " looks for what else acts.",
+            *restarts_lines(fit), *fit.remarks, *fit.assumptions,
+        ]  # fmt: skip
         return FitSummary(
             lines=lines,
             findings=[f"Model error: {error}" for error in fit.model_errors],
@@ -287,13 +284,6 @@ def _voltage_hides(request: Request, law: Any) -> bool:
     unknown = request.parameters(law).unknown
     looked = any(path.startswith("mechanism.drive.") for path in unknown)
     return looked and all(command_of(x) == "voltage" for x in request.measurement.records())
-
-
-def _of_mechanism(vary: str | Sequence[str] | None) -> list[str] | None:
-    """Return what is varied of a mechanism, with all of a law."""
-    if vary is None:
-        return None
-    return [LAW, *(item for item in names_of(vary) if item.startswith("mechanism."))]
 
 
 def _holds(request: Request, *, balanced: bool) -> bool:
@@ -316,15 +306,6 @@ def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     ('0.24 mm', '1.23 N')
     """
     return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
-
-
-def left_text(fit: RecordFit[Any]) -> str:
-    """Return what a fit leaves of what a law is to explain, and who compares laws."""
-    share = math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
-    return (
-        f"The fit leaves {percent(share)} of what varies; `stickslip select` compares laws and"
-        " looks for what else acts"
-    )
 
 
 def restarts_lines(fit: RecordFit[Any]) -> list[str]:

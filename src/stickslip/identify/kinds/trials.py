@@ -319,9 +319,9 @@ def _alone(
     looked = any(estimate.path == "mechanism.offset" for estimate in joint.estimates)
     timed = record.time is not None and "friction" not in record.quantities()
     alone = refit(
-        mechanism,
-        joint.law,
-        replace(record, overrides={}, parameter_uncertainties=doubts),
+        mechanism=mechanism,
+        law=joint.law,
+        measurement=replace(record, overrides={}, parameter_uncertainties=doubts),
         vary=[item.path for item in own],
         fixed={"offset": getattr(mechanism, "offset", 0.0)} if looked and timed else None,
         settings=settings,

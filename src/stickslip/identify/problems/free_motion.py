@@ -46,7 +46,7 @@ from stickslip.identify.problems.free_runs import (
 from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.problems.records import ASKED, PLACES, parts_of
-from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.propose import propose
 from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
 from stickslip.quantities import vary
@@ -129,12 +129,13 @@ class FreeMotionProblem(Problem):
             except InputError as error:
                 raise InputError(f"{NOT_FREE} The closest balance says: {error}") from None
         self.balance = FreeBalance(own, form)
+        self.grid = self.balance.grid
         assert own[0].rig is not None
         unseen = unseen_of(own[0].rig, self.sought, self.deviations or {})
         motion = self.balance.motion(unseen, self.normal)
-        laws = [tuple(item.split()) for item in FAMILIES] if known is None else known
+        self.laws = [tuple(item.split()) for item in FAMILIES] if known is None else known
         near = followed(motion)
-        self.posterior = judged(near, self.balance.grid, laws)
+        self.posterior = judged(near, self.grid, self.laws)
         self.size, self.load = motion.size, self.normal
         self.side = self.balance.side
 
@@ -143,9 +144,9 @@ class FreeMotionProblem(Problem):
     ) -> "FreeMotionProblem":
         result = copy.copy(self)
         result.families, result.restricted = (*families, *map(family_of, own)), True
-        known, model = [*dict.fromkeys(map(parts_of, families))], self.model
+        result.laws, model = [*dict.fromkeys(map(parts_of, families))], self.model
         model = RunModel(model.runs, model.linear, model, own)
-        result.posterior = judged(model, self.balance.grid, known)
+        result.posterior = judged(model, self.grid, result.laws)
         return result
 
     def slips(self, rows: SteadyRows) -> Slips:
@@ -222,14 +223,6 @@ class FreeMotionProblem(Problem):
         known = np.diag(1.0 / np.interp(speed, np.sort(there), allowed[np.argsort(there)]))
         return self.at(self.side * speed), np.vstack([told, known])
 
-    def speed_of(self, place: int) -> float:
-        """Return the velocity of a place at which laws are compared [m/s]."""
-        return float(self.places().velocity[place])
-
-    def scale(self, rows: SteadyRows) -> Array:
-        """Return how friction grows with the load at rows (n,)."""
-        return rows.ratio
-
     # ---- laws -------------------------------------------------------------------------------
 
     def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
@@ -243,11 +236,8 @@ class FreeMotionProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(item.split()) for item in FAMILIES]
-        if self.families is not None:
-            known = [*dict.fromkeys(map(parts_of, self.families))]
         laws: dict[Family, list[Structure]] = {}
-        for family, shapes, _ in self.balance.grid.families([item for item in known if item]):
+        for family, shapes, _ in self.grid.families([item for item in self.laws if item]):
             laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
         laws |= {family_of(item): [item] for item in self.model.own}
         return [
@@ -259,10 +249,6 @@ class FreeMotionProblem(Problem):
             )
             for item, structures in laws.items()
         ]
-
-    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
-        """Return the entries of shapes that draws have of their own, and structures to begin at."""
-        return shapes_to_draw(rung.structure, self.balance.slowest, self.balance.fastest)
 
     def composition(
         self,
@@ -294,23 +280,9 @@ class FreeMotionProblem(Problem):
 
     # ---- weights ----------------------------------------------------------------------------
 
-    def exact(self) -> float:
-        """Return the probability that what no law says is small beside any tolerance."""
-        return float(self.posterior.weights[self._small(TOLERANCE)].sum())
-
-    def _small(self, tolerance: float) -> "NDArray[np.bool_]":
+    def is_small(self, tolerance: float) -> "NDArray[np.bool_]":
         """Return at which nodes what no law says is small (k,)."""
         return np.array([SIZES[node[0]] <= tolerance for node in self.posterior.nodes])
-
-    def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
-        """Return the probability of each family, and that with little that no law says."""
-        every, adequate = dict[Family, float](), dict[Family, float]()
-        families = map(family_of, self.posterior.structures)
-        small = self.posterior.weights[self._small(tolerance)].sum(axis=0)
-        for family, share, own in zip(families, self.posterior.shares, small, strict=True):
-            every[family] = every.get(family, 0.0) + float(share)
-            adequate[family] = adequate.get(family, 0.0) + float(own)
-        return every, adequate
 
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""

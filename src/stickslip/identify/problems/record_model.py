@@ -362,9 +362,9 @@ class RecordModel(Model):
         result._designs, result._plain, result._grams = {}, {}, {}
         return result
 
-    def posterior(self, most: int = NODES) -> Posterior:
+    def posterior(self) -> Posterior:
         """Return the posterior of the records."""
-        return Posterior(self, self.structures, self.priors, begin=self.start, most=most)
+        return Posterior(self, self.structures, self.priors, begin=self.start, most=NODES)
 
     # ---- what is compared
     @property

@@ -434,7 +434,7 @@ def followed(path: Array, reach: float) -> Array:
     return np.array(result)
 
 
-def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:
+def bristle(path: Array, length: float, exponent: float) -> Array:
     """Return the state (n,) in [-1, 1] of a bristle along a way.
 
     Between turns of the way, with u = 1 - s z and the way x over the length, u falls as
@@ -447,12 +447,12 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
     """
     way = np.sign(np.diff(path))
     moved = np.flatnonzero(way)
-    result = np.full(len(path), start)
+    result = np.zeros(len(path))
     if not len(moved):
         return result
     turns = moved[1:][way[moved[1:]] != way[moved[:-1]]]
     edges = [int(moved[0]), *turns.tolist(), len(path) - 1]
-    z = start
+    z = 0.0
     for a, b in pairwise(edges):
         side = float(way[a])
         x = np.abs(path[a + 1 : b + 1] - path[a]) / length

@@ -58,7 +58,7 @@ from stickslip.identify.problems.record_curves import (
 from stickslip.identify.problems.record_model import SCALES, STRETCHES, RecordModel, laws_of
 from stickslip.identify.problems.record_rows import MIDDLE, SHORT
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
+from stickslip.identify.projection import TOLERANCE, Rung, Shaped
 from stickslip.identify.vocabulary import (
     FLOW_DIRECTIONS,
     PARTS,
@@ -75,8 +75,6 @@ OFFERED, FARTHER = 8, (0.3, 0.6, 1.5, 2.0)
 them over the slowest and the fastest."""
 DRAWN = 400
 """Rows that a figure shows."""
-EXACT = 0.02
-"""Size of what no law says up to which a law is exact: the usual tolerance."""
 LOAD = "load"
 """Name of the load beside those of inputs."""
 MEMORIES = ("dahl", "lugre")
@@ -167,7 +165,8 @@ class RecordProblem(Problem):
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "RecordProblem":
         result = copy.copy(self)
-        for name in ("changing", "beside", "_families", "_left", "_usual", "_middle", "_noisier"):
+        of_draws = ("changing", "beside", "_left", "_usual", "_middle", "_noisier")
+        for name in ("families_of_structures", *of_draws):
             result.__dict__.pop(name, None)
         result.families, result.restricted = (*families, *map(family_of, own)), True
         result.model = self.model.with_laws(own)
@@ -245,10 +244,6 @@ class RecordProblem(Problem):
         slope = np.concatenate(own) / self.size
         return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
 
-    def speed_of(self, place: int) -> float:
-        """Return the velocity of a place at which laws are compared [m/s]."""
-        return float(self._places.velocity[place])
-
     def like(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records, which are another run."""
         return OtherRows.of(self.model, records)
@@ -290,10 +285,6 @@ class RecordProblem(Problem):
         sizes, shares = SCALES["run"]
         run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
         return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
-
-    def scale(self, rows: SteadyRows) -> Array:
-        """Return how friction grows with the load at rows (n,)."""
-        return rows.ratio
 
     # ---- laws -------------------------------------------------------------------------------
 
@@ -378,7 +369,7 @@ class RecordProblem(Problem):
         return own is not None and own.holds_constant(self.slips(self._places))
 
     @cached_property
-    def _grid(self) -> Grid:
+    def grid(self) -> Grid:  # type: ignore[override]
         """Shapes of laws that the places tell apart."""
         speed = np.abs(self._places.velocity)
         slowest = max(float(speed.min()), self.model.frame.shaped)
@@ -388,7 +379,7 @@ class RecordProblem(Problem):
         """Return the families on which curves are projected, with their structures."""
         known = self.model.families
         laws: dict[Family, list[Structure]] = {}
-        grid = (law for law, _ in laws_of(self._grid, [item for item in known if item]))
+        grid = (law for law, _ in laws_of(self.grid, [item for item in known if item]))
         for entry in itertools.chain(grid, filter(None, self.posterior.structures)):
             if is_own(entry):
                 laws[family_of(entry)] = [entry]
@@ -408,58 +399,30 @@ class RecordProblem(Problem):
             result.append(Candidates(family=names, structures=every, parameters=count))
         return result
 
-    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
-        """Return the entries of shapes that draws have of their own, and structures to begin at."""
-        return shapes_to_draw(rung.structure, self._grid.slowest, self._grid.fastest)
-
     def title(self, term: str) -> str:
         """Return what a term is called in a sentence."""
         return FINDINGS.get(term) or term_title(term)
 
     # ---- weights ----------------------------------------------------------------------------
 
-    def exact(self) -> float:
-        """Return the probability that what no law says is small beside any tolerance."""
-        small = [x <= EXACT for x in SCALES["common"][0]]
-        return float(self.posterior.scale("common")[small].sum())
+    def is_small(self, tolerance: float) -> "NDArray[np.bool_]":
+        """Return at which nodes what no law says is small (k,)."""
+        return np.array([self.model.at(n, "common") <= tolerance for n in self.posterior.nodes])
 
     @cached_property
-    def _families(self) -> list[Family]:
+    def families_of_structures(self) -> list[Family]:
         """The family of each structure, with what stands beside it."""
         return [
             tuple(name for name, _ in self._with_beside(structure)) if structure else ()
             for structure in self.posterior.structures
         ]
 
-    def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
-        """Return the probability of each family, and that with little that no law says."""
-        small = np.array(
-            [self.model.at(node, "common") <= tolerance for node in self.posterior.nodes]
-        )
-        every: dict[Family, float] = {}
-        adequate: dict[Family, float] = {}
-        columns = zip(
-            self._families, self.posterior.shares, self.posterior.weights[small].sum(axis=0),
-            strict=True,
-        )  # fmt: skip
-        for family, share, own in columns:
-            every[family] = every.get(family, 0.0) + float(share)
-            adequate[family] = adequate.get(family, 0.0) + float(own)
-        return every, adequate
-
-    def holds(self, family: Family) -> "NDArray[np.bool_]":
-        """Return the nodes and structures (k, s) of the posterior at which a family holds."""
-        same = np.array([item == family for item in self._families])
-        return np.broadcast_to(same, self.posterior.weights.shape)
-
     def is_alone(self, draw: Draws) -> bool:
         return self.model.at(draw.node, "common") == 0.0
 
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
-        none = np.array([not structure for structure in self.posterior.structures])
-        still = np.array([self.model.at(n, "common") == 0.0 for n in self.posterior.nodes])
-        return np.asarray(still[:, None] & none)
+        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 

@@ -432,8 +432,7 @@ def middle_of(name: str, ends: tuple[float, ...]) -> float:
 def break_column(name: str, place: float | Array, rows: Rows, frame: Frame) -> Array:
     """Return what a jump or a kink at a place, or places (k, 1), adds at rows (n,) or (k, n)."""
     kind, _, over = name.partition(" ")
-    x = {"speed": rows.speed, "load": rows.load}.get(over)
-    x = rows.inputs[over] if x is None else x
+    x = {"speed": rows.speed, "load": rows.load, **rows.inputs}[over]
     beyond = np.asarray(x > place, dtype=float)
     if kind == KINK:
         beyond *= np.log(x / place) if is_ratio(name) else (x - place) / frame.spans[over]
@@ -450,8 +449,7 @@ def gaps_of(rows: Rows, over: str) -> list[tuple[float, float]]:
     >>> gaps_of(rows, "speed")
     [(0.2, 0.4), (0.4, 0.8)]
     """
-    x = {"speed": rows.speed, "load": rows.load}.get(over)
-    x = rows.inputs[over] if x is None else x
+    x = {"speed": rows.speed, "load": rows.load, **rows.inputs}[over]
     least = {"speed": NEAR, "load": NEAR_LOAD}.get(over, NEAR_LOAD * float(np.ptp(x)))
     values = np.unique(x)
     apart = np.diff(np.log(values) if over in ("speed", "load") else values, prepend=-math.inf)

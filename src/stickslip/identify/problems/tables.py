@@ -3,7 +3,7 @@
 import copy
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -24,7 +24,7 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.forces import load_slopes
 from stickslip.identify.judgement import DRAWS, ONE_WAY, Candidates, Finding, Problem, stated
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition, term_title
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import (
     certain_of,
     is_dry,
@@ -70,7 +70,7 @@ from stickslip.identify.problems.table_model import (
     law_column,
     structures_of,
 )
-from stickslip.identify.projection import Free, Rung, Shaped, names_of, shapes_to_draw
+from stickslip.identify.projection import Rung, Shaped, names_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
     FAMILIES,
@@ -103,8 +103,6 @@ REST_PRIOR = 0.05
 """... and the prior of each: friction of a body at rest is anything up to its break-away."""
 BESIDE_SLOWEST = 5
 """Readings at the next speeds with which slow ones are compared."""
-OUTLYING = 6.0
-"""Deviations from which a reading is said to be far from the others."""
 MOST_RESTS = 4
 """Readings that may be at rest, in each direction."""
 NOT_BY_LOAD = frozenset({"offset", "adhesion", *FLOWS, *FLOW_DIRECTIONS})
@@ -193,14 +191,6 @@ class TableProblem(Problem):
 
     def slips(self, rows: Rows) -> Rows:
         return rows
-
-    def title(self, term: str) -> str:
-        """Return what a term is called in a sentence."""
-        return term_title(term)
-
-    def speed_of(self, place: int) -> float:
-        """Return the velocity of a place at which laws are compared [m/s]."""
-        return float(self.places().velocity[place])
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -323,7 +313,8 @@ class TableProblem(Problem):
         return [law_column(column, rows, frame)]
 
     @cached_property
-    def _grid(self) -> Grid:
+    def grid(self) -> Grid:  # type: ignore[override]
+        """Shapes of laws for the speeds that were measured."""
         frame = self.model.frame
         return Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
 
@@ -332,7 +323,7 @@ class TableProblem(Problem):
         known = [tuple(item.split()) for item in FAMILIES]
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
-        every, _ = structures_of(self.model.frame, self._grid, [item for item in known if item])
+        every, _ = structures_of(self.model.frame, self.grid, [item for item in known if item])
         laws: dict[Family, dict[Structure, None]] = {}
         met = [
             structure
@@ -410,11 +401,6 @@ class TableProblem(Problem):
         ]
         more = [(name, own.get(name, ())) for name in beside]
         return tuple(sorted([*kept, *more], key=lambda item: item[0]))
-
-    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
-        """Return the entries of shapes that draws have of their own, and structures to begin at."""
-        frame = self.model.frame
-        return shapes_to_draw(rung.structure, frame.slowest, frame.fastest)
 
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
@@ -580,10 +566,15 @@ class TableProblem(Problem):
             x, group = self.model.random(own)
             curves[when == k] += random[:, when == k].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
-            curves += self._of_runs(rows, draws, random[group == "run"], new, rng)
+            effects, count = random[group == "run"], len(curves)
+            which = rng.integers(len(effects), size=count)
+            # one of the runs that were measured, or another one: draws have a deviation each
+            other = of_each(draws, lambda x: RUNS[x.node[6]]) * rng.normal(size=count)
+            is_new = new or np.all(rows.run == -2)
+            effect = other if is_new else effects[which, np.arange(count)]
+            curves += np.outer(effect, self.model.reference(rows) * rows.direction)
         if np.all(rows.run == -2):  # at another time friction is off by as much as it drifts
-            sizes = [np.full(draw.random.shape[1], DRIFTS[draw.node[5]]) for draw in draws]
-            off = np.concatenate(sizes) * rng.normal(size=len(curves))
+            off = of_each(draws, lambda x: DRIFTS[x.node[5]]) * rng.normal(size=len(curves))
             curves += np.outer(off, self.model.reference(rows) * rows.direction)
         curves += self._at_ends(rows, draws)
         return np.asarray(curves + self._beyond(rows, draws, curves, rng))
@@ -605,11 +596,9 @@ class TableProblem(Problem):
             share = share * (rows.direction == own.direction[row])
             at = self._row(row)
             off = self.table.friction[row] - self.steady(at, draws)
-            off = off + rng.normal(size=(count, 1)) * np.concatenate([
-                np.full((draw.random.shape[1], 1),
-                        self.model.sigma(draw.node) * self.model.growth(at, draw.node)[0])
-                for draw in draws
-            ])  # fmt: skip
+            noise = [self.model.sigma(x.node) * self.model.growth(at, x.node)[0] for x in draws]
+            each = np.repeat(noise, [x.random.shape[1] for x in draws])
+            off = off + rng.normal(size=(count, 1)) * each[:, None]
             jumps = off[2::4]
             places = (np.arange(len(jumps))[:, None] + 0.5) / max(len(jumps), 1)
             result[::4] += off[::4] * share
@@ -636,25 +625,6 @@ class TableProblem(Problem):
                 result.append(row)
         return result
 
-    def _of_runs(
-        self,
-        rows: Rows,
-        draws: Sequence[Draws],
-        effects: Array,
-        new: bool,
-        rng: np.random.Generator,
-    ) -> Array:
-        """Return what a run adds (k, n): one of those measured, or another one."""
-        runs, count = effects.shape
-        which = rng.integers(runs, size=count)
-        sizes = np.concatenate(
-            [np.full(draw.random.shape[1], RUNS[draw.node[6]]) for draw in draws]
-        )
-        other = sizes * rng.normal(size=count)  # draws have a deviation each
-        is_new = new or np.all(rows.run == -2)
-        effect = other if is_new else effects[which, np.arange(count)]
-        return np.asarray(np.outer(effect, self.model.reference(rows) * rows.direction))
-
     def _beyond(
         self, rows: Rows, draws: Sequence[Draws], curves: Array, rng: np.random.Generator
     ) -> Array:
@@ -664,9 +634,7 @@ class TableProblem(Problem):
             np.maximum(math.log(frame.slowest) - logs, 0.0),
             np.maximum(logs - math.log(frame.fastest), 0.0),
         )
-        tau = np.concatenate(
-            [np.full(draw.random.shape[1], self.model.tau(draw.node)) for draw in draws]
-        )
+        tau = of_each(draws, lambda x: self.model.tau(x.node))
         result = np.zeros_like(curves)
         for own in far:
             e = rng.normal(size=(2, len(curves)))
@@ -843,8 +811,13 @@ class TableProblem(Problem):
         """Readings that are far from the others, with how many deviations."""
         if np.any(self.table.count > 1.0):
             return {}
-        far = np.flatnonzero(self.fit.far > OUTLYING)
+        far = np.flatnonzero(self.fit.far > THRESHOLDS.outlying)
         return {int(row): float(self.fit.far[row]) for row in far}
+
+
+def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
+    """Return a value of the node of each draw (k,)."""
+    return np.repeat([value(draw) for draw in draws], [draw.random.shape[1] for draw in draws])
 
 
 def known_terms(table: Readings) -> list[str]:

@@ -56,6 +56,7 @@ from stickslip.identify.fits import (
     starting_law,
     under_cycles,
 )
+from stickslip.identify.judgement import RIVAL
 from stickslip.identify.posterior import allotted
 from stickslip.identify.problems.travel_laws import (
     HOLDING,
@@ -418,7 +419,7 @@ class TravelJudgement:
     @cached_property
     def set(self) -> list[str]:
         """Laws that cannot be distinguished, the named one first."""
-        least = self.evidence[self.named] - math.log(THRESHOLDS.odds)
+        least = self.evidence[self.named] - math.log(RIVAL)
         return [name for name, value in self.evidence.items() if value >= least]
 
     @cached_property

@@ -82,6 +82,17 @@ class Profile(Drive, ABC):
         """
 
 
+class _FromAmplitude:
+    """A motion that begins at minus its amplitude."""
+
+    amplitude: float
+
+    @property
+    def start_position(self) -> float:
+        """Position [rad] or [m] at time 0."""
+        return -self.amplitude
+
+
 @dataclass(frozen=True, kw_only=True)
 class Stepped(Straight, Profile, ABC):
     """A profile whose acceleration is a straight line between times: it has no smooth part."""
@@ -128,7 +139,7 @@ def _steps(durations: Sequence[Scalar], accelerations: Sequence[Scalar]) -> tupl
 
 
 @dataclass(frozen=True, kw_only=True)
-class ThreePhase(Stepped):
+class ThreePhase(_FromAmplitude, Stepped):
     """There and back in three phases of constant acceleration, of which the middle one differs.
 
     From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
@@ -206,11 +217,6 @@ class ThreePhase(Stepped):
             return 1.0 / self.frequency
         return self._duration(self.accelerations)
 
-    @property
-    @override
-    def start_position(self) -> float:
-        return -self.amplitude
-
     @override
     def cycle(self) -> tuple[Piece, ...]:
         first, middle, last = self.accelerations
@@ -220,7 +226,7 @@ class ThreePhase(Stepped):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TimedThreePhase(Stepped):
+class TimedThreePhase(_FromAmplitude, Stepped):
     """There and back in three phases of constant acceleration, given by their durations.
 
     From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
@@ -285,11 +291,6 @@ class TimedThreePhase(Stepped):
     def period(self) -> float:
         return sum(self.durations) if self.frequency is None else 1.0 / self.frequency
 
-    @property
-    @override
-    def start_position(self) -> float:
-        return -self.amplitude
-
     @override
     def cycle(self) -> tuple[Piece, ...]:
         first, middle, last = self.accelerations
@@ -297,7 +298,7 @@ class TimedThreePhase(Stepped):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SevenStep(Stepped):
+class SevenStep(_FromAmplitude, Stepped):
     """There and back with a rate that is limited, and a pause: up to seven steps.
 
     Forwards it accelerates fast, cruises at the top rate and brakes slowly; backwards it
@@ -360,11 +361,6 @@ class SevenStep(Stepped):
         ways = [self._cruise(rate) + rate * ramps for rate in self.cruising_rates]
         return ways[0] + ways[1] + self.pause
 
-    @property
-    @override
-    def start_position(self) -> float:
-        return -self.amplitude
-
     @override
     def cycle(self) -> tuple[Piece, ...]:
         there, back = self.cruising_rates
@@ -419,7 +415,7 @@ class Rotation(Stepped):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SineSwing(Profile):
+class SineSwing(_FromAmplitude, Profile):
     """A harmonic motion that begins at rest at minus the amplitude.
 
     Examples
@@ -439,11 +435,6 @@ class SineSwing(Profile):
     @override
     def period(self) -> float:
         return 1.0 / self.frequency
-
-    @property
-    @override
-    def start_position(self) -> float:
-        return -self.amplitude
 
     @property
     def _turn(self) -> Scalar:

@@ -37,7 +37,7 @@ from stickslip.mechanisms.drives import Drive, Pulse, Ramp, Sampled, Sine
 from stickslip.quantities import Parametrised, Quantity, fields_of, named
 from stickslip.show.display import InPanels, OnAxes, Summary, Tabular
 from stickslip.show.documents import json_value
-from stickslip.show.formatting import capital, joined, number, quantity, unit_text
+from stickslip.show.formatting import capital, joined, lower_first, number, quantity, unit_text
 from stickslip.study.tolerances import ALIKE, FINE, MOST_STEPS, PERCENT, ROUNDING, TRANSIENT
 
 if TYPE_CHECKING:
@@ -843,7 +843,7 @@ class SteadyCurve(Characteristic):
     def sentence(self) -> str:
         ahead, back = (self._side(side) for side in (1, -1))
         same = ahead == back
-        return ahead if same else f"Forwards: {_lower(ahead)} Backwards: {_lower(back)}"
+        return ahead if same else f"Forwards: {lower_first(ahead)} Backwards: {lower_first(back)}"
 
     def _side(self, side: int) -> str:
         """Return what one direction of slip says."""
@@ -903,10 +903,6 @@ def steady_curve(bench: Bench) -> SteadyCurve:
         holds=law.holds,
         conditions=f"{least} to {most} both ways, normal force {quantity(load, 'N')}.",
     )
-
-
-def _lower(text: str) -> str:
-    return text[0].lower() + text[1:]
 
 
 # Whether friction can return more work than it takes, and the motion in which it does.

@@ -41,7 +41,7 @@ di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -285,14 +285,11 @@ class Branch(OnAxes, Tabular):
 
     def orbits_at(self, value: float) -> tuple[Orbit, ...]:
         """Return the orbits that the branch has at a value of the parameter."""
-        return tuple(self.map.orbit(shot) for shot in self._shots_at(value))
-
-    def _shots_at(self, value: float) -> Iterator[Shot]:
+        shots = list[Shot]()
         for guess in self.crossings(value):
-            try:
-                yield solved(self.map, guess, value)
-            except (SimulationError, InputError):
-                continue
+            with suppress(SimulationError, InputError):
+                shots.append(solved(self.map, guess, value))
+        return tuple(map(self.map.orbit, shots))
 
     def crossings(self, value: float) -> Array:
         """Return the free states (m, k) at which the polygon of points crosses a value."""
@@ -602,8 +599,8 @@ class Curve:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
         self.box = [(-1, low, high, unit)]
         self.tests, self.hops, self.smooth = TESTS, False, False
-        self.accept: Callable[[Point], object] = _nothing
-        self.beside: Callable[[Point], str] = _no_words  # what else changes right there
+        self.accept: Callable[[Point], object] = lambda _: None
+        self.beside: Callable[[Point], str] = lambda _: ""  # what else changes right there
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
@@ -1190,9 +1187,7 @@ class Curve:
         more += self.survives(here, there) if hits(here, there) or touches(here, there) else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
 
-    def survives(
-        self, here: Point, there: Point | None, settle: int = 300, longest: int = 12
-    ) -> str:
+    def survives(self, here: Point, there: Point | None) -> str:
         """Return what is stable behind a stop that is touched: by eigenvalues, and by a run.
 
         Of the map without impact. At a hard stop the largest one decides where all are real and
@@ -1219,7 +1214,7 @@ class Curve:
         ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
         value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
         with suppress(SimulationError, InputError):
-            y, states = free.shot.y, []
+            y, states, settle, longest = free.shot.y, [], 300, 12
             for k in range(settle + 2 * longest):
                 shot = self.map.shoot(y, value)
                 y = y + shot.residual
@@ -1247,7 +1242,7 @@ class Curve:
             if after == here.signature:
                 continue
             kind, sentence = change_of(here.signature, after)
-            if kind != "grazing" or _hit(after) == _hit(here.signature):
+            if kind != "grazing" or _impacts(ahead) == _impacts(here):
                 return kind, f"{at}: {sentence}, and no orbit like it follows."
             large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
             return kind, (
@@ -1391,15 +1386,6 @@ class Curve:
         )
 
 
-def _nothing(_: Point) -> None:
-    """Note nothing of a point."""
-
-
-def _no_words(_: Point) -> str:
-    """Tell nothing of a point."""
-    return ""
-
-
 def units_of(map_: ReturnMap) -> dict[str, str]:
     """Return the SI units of all states."""
     known = path_units(map_.mechanism, map_.law)
@@ -1417,14 +1403,9 @@ def _halves_meet(here: Point, there: Point) -> bool:
     return float(here.half @ there.half) / far < min(HALVED, 0.5 * far)
 
 
-def _hit(signature: Signature) -> int:
+def _impacts(point: Point | Shot) -> int:
     """Return how often hard stops are hit in a period."""
-    return sum(count for _, what, count in signature if what.endswith("hits stop"))
-
-
-def _impacts(point: Point) -> int:
-    """Return how often hard stops are hit in a period."""
-    return _hit(point.signature)
+    return sum(n for _, what, n in point.signature if what.endswith("hits stop"))
 
 
 def _meetings(point: Point) -> int:
@@ -1435,7 +1416,7 @@ def _meetings(point: Point) -> int:
 
 def hits(here: Point, there: Point) -> bool:
     """Whether a hard stop is hit more often in the one than in the other."""
-    return _hit(here.signature) != _hit(there.signature)
+    return _impacts(here) != _impacts(there)
 
 
 def touches(here: Point, there: Point) -> bool:
@@ -1448,13 +1429,13 @@ def _length(x: Array) -> float:
     return math.sqrt(x.dot(x))  # as np.linalg.norm, in a third of its time
 
 
-def _det_plus(point: Point) -> float:
-    return float(np.prod(1.0 + point.multipliers).real)
-
-
 TESTS: Final[tuple[tuple[str, str, Callable[[Point], float]], ...]] = (
     ("fold", "the branch turns back", lambda point: float(point.tangent[-1])),
-    ("period doubling", "a multiplier passes -1", _det_plus),
+    (
+        "period doubling",
+        "a multiplier passes -1",
+        lambda p: float(np.prod(1.0 + p.multipliers).real),
+    ),
     ("branch point", "another branch crosses", lambda point: point.crossing),
 )
 """Smooth test functions, with what a change of their sign means."""

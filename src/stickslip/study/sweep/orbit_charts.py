@@ -35,7 +35,7 @@ from stickslip.study.sweep.continuation import (
 )
 from stickslip.study.sweep.event_curves import KINDS, EventCurve, continue_event
 from stickslip.study.sweep.orbit_diagrams import SAME, OrbitDiagram, Search, orbit_diagram
-from stickslip.study.sweep.orbits import ReturnMap, Shot, is_excited, solved, value_of
+from stickslip.study.sweep.orbits import Shot, is_excited, solved, value_of
 from stickslip.study.sweep.parameter_grid import (
     Array,
     Progress,
@@ -247,10 +247,6 @@ class _Sheets:
         self.cells: dict[tuple[int, int], list[Shot]] = {}
         self.going: deque[tuple[int, int, Shot]] = deque()
 
-    def map_at(self, j: int, cycles: int) -> ReturnMap:
-        """Return the map of a row."""
-        return replace(self.searches[j].map, cycles=cycles)
-
     def take(self, diagram: OrbitDiagram, j: int) -> None:
         """Take the stable orbits of a diagram in its row, and follow their sheets."""
         for branch in diagram.branches:
@@ -266,7 +262,7 @@ class _Sheets:
     def solve(self, i: int, j: int, cycles: int, y: Array) -> None:
         """Note the orbit near a start in a cell, if it is stable and new."""
         with suppress(SimulationError, InputError):
-            shot = solved(self.map_at(j, cycles), y, float(self.axes[0][i]))
+            shot = solved(replace(self.searches[j].map, cycles=cycles), y, float(self.axes[0][i]))
             known = self.cells.setdefault((i, j), [])
             if np.abs(np.linalg.eigvals(shot.monodromy)).max(initial=0.0) < 1.0 and not any(
                 (np.abs(other.strobes - shot.y) / shot.scale).max(axis=1).min() < SAME

@@ -231,7 +231,6 @@ def infer(
     jacobian: ResidualJacobian,
     scale: Array,
     *,
-    blocks: int = BLOCKS,
     displaced: Sequence[Displaced] = (),
 ) -> Inference:
     """Return covariances at an optimum.
@@ -258,11 +257,11 @@ def infer(
     ...     slopes=columns,
     ...     segment=np.zeros(10, dtype=int),
     ... )
-    >>> infer(line, np.eye(2), blocks=5).condition < 10.0
+    >>> infer(line, np.eye(2)).condition < 10.0
     True
     """
     known = Directions.of(jacobian.slopes @ scale)
-    spread = _spread(jacobian, known, blocks)
+    spread = _spread(jacobian, known)
     by_seen = scale @ known.inverse
     moved = spread.changes @ by_seen.T
     once = takes_part(by_seen, spread.alone)
@@ -299,9 +298,9 @@ class _Spread:
     """Degrees of freedom of the variance along a direction (r,)."""
 
 
-def _spread(seen: ResidualJacobian, known: Directions, blocks: int) -> _Spread:
+def _spread(seen: ResidualJacobian, known: Directions) -> _Spread:
     """Return how the coordinates scatter, by blocks."""
-    blocks = max(2, min(blocks, len(seen.residual) // 2))
+    blocks = max(2, min(BLOCKS, len(seen.residual) // 2))
     squares, slopes = block_sums(seen, known.columns, blocks=blocks)
     changes, alone = _left_out(squares, slopes)
     return _Spread(

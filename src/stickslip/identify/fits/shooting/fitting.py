@@ -106,7 +106,8 @@ def route_of(
         return "shooting"
     free = not driven(measurement)
     told = law is None or _is_told(law, {*input_names(mechanism)} - {"transmitted"}, free=free)
-    return "balance" if told and _tracked(mechanism) else "shooting"
+    tracked = len(mechanism.coordinates) == 1 and not stops_of(mechanism)
+    return "balance" if told and tracked else "shooting"
 
 
 def _is_told(law: FrictionLaw | type[FrictionLaw], by_motion: Set[str], *, free: bool) -> bool:
@@ -121,11 +122,6 @@ def _is_told(law: FrictionLaw | type[FrictionLaw], by_motion: Set[str], *, free:
         return not (free or kind.states)
     parts = [part for part in kind.composition.parts() if part.role == "memory"]
     return not parts if free else {part.name for part in parts} <= KNOWN_STATES
-
-
-def _tracked(mechanism: Mechanism) -> bool:
-    """Return whether a mechanism has one coordinate without stops."""
-    return len(mechanism.coordinates) == 1 and not stops_of(mechanism)
 
 
 Array = NDArray[np.float64]

@@ -246,11 +246,8 @@ class ShootingBuilder:
 
     def held_otherwise(self) -> "ShootingBuilder":
         """Return what takes the other hold of a force between samples."""
-        return replace(self, settings=replace(self.settings, hold=_other(self.settings.holding)))
-
-
-def _other(hold: Hold) -> Hold:
-    return "zero" if hold == "first" else "first"
+        other: Hold = "zero" if self.settings.holding == "first" else "first"
+        return replace(self, settings=replace(self.settings, hold=other))
 
 
 def _rows(settings: RecordSettings, length: float | None) -> int:
