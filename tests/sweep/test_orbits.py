@@ -240,6 +240,51 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
     assert change(1e-8, 0.1) > 0.8 * change(1e-7, 0.1)
 
 
+def test_a_branch_goes_on_behind_the_points_at_which_another_crosses():
+    """A mass between equal stops, in a capsule that rests: what is symmetric loses stability."""
+    stop = SoftStop(place=1e-3, stiffness=600.0)
+    capsule = Capsule(
+        capsule_mass=1000.0, inner_mass=0.02, stiffness=60.0, damping=0.1, drive_on="inner mass",
+        drive=Torque(drive=Sine(amplitude=0.3, frequency=14.0)),
+        upper_soft_stop=stop, lower_soft_stop=replace(stop, place=-1e-3),
+    )  # fmt: skip
+    orbit = periodic_orbit(capsule, Coulomb(kinetic_coefficient=5.0))
+    branch = continue_orbit(orbit, "drive.frequency", (4.0, 30.0))
+    assert branch.ends == ("It reaches 4 Hz.", "It reaches 30 Hz.")
+    crossed = [event for event in branch.events if event.kind == "branch point"]
+    assert len(crossed) == 3
+    for event in crossed:
+        assert np.abs(event.orbit.multipliers - 1.0).min() < 1e-3
+
+
+def test_a_step_passes_a_branch_point_and_jumps_over_no_sharp_fold():
+    """Both change the sign of det[dF/du; t], with nearly the same tangent."""
+
+    def at(y, p, slopes):
+        slopes = np.array(slopes) / np.linalg.norm(slopes)
+        tangent = np.array([-slopes[1], slopes[0]])
+        tangent *= np.sign(tangent[1])
+        return SimpleNamespace(
+            unknowns=np.array([y, p]), tangent=tangent, signature=(),
+            crossing=float(np.linalg.det([slopes, tangent])),
+        )  # fmt: skip
+
+    def is_next(here, there):
+        ds = float(here.tangent @ (there.unknowns - here.unknowns))
+        return Curve.is_next(None, here, there, here.unknowns, ds)
+
+    # (y - p^2 / 10) (p - y) = 0 along its first factor
+    bent = [at(0.1 * p**2, p, [p, -0.2 * p**2]) for p in (-0.1, 0.12)]
+    # p = 1 - 1e4 y^2, from below on to the other side
+    sharp = [at(y, 1.0 - 1e4 * y**2, [2e4 * y, 1.0]) for y in (-0.01, 0.009)]
+    for here, there in (bent, sharp):
+        assert here.crossing * there.crossing < 0.0
+        assert here.tangent @ there.tangent > 0.99
+    assert is_next(*bent)
+    assert not is_next(*sharp)
+    assert is_next(sharp[0], at(-0.009, 1.0 - 1e4 * 0.009**2, [-180.0, 1.0]))
+
+
 def test_the_saltation_of_a_touch_grows_like_the_inverse_root_of_its_depth():
     """The square-root law: dPhi/dy = O(depth^-1/2), as an impact at a speed of sqrt(2 a depth)."""
     law = Viscous(viscous_coefficient=0.4)

@@ -974,10 +974,13 @@ class Curve:
             return False
         if ds < FIRST_STEP**2:
             return True
-        # the two sides of a sharp fold have the same tangent nearly, and opposite signs of this
         signs = here.crossing, there.crossing
-        jumps = signs[0] * signs[1] < 0.0 and min(map(abs, signs)) > NEARBY
-        return float(there.tangent @ here.tangent) > TURN and not jumps
+        if signs[0] * signs[1] < 0.0 and min(map(abs, signs)) > NEARBY:
+            # a branch point is passed smoothly, near the mean of both tangents; a sharp fold not
+            gap = off - 0.5 * ds * (there.tangent - here.tangent)
+            if _length(gap) > max(0.1 * _length(off), ROUNDING):
+                return False
+        return float(there.tangent @ here.tangent) > TURN
 
     def halves(
         self, points: list[Point], there: Point, u0: Array, ds: float, events: list[Event]
