@@ -215,11 +215,11 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
     law, turns, k, c = Coulomb(kinetic_coefficient=5.0), 2.0 * math.pi * 8.0, 60.0, 0.1
     graze = STOP * 1e-3 * abs(complex(k - 0.02 * turns**2, c * turns))  # the capsule rests
 
-    def touching(amplitude, damping=0.0):
+    def touching(amplitude, damping=0.0, stiffness=600.0):
         return Capsule(
             capsule_mass=1.0, inner_mass=0.02, stiffness=k, damping=c, drive_on="inner mass",
             drive=Torque(drive=Sine(amplitude=amplitude, frequency=8.0)),
-            upper_soft_stop=SoftStop(place=STOP * 1e-3, stiffness=600.0, damping=damping),
+            upper_soft_stop=SoftStop(place=STOP * 1e-3, stiffness=stiffness, damping=damping),
         )  # fmt: skip
 
     orbit = periodic_orbit(touching(0.8 * graze), law)
@@ -230,6 +230,7 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
     size = math.exp(-c / 0.02 / 2.0 / 8.0)
     assert f"largest multiplier without contact {size:.2g}, with it" in event.sentence
     assert "stable behind; a run behind closes after 1 cycle" in event.sentence
+    assert branch.runs > 300  # that behind among them
     pair = np.sort_complex(orbit.multipliers[:2])
 
     def change(depth, damping):
@@ -238,6 +239,9 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
 
     assert math.log10(change(1e-5, 0.0) / change(1e-7, 0.0)) == pytest.approx(1.0, abs=0.05)
     assert change(1e-8, 0.1) > 0.8 * change(1e-7, 0.1)
+    hard = periodic_orbit(touching(0.99 * graze, stiffness=6e6), law)
+    event = continue_orbit(hard, "drive.amplitude", (0.98 * graze, 1.01 * graze)).events[0]
+    assert "unstable behind; a run behind ends in another motion, which" in event.sentence
 
 
 def test_a_branch_goes_on_behind_the_points_at_which_another_crosses():

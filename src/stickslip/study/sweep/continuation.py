@@ -497,6 +497,10 @@ class Point:
         """det[dF/du; t]."""
         return float(np.linalg.det(np.concatenate((self.slopes, self.tangent[None]))))
 
+    def off(self, y: Array) -> float:
+        """Return how far free states are from the orbit, at any of its cycles, over its size."""
+        return float((np.abs(self.shot.strobes - y) / self.shot.scale).max(axis=1).min())
+
     @cached_property
     def half(self) -> Array:
         """States after half the period less those at the start (k,)."""
@@ -1218,19 +1222,23 @@ class Curve:
             real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
             rule = next(words for bound, words in WINDOWS if largest < bound)
             text += f": {rule if real else 'no rule for complex or negative ones'}"
-        # to the side on which the orbit without impact is none any more
-        ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
-        value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
+        if met:
+            value = met.shot.value
+        else:  # to the side on which the orbit without impact is none any more
+            ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
+            value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
         with suppress(SimulationError, InputError):
             y, states = free.shot.y, []
             for k in range(settle + 2 * longest):
-                shot = self.map.shoot(y, value)
-                y = y + shot.residual
+                self.runs += 1
+                y = y + self.map.shoot(y, value).residual
                 states += [y] if k >= settle else []
             closes = period_of(np.array(states), free.shot.scale, SAME)
             turns = closes * self.map.cycles
             ends = f"closes after {turns} cycle{'s' * (turns > 1)}" if closes else "does not close"
-            text += f"; a run behind {ends}"
+            begun, ended = (met.off(x) if met else 0.0 for x in (free.shot.y, y))
+            other = "ends in another motion, which " if ended > max(begun, SAME) else ""
+            text += f"; a run behind {other}{ends}"
         return text
 
     def reason(self, here: Point) -> tuple[str, str]:
