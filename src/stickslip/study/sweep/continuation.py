@@ -607,7 +607,7 @@ class Curve:
         self.box = [(-1, low, high, unit)]
         self.tests, self.hops, self.smooth = TESTS, False, False
         self.accept: Callable[[Point], object] = _nothing
-        self.beside: Callable[[Point], str] = _no_words  # what else changes right there
+        self.beside: Callable[[Point], str] = _nothing  # what else changes right there
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
@@ -1266,8 +1266,8 @@ class Curve:
                 f" infinite: right behind, the largest multiplier is {number(large, 2)}"
                 f"{self.survives(here, None)}."
             )
-        lack = self.beside(here) or lack.rstrip(".") or "the corrector does not converge"
-        return "", f"{at}: {lack}."
+        lacks = "; ".join(filter(None, (self.beside(here), lack.rstrip("."))))
+        return "", f"{at}: {lacks or 'the corrector does not converge'}."
 
     # -- events
 
@@ -1402,12 +1402,8 @@ class Curve:
         )
 
 
-def _nothing(_: Point) -> None:
-    """Note nothing of a point."""
-
-
-def _no_words(_: Point) -> str:
-    """Tell nothing of a point."""
+def _nothing(_: Point) -> str:
+    """Say nothing of a point."""
     return ""
 
 
