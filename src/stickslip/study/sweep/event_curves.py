@@ -388,7 +388,7 @@ class Plane:
             raise SimulationError("a step along a curve has led away from it.")
         return result
 
-    def beside(self, point: Point) -> str:
+    def border_beside(self, point: Point) -> str:
         """Return what else changes right beside the event at a point, in words, if anything does.
 
         Beside a fold or a doubling in the first parameter, and else in any unknown.
@@ -755,7 +755,7 @@ def continue_event(
         if isinstance(own, Sensing):
             plane.condition.accept(own.shot, curve.scale[:-2], own.at)
 
-    curve.accept, curve.beside = accept, plane.beside
+    curve.accept, curve.beside = accept, plane.border_beside
     return _curve(event.kind, curve, plane, first[0], full, units)
 
 
