@@ -345,7 +345,7 @@ def chart() -> tuple[Target, ...]:
     result = orbit_chart(soft, LAW, BOX, values=(CELLS, CELLS))
     taken = time.process_time() - begun
     ends = [end for curve in result.curves for end in curve.ends]
-    early = sum(any(word in end for word in NO_CAUSE) for end in ends)
+    early = sum(" off, " not in end and any(word in end for word in NO_CAUSE) for end in ends)
     smooth = [curve for curve in result.curves if curve.kind != "sticking"]
     errors = {
         kind: np.array([e for curve in smooth if curve.kind == kind for e in errors_of(curve)])
