@@ -12,7 +12,17 @@ import numpy as np
 import pytest
 from tests.support import quick
 
-from stickslip import Axis, LuGre, Measurement, SpringBlock, Stribeck, fit, load_rig, simulate
+from stickslip import (
+    Axis,
+    Coulomb,
+    LuGre,
+    Measurement,
+    SpringBlock,
+    Stribeck,
+    fit,
+    load_rig,
+    simulate,
+)
 from stickslip.data import Rig, carried, unit_on
 from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError, UnknownNameError
@@ -34,6 +44,7 @@ from stickslip.identify.fits.parameters import starting_law
 from stickslip.maths import Latches
 from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import Quantity, _powers, fields_of
+from stickslip.study.sweep.parameter_grid import unit_of
 
 FREE = (
     "level + stribeck + power",
@@ -709,6 +720,12 @@ def test_a_share_of_a_torque_over_a_load_is_over_a_force_alone():
     axis, fields = Axis(inertia=1.0, rotary=True, load=20.0), fields_of(laws()["bam-m6"])
     units = {name: unit_on(axis, fields[name]) for name in ("motor_friction", "motor_quadratic")}
     assert units == {"motor_friction": "1/N", "motor_quadratic": "1/N^2/m"}
+
+
+def test_sweeps_and_fits_give_a_level_over_a_load_at_a_rotary_contact_in_metres():
+    axis, law = Axis(inertia=1.0, rotary=True, load=20.0), Coulomb(kinetic_coefficient=0.2)
+    level = fields_of(Coulomb)["kinetic_coefficient"]
+    assert unit_of(axis, law, "friction.kinetic_coefficient") == unit_on(axis, level) == "m"
 
 
 def test_a_law_of_another_package_that_does_not_say_what_is_over_the_load_is_not_divided():
