@@ -222,7 +222,9 @@ def marks() -> tuple[Target, Target]:
         long = lyapunov_exponents(rig, LAW)
         marked[kind] += np.array([bool(swept.chaotic[0]), long.chaotic])
         if sum(result.values()) % 20 == 0:
-            tell(f"{result}, of which marked {marked['chaotic']} and {marked['periodic']}")
+            report_progress(
+                f"{result}, of which marked {marked['chaotic']} and {marked['periodic']}"
+            )
     return tuple(
         Target(
             work=f"marks of chaos by {name}",
@@ -276,7 +278,7 @@ def regions(found: OrbitChart) -> Target:
     missed, far, alone, left, closing = 0, 0, 0, 0, 0
     for i, j in np.ndindex(CELLS, CELLS):
         if j == 0 and i % 8 == 0:
-            tell(f"settled runs in cells {i} of {CELLS}")
+            report_progress(f"settled runs in cells {i} of {CELLS}")
         frequency, amplitude = float(found.axes[0][i]), float(found.axes[1][j])
         drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency))
         rig, known = replace(soft, drive=drive), [y for _, y in found.motions.get((i, j), ())]
@@ -343,7 +345,7 @@ def chart() -> tuple[Target, ...]:
     result = orbit_chart(soft, LAW, BOX, values=(CELLS, CELLS))
     taken = time.process_time() - begun
     ends = [end for curve in result.curves for end in curve.ends]
-    early = sum(any(word in end for word in NO_CAUSE) for end in ends)
+    early = sum(" off, " not in end and any(word in end for word in NO_CAUSE) for end in ends)
     smooth = [curve for curve in result.curves if curve.kind != "sticking"]
     errors = {
         kind: np.array([e for curve in smooth if curve.kind == kind for e in errors_of(curve)])
@@ -351,7 +353,7 @@ def chart() -> tuple[Target, ...]:
     }
     met = {kind: own[own < BESIDE / 2.0] for kind, own in errors.items()}
     counts = f"{CELLS} x {CELLS} cells"
-    told = ", ".join(
+    largest = ", ".join(
         f"{kind} {own.max(initial=0.0):.1g} at {len(own)} of {len(errors[kind])} points"
         for kind, own in met.items()
     )
@@ -370,7 +372,7 @@ def chart() -> tuple[Target, ...]:
         Target(
             work="error of its curves, without ends, against branches, over the range",
             goal=f"{GOAL_ERROR:g}",
-            measured=told,
+            measured=largest,
             met=all(own.max() <= GOAL_ERROR for own in errors.values()),
             reason="points beside which no branch has the event",
         ),
@@ -460,21 +462,21 @@ SEEDS = (
 
 
 def table(parts: Sequence[str]) -> tuple[list[tuple[str, ...]], list[Target]]:
-    """Return rows and targets of parts; each is told as soon as it is known."""
+    """Return rows and targets of parts; each is printed as soon as it is known."""
     rows, targets = list[tuple[str, ...]](), list[Target]()
     for number, part in enumerate(parts, 1):
-        tell(f"{part}, part {number} of {len(parts)} ...")
+        report_progress(f"{part}, part {number} of {len(parts)} ...")
         begun = time.process_time()
         more, known = PARTS[part]()
-        tell(f"{part} took {time.process_time() - begun:.0f} s of processor time.")
+        report_progress(f"{part} took {time.process_time() - begun:.0f} s of processor time.")
         for target in known:
             verdict = "met" if target.met else "NOT MET"
-            tell(f"{target.work}: {target.measured} ({target.goal}): {verdict}")
+            report_progress(f"{target.work}: {target.measured} ({target.goal}): {verdict}")
         rows, targets = [*rows, *more], [*targets, *known]
     return rows, targets
 
 
-def tell(line: str) -> None:
+def report_progress(line: str) -> None:
     """Print what has been done so far beside the page."""
     print(f"capsule: {line}", file=sys.stderr, flush=True)
 

@@ -316,8 +316,9 @@ class Quantity:
         force = turned(self.force_unit, turning)
         if not per_load:
             return force
-        whole = turning and self.force_unit != self.unit and force.startswith("N m")
-        return force.removeprefix("N ") if whole else turned(self.unit, turning)
+        if not turning or self.force_unit == self.unit:
+            return turned(self.unit, turning)
+        return {"1": "1/N", "1/N/m": "1/N^2/m"}.get(force) or force.removeprefix("N ")
 
     def scaled_by(self, sizes: Mapping[str, float]) -> float:
         """Return what start value and bounds are multiples of.

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import math
 import re
+from collections import Counter
 from random import Random
 from typing import Annotated, ClassVar
 
@@ -11,7 +12,17 @@ import numpy as np
 import pytest
 from tests.support import quick
 
-from stickslip import Axis, LuGre, Measurement, SpringBlock, Stribeck, fit, load_rig, simulate
+from stickslip import (
+    Axis,
+    Coulomb,
+    LuGre,
+    Measurement,
+    SpringBlock,
+    Stribeck,
+    fit,
+    load_rig,
+    simulate,
+)
 from stickslip.data import Rig, carried, unit_on
 from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError, UnknownNameError
@@ -32,7 +43,8 @@ from stickslip.friction.parts.base import Level, Slip
 from stickslip.identify.fits.parameters import starting_law
 from stickslip.maths import Latches
 from stickslip.mechanisms.drives import Sine
-from stickslip.quantities import Quantity, fields_of
+from stickslip.quantities import Quantity, _powers, fields_of
+from stickslip.study.sweep.parameter_grid import unit_of
 
 FREE = (
     "level + stribeck + power",
@@ -691,6 +703,29 @@ def test_only_what_is_over_the_normal_force_reads_as_a_force_where_none_is_known
     }
     in_table = {field: parameter.unit for field, parameter in force_parameters(kind).values()}
     assert all(in_table.get(name, unit) == unit for name, unit in units.items())
+
+
+@pytest.mark.parametrize("name", laws())
+def test_a_value_over_a_load_times_that_load_has_the_dimension_of_its_force_or_torque(name):
+    for field, known in fields_of(laws()[name]).items():
+        powers = Counter(_powers(known.unit_at(per_load=True, turning=True)))
+        if known.force_unit != known.unit:
+            powers["N"] += 1
+        torque = _powers(known.unit_at(per_load=False, turning=True))
+        sizes = {unit: n for unit, n in powers.items() if n and unit != "1"}
+        assert sizes == {unit: n for unit, n in torque.items() if n and unit != "1"}, field
+
+
+def test_a_share_of_a_torque_over_a_load_is_over_a_force_alone():
+    axis, fields = Axis(inertia=1.0, rotary=True, load=20.0), fields_of(laws()["bam-m6"])
+    units = {name: unit_on(axis, fields[name]) for name in ("motor_friction", "motor_quadratic")}
+    assert units == {"motor_friction": "1/N", "motor_quadratic": "1/N^2/m"}
+
+
+def test_sweeps_and_fits_give_a_level_over_a_load_at_a_rotary_contact_in_metres():
+    axis, law = Axis(inertia=1.0, rotary=True, load=20.0), Coulomb(kinetic_coefficient=0.2)
+    level = fields_of(Coulomb)["kinetic_coefficient"]
+    assert unit_of(axis, law, "friction.kinetic_coefficient") == unit_on(axis, level) == "m"
 
 
 def test_a_law_of_another_package_that_does_not_say_what_is_over_the_load_is_not_divided():

@@ -138,6 +138,14 @@ def test_a_hard_stop_whose_blow_acts_on_the_normal_force_is_refused(place):
         replace(CART, lower_stop=0.0, wheelbase=0.2)
 
 
+def test_a_hard_stop_is_along_the_normal_where_its_angle_is_rounded():
+    assert replace(CART, upper_stop=3.1415927).upper_stop == 3.1415927  # eight digits of pi
+    message = r"theta_u\) = 3.1416 rad: .* or 0 or 180 deg \(pi rad\)"  # no "3.14159 rad"
+    with pytest.raises(ParameterError, match=message):
+        replace(CART, upper_stop=3.1416)
+    replace(CART, upper_stop="180 deg")
+
+
 def test_a_blow_on_a_stiff_soft_stop_may_lift_the_cart():
     # a hanging rod whose ball is stopped on its way up pulls its cart up
     stop = SoftStop(place=math.pi + 1.0, stiffness=2e4, damping=0.0)

@@ -88,7 +88,6 @@ def test_a_table_refuses_empty_cells_ragged_rows_no_rows_and_plots_without_axis(
     [
         {"low": 1.0, "high": 1.0},
         {"low": 0.0, "high": math.inf},
-        {"low": 0.0, "high": 1.0, "log": True},
         {"low": 0.0, "high": 1.0, "ticks": (2.0,)},
         {"low": 0.0, "high": 1.0, "reference": math.nan},
         {"low": 0.0, "high": 1.0, "ticks": (0.5,), "labels": ("a", "b")},
@@ -113,15 +112,8 @@ def test_positions_on_a_linear_axis_are_percent_of_its_length(low, width, share)
     assert axis.position(low + share * (axis.high - low)) == pytest.approx(100 * share, abs=1e-4)
 
 
-@given(st.floats(1e-6, 1e3), st.floats(1.1, 1e6), st.floats(0, 1))
-def test_equal_ratios_have_equal_lengths_on_a_log_axis(low, ratio, share):
-    axis = report.Axis(low=low, high=low * ratio, log=True)
-    # The logarithm of a ratio near 1.1 loses about two of sixteen digits.
-    assert axis.position(low * ratio**share) == pytest.approx(100 * share, abs=1e-9)
-
-
 def test_an_infinite_interval_is_clipped_and_gets_an_arrow_at_each_open_end():
-    axis = report.Axis(low=0.1, high=10, log=True)
+    axis = report.Axis(low=0.1, high=10)
     bar = report.Mark(kind="bar", at=0.0, to=math.inf).shapes(axis)
     assert [shape.kind for shape in bar] == ["bar", "below", "above"]
     assert (bar[0].left, bar[0].right) == ("0%", "0%")

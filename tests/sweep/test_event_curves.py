@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Capsule, Coulomb, Viscous
+from stickslip import Axis, Capsule, Coulomb, Viscous, simulate
 from stickslip.errors import InputError
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
@@ -183,6 +183,25 @@ def test_points_of_codimension_two_have_both_events(soft):
     margins = [abs(event.margin) for event in point.orbit.events if event.reason == "stop"]
     assert min(margins) < 1e-4 * 0.25 * 0.1 * GRAVITY
     assert point.kind in str(curve)
+
+
+def test_a_curve_that_runs_along_a_border_says_along_which():
+    """The doubling comes so near a change of sticking that no step stays in front of it."""
+    rig = replace(CAPSULE, drive=Torque(drive=Sine(amplitude=0.19173, frequency=15.0295)))
+    start = {"xi": -0.0020859, "v": 0.0163487, "xi_dot": -0.2491242}
+    orbit = periodic_orbit(rig, ROUGH, start=start, settle=0)
+    branch = continue_orbit(orbit, "drive.frequency", (15.0, 15.1))
+    event = next(event for event in branch.events if event.kind == "period doubling")
+    paths, box = ("drive.frequency", "drive.amplitude"), ((10.0, 18.0), (0.15, 0.25))
+    curve = continue_event(event, paths, box)
+    assert "frequency 1e-05 of its range off, sticking from 2 to 1 times" in curve.ends[1]
+    (frequency, amplitude), counts = curve.values[-1], set()
+    start = dict(zip(curve.states, curve.starts[-1], strict=True))
+    for turns in (frequency - 8e-5, frequency + 8e-5):
+        near = replace(CAPSULE, drive=Torque(drive=Sine(amplitude=amplitude, frequency=turns)))
+        run = simulate(near, ROUGH, t_end=1.0 / turns, y0=start)
+        counts.add(sum(event.reason == "stop" for event in run.events))
+    assert counts == {1, 2}
 
 
 def test_a_chart_knows_the_motions_that_settled_runs_show():

@@ -215,11 +215,11 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
     law, turns, k, c = Coulomb(kinetic_coefficient=5.0), 2.0 * math.pi * 8.0, 60.0, 0.1
     graze = STOP * 1e-3 * abs(complex(k - 0.02 * turns**2, c * turns))  # the capsule rests
 
-    def touching(amplitude, damping=0.0):
+    def touching(amplitude, damping=0.0, stiffness=600.0):
         return Capsule(
             capsule_mass=1.0, inner_mass=0.02, stiffness=k, damping=c, drive_on="inner mass",
             drive=Torque(drive=Sine(amplitude=amplitude, frequency=8.0)),
-            upper_soft_stop=SoftStop(place=STOP * 1e-3, stiffness=600.0, damping=damping),
+            upper_soft_stop=SoftStop(place=STOP * 1e-3, stiffness=stiffness, damping=damping),
         )  # fmt: skip
 
     orbit = periodic_orbit(touching(0.8 * graze), law)
@@ -230,6 +230,7 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
     size = math.exp(-c / 0.02 / 2.0 / 8.0)
     assert f"largest multiplier without contact {size:.2g}, with it" in event.sentence
     assert "stable behind; a run behind closes after 1 cycle" in event.sentence
+    assert branch.runs > 300  # that behind among them
     pair = np.sort_complex(orbit.multipliers[:2])
 
     def change(depth, damping):
@@ -238,6 +239,54 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
 
     assert math.log10(change(1e-5, 0.0) / change(1e-7, 0.0)) == pytest.approx(1.0, abs=0.05)
     assert change(1e-8, 0.1) > 0.8 * change(1e-7, 0.1)
+    hard = periodic_orbit(touching(0.99 * graze, stiffness=6e6), law)
+    event = continue_orbit(hard, "drive.amplitude", (0.98 * graze, 1.01 * graze)).events[0]
+    assert "unstable behind; a run behind ends in another motion, which" in event.sentence
+
+
+def test_a_branch_goes_on_behind_the_points_at_which_another_crosses():
+    """A mass between equal stops, in a capsule that rests: what is symmetric loses stability."""
+    stop = SoftStop(place=1e-3, stiffness=600.0)
+    capsule = Capsule(
+        capsule_mass=1000.0, inner_mass=0.02, stiffness=60.0, damping=0.1, drive_on="inner mass",
+        drive=Torque(drive=Sine(amplitude=0.3, frequency=14.0)),
+        upper_soft_stop=stop, lower_soft_stop=replace(stop, place=-1e-3),
+    )  # fmt: skip
+    orbit = periodic_orbit(capsule, Coulomb(kinetic_coefficient=5.0))
+    branch = continue_orbit(orbit, "drive.frequency", (4.0, 30.0))
+    assert branch.ends == ("It reaches 4 Hz.", "It reaches 30 Hz.")
+    crossed = [event for event in branch.events if event.kind == "branch point"]
+    assert len(crossed) == 3
+    for event in crossed:
+        assert np.abs(event.orbit.multipliers - 1.0).min() < 1e-3
+
+
+def test_a_step_passes_a_branch_point_and_jumps_over_no_sharp_fold():
+    """Both change the sign of det[dF/du; t], with nearly the same tangent."""
+
+    def at(y, p, slopes):
+        slopes = np.array(slopes) / np.linalg.norm(slopes)
+        tangent = np.array([-slopes[1], slopes[0]])
+        tangent *= np.sign(tangent[1])
+        return SimpleNamespace(
+            unknowns=np.array([y, p]), tangent=tangent, signature=(),
+            crossing=float(np.linalg.det([slopes, tangent])),
+        )  # fmt: skip
+
+    def is_next(here, there):
+        ds = float(here.tangent @ (there.unknowns - here.unknowns))
+        return Curve.is_next(None, here, there, here.unknowns, ds)
+
+    # (y - p^2 / 10) (p - y) = 0 along its first factor
+    bent = [at(0.1 * p**2, p, [p, -0.2 * p**2]) for p in (-0.1, 0.12)]
+    # p = 1 - 1e4 y^2, from below on to the other side
+    sharp = [at(y, 1.0 - 1e4 * y**2, [2e4 * y, 1.0]) for y in (-0.01, 0.009)]
+    for here, there in (bent, sharp):
+        assert here.crossing * there.crossing < 0.0
+        assert here.tangent @ there.tangent > 0.99
+    assert is_next(*bent)
+    assert not is_next(*sharp)
+    assert is_next(sharp[0], at(-0.009, 1.0 - 1e4 * 0.009**2, [-180.0, 1.0]))
 
 
 def test_the_saltation_of_a_touch_grows_like_the_inverse_root_of_its_depth():

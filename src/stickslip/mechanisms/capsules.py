@@ -605,17 +605,17 @@ class Capsule(base.BoundedMechanism):
         return self.drive.limits(forces["xi"]) if "xi" in forces else {}
 
 
-ALONG_GROUND = 1e-12
-"""Sine of an angle up to which a blow along it is one along the ground, or across it."""
+ALONG_GROUND = 1e-6
+"""Sine of an angle up to which a blow acts along the ground alone: the share across it."""
 
 
 def _hard_stops(place: str, mass: "Capsule | InnerMass") -> tuple[base.Stop, ...]:
     """Return the hard stops of a mass, which moves along the ground where there are any."""
     stops = base.stops_between(place, mass.lower_stop, mass.upper_stop, mass.restitution)
-    for angle in _sloped(mass.angle) if stops else ():
+    if stops and (angle := next(iter(_sloped(mass.angle)), None)) is not None:
         raise ParameterError(
             f"{type(mass).__name__}: hard stops are for a mass that moves along the ground, got"
-            f" an angle (alpha) of {angle:g} rad: a blow may lift the capsule there. Use soft"
+            f" an angle (alpha) of {angle:.12g} rad: a blow may lift the capsule there. Use soft"
             " stops (lower_soft_stop, upper_soft_stop), or an angle of 0 rad."
         )
     return stops
@@ -876,9 +876,10 @@ class PendulumCart(base.BoundedMechanism):
     """Load of the friction law of the pivot, 1 where its levels are torques; with None or 0, the
     pivot does not rub."""
     lower_stop: Annotated[float, Quantity("theta_l", "rad")] | None = None
-    """Hard stop that theta does not fall below, at 0 or a multiple of pi; none if not given."""
+    """Hard stop that theta does not fall below; none if not given. Fixed at a multiple of pi: other
+    places are refused, so that no sweep or fit varies it."""
     upper_stop: Annotated[float, Quantity("theta_u", "rad")] | None = None
-    """Hard stop that theta does not rise above, at 0 or a multiple of pi; none if not given."""
+    """Hard stop that theta does not rise above; none if not given. Fixed as the lower one."""
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Angular velocity after an impact at a stop over that before; 0 if nothing bounces."""
     lower_soft_stop: SoftStop | None = None
@@ -1016,12 +1017,13 @@ class PendulumCart(base.BoundedMechanism):
         stops = base.stops_between("theta", self.lower_stop, self.upper_stop, self.restitution)
         soft = "Use soft stops (lower_soft_stop, upper_soft_stop)"
         for stop in stops:
-            for place in _sloped(stop.position):
+            if (place := next(iter(_sloped(stop.position)), None)) is not None:
+                name, symbol = f"{stop.side}_stop", f"theta_{stop.side[0]}"
                 raise ParameterError(
                     f"PendulumCart: hard stops are for a rod that stands or hangs along the normal"
-                    f" there, got {stop.side}_stop (theta_{stop.side[0]}) = {place:g} rad: a blow"
-                    " elsewhere lifts the cart or presses it on its ground, whose friction takes a"
-                    f" part of the blow. {soft}, or 0 or pi rad."
+                    f" there, got {name} ({symbol}) = {place:.12g} rad: a blow elsewhere lifts the"
+                    " cart or presses it on its ground, whose friction takes a part of the blow."
+                    f" {soft}, or 0 or 180 deg (pi rad)."
                 )
         if stops and self.wheelbase is not None:
             raise ParameterError(

@@ -99,7 +99,7 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
 def path_units(
     mechanism: Mechanism, law: FrictionLaw | Laws, bristles: Sequence[str] = ()
 ) -> dict[str, str]:
-    """Return the unit of each initial state and parameter.
+    """Return the unit of each initial state and parameter; a load left at 1 is 1 N.
 
     Examples
     --------
@@ -119,7 +119,8 @@ def path_units(
     turning = {contact.name: slips_by_angle(mechanism, contact) for contact in mechanism.contacts()}
     everywhere = all(turning.values())  # a law of all contacts
     for path, quantity, _ in parameters(law, "friction"):
-        units[path] = turned(quantity.unit, turning.get(path.split(".")[1], everywhere))
+        angle = turning.get(path.split(".")[1], everywhere)
+        units[path] = quantity.unit_at(per_load=True, turning=angle)
     return units
 
 

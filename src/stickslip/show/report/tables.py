@@ -73,8 +73,6 @@ class Axis:
         Where thin lines and numbers stand.
     labels : tuple of str
         The numbers; the ticks themselves if left out.
-    log : bool
-        Whether equal ratios have equal lengths. For scores that span more than 20 times.
     reference : float, optional
         Where a strong line stands, such as the measured value.
     caption : str
@@ -87,7 +85,7 @@ class Axis:
 
     Examples
     --------
-    >>> Axis(low=0.1, high=10.0, ticks=(0.1, 1.0, 10.0), log=True).position(1.0)
+    >>> Axis(low=-1.0, high=1.0, ticks=(-1.0, 0.0, 1.0)).position(0.0)
     50.0
     """
 
@@ -95,15 +93,12 @@ class Axis:
     high: float
     ticks: tuple[float, ...] = ()
     labels: tuple[str, ...] = ()
-    log: bool = False
     reference: float | None = None
     caption: str = ""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
             raise InputError(f"Axis: low and high must be finite and low < high, got {self}.")
-        if self.log and self.low <= 0:
-            raise InputError(f"Axis: a logarithmic axis begins above 0, got low={self.low!r}.")
         if self.labels and len(self.labels) != len(self.ticks):
             raise InputError(f"Axis: {len(self.ticks)} ticks but {len(self.labels)} labels.")
         placed = self.ticks if self.reference is None else (*self.ticks, self.reference)
@@ -119,11 +114,7 @@ class Axis:
         >>> Axis(low=0.0, high=0.5).position(0.2)
         40.0
         """
-        if not self.log:
-            return 100 * (value - self.low) / (self.high - self.low)
-        if not value > 0:
-            return math.nan if math.isnan(value) else -math.inf
-        return 100 * math.log(value / self.low) / math.log(self.high / self.low)
+        return 100 * (value - self.low) / (self.high - self.low)
 
     def percent(self, value: float) -> str:
         """Return where a value stands, as a CSS length.

@@ -494,6 +494,10 @@ class Point:
         """det[dF/du; t]."""
         return float(np.linalg.det(np.concatenate((self.slopes, self.tangent[None]))))
 
+    def off(self, y: Array) -> float:
+        """Return how far free states are from the orbit, at any of its cycles, over its size."""
+        return float((np.abs(self.shot.strobes - y) / self.shot.scale).max(axis=1).min())
+
     @cached_property
     def half(self) -> Array:
         """States after half the period less those at the start (k,)."""
@@ -599,8 +603,8 @@ class Curve:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
         self.box = [(-1, low, high, unit)]
         self.tests, self.hops, self.smooth = TESTS, False, False
-        self.accept: Callable[[Point], object] = lambda _: None
-        self.beside: Callable[[Point], str] = lambda _: ""  # what else changes right there
+        self.accept: Callable[[Point], object] = _nothing
+        self.beside: Callable[[Point], str] = _nothing  # what else changes right there
         self.step, self.most, self.least = step, most, least
         self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
@@ -971,10 +975,13 @@ class Curve:
             return False
         if ds < FIRST_STEP**2:
             return True
-        # the two sides of a sharp fold have the same tangent nearly, and opposite signs of this
         signs = here.crossing, there.crossing
-        jumps = signs[0] * signs[1] < 0.0 and min(map(abs, signs)) > NEARBY
-        return float(there.tangent @ here.tangent) > TURN and not jumps
+        if signs[0] * signs[1] < 0.0 and min(map(abs, signs)) > NEARBY:
+            # a branch point is passed smoothly, near the mean of both tangents; a sharp fold not
+            gap = off - 0.5 * ds * (there.tangent - here.tangent)
+            if _length(gap) > max(0.1 * _length(off), ROUNDING):
+                return False
+        return float(there.tangent @ here.tangent) > TURN
 
     def halves(
         self, points: list[Point], there: Point, u0: Array, ds: float, events: list[Event]
@@ -1210,19 +1217,23 @@ class Curve:
             real = bool((np.abs(values.imag) < ROUNDING).all() and (values.real > -ROUNDING).all())
             rule = next(words for bound, words in WINDOWS if largest < bound)
             text += f": {rule if real else 'no rule for complex or negative ones'}"
-        # to the side on which the orbit without impact is none any more
-        ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
-        value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
+        if met:
+            value = met.shot.value
+        else:  # to the side on which the orbit without impact is none any more
+            ahead = float(free.tangent[-1]) * (1.0 if free is here else -1.0)
+            value = free.shot.value + math.copysign(BEHIND[0] * (self.high - self.low), ahead)
         with suppress(SimulationError, InputError):
             y, states, settle, longest = free.shot.y, [], 300, 12
             for k in range(settle + 2 * longest):
-                shot = self.map.shoot(y, value)
-                y = y + shot.residual
+                self.runs += 1
+                y = y + self.map.shoot(y, value).residual
                 states += [y] if k >= settle else []
             closes = period_of(np.array(states), free.shot.scale, SAME)
             turns = closes * self.map.cycles
             ends = f"closes after {turns} cycle{'s' * (turns > 1)}" if closes else "does not close"
-            text += f"; a run behind {ends}"
+            begun, ended = (met.off(x) if met else 0.0 for x in (free.shot.y, y))
+            other = "ends in another motion, which " if ended > max(begun, SAME) else ""
+            text += f"; a run behind {other}{ends}"
         return text
 
     def reason(self, here: Point) -> tuple[str, str]:
@@ -1250,8 +1261,8 @@ class Curve:
                 f" infinite: right behind, the largest multiplier is {number(large, 2)}"
                 f"{self.survives(here, None)}."
             )
-        lack = self.beside(here) or lack.rstrip(".") or "the corrector does not converge"
-        return "", f"{at}: {lack}."
+        lacks = "; ".join(filter(None, (self.beside(here), lack.rstrip("."))))
+        return "", f"{at}: {lacks or 'the corrector does not converge'}."
 
     # -- events
 
@@ -1384,6 +1395,11 @@ class Curve:
             f"no branch of period {self.map.cycles} leaves at"
             f" {quantity(value, self.unit, 6)}: what is near there closes after {orbit.cycles}."
         )
+
+
+def _nothing(_: Point) -> str:
+    """Say nothing of a point."""
+    return ""
 
 
 def units_of(map_: ReturnMap) -> dict[str, str]:

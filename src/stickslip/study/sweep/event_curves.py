@@ -388,7 +388,7 @@ class Plane:
             raise SimulationError("a step along a curve has led away from it.")
         return result
 
-    def also(self, point: Point) -> str:
+    def border_beside(self, point: Point) -> str:
         """Return what else changes right beside the event at a point, in words, if anything does.
 
         Beside a fold or a doubling in the first parameter, and else in any unknown.
@@ -396,7 +396,8 @@ class Plane:
         shot, u = self.base_of(point.shot), point.unknowns * point.scale
         sizes, smooth = self.sizes(shot), isinstance(self.condition, _Singular)
         back = self.back / float(self.back @ self.back) * sizes
-        steps = (np.diag(sizes)[-2:-1] if smooth else np.diag(sizes)) * BORDER
+        names = [*self.names, self.second]
+        at = [len(names) - 2] if smooth else range(len(names))
 
         def happens(u: Array) -> Signature:
             return self.at(float(u[-1])).happens(u[:-2], float(u[-2]))
@@ -405,12 +406,13 @@ class Plane:
             # its own change is that right on both sides
             sides = () if smooth else (-10.0 * NEARBY, -NEARBY, NEARBY, 10.0 * NEARBY)
             known = {point.signature, *(happens(u + off * back) for off in sides)}
-            for step in [*-steps, *steps]:
-                other = happens(u + step)
+            for side, i in itertools.product((-BORDER, BORDER), at):
+                other = happens(u + side * np.diag(sizes)[i])
                 if other not in known:
-                    near = min(known, key=lambda own: len({*own} ^ {*other}))
+                    near = min(known, key=lambda signature: len({*signature} ^ {*other}))
+                    size = "size" if i < len(names) - 2 else "range"
                     what = change_of(near, other)[1]
-                    return f"it is nearer than {BORDER:g} of the range to where {what}"
+                    return f"with {names[i]} {BORDER:g} of its {size} off, {what}"
         return ""
 
     def near(self, u: Array) -> Shot:
@@ -753,7 +755,7 @@ def continue_event(
         if isinstance(own, Sensing):
             plane.condition.accept(own.shot, curve.scale[:-2], own.at)
 
-    curve.accept, curve.beside = accept, plane.also
+    curve.accept, curve.beside = accept, plane.border_beside
     return _curve(event.kind, curve, plane, first[0], full, units)
 
 

@@ -565,7 +565,7 @@ class Search:
             if self.map.section is not None:  # the same pass of both, counted from the start
                 again = {path: column[rows] for path, column in begun.items()}
                 same, means, _ = self.sampled(value, again, count - keep)
-            self.brute_cycles += len(rows) * count
+            self.brute_cycles += len(rows) * count * (1 if self.map.section is None else 2)
             spreads[rows] = np.abs(others - means)
             size = np.where(scale > 0.0, scale, np.finfo(float).tiny)
             gaps = (np.abs(points - same) / size).max(axis=(1, 2)) / ROUNDING
