@@ -128,6 +128,24 @@ def test_a_fall_of_friction_to_nearly_nothing_is_stated_as_a_fall():
     assert "of friction there less" in change.sentence
 
 
+def test_a_law_is_nowhere_farther_from_friction_than_its_worst_place(judgement):
+    found, problem = judgement, judgement.problem
+    for rung in (found.named, *found.rungs):
+        apart = []
+        for rows in (problem.places(), problem.asked()):
+            middle = np.median(problem.steady(rows, found.draws), axis=0)
+            size = np.maximum(np.abs(middle), 1e-9)
+            apart.append(np.abs(found.curve_of(rung, rows) - middle) / size)
+        each = [(float(x.max()), float(np.quantile(x, 0.95))) for x in apart]
+        assert rung.worst == pytest.approx(max(worst for worst, _ in each))
+        assert rung.distance == pytest.approx(max(within for _, within in each))
+        assert rung.worst >= rung.distance
+        rows = problem.at(np.array([found.speed_of(rung)]))
+        middle = np.median(problem.steady(rows, found.draws), axis=0)
+        off = np.abs(found.curve_of(rung, rows) - middle) / middle
+        assert off[0] == pytest.approx(rung.worst)
+
+
 def shuffled_at_each_load(random, loads=(20.0, 40.0, 80.0, 160.0, 320.0)):
     """Return loads in their order, and speeds at random at each."""
     speeds = [random.permutation(np.geomspace(0.01, 1.0, 8)) for _ in loads]
