@@ -299,19 +299,20 @@ def _rehearsal(
     assert isinstance(after, SimulatedVerdict)
     kept = rig.truth in (after.closest.name, *after.rivals) or rig.truth not in INSIDE
     lost = not kept and after.best is not None and _off(rig, law, after) > NEAR
-    return _came_to(verdict, after, LEVELS, kept=kept) | {"lost": lost}
+    return _came_to(verdict, after, LEVELS, first.expected_width, kept=kept) | {"lost": lost}
 
 
 def _came_to(
-    verdict: SimulatedVerdict, after: SimulatedVerdict, paths: Sequence[str], *, kept: bool
-) -> dict[str, Any]:
+    verdict: SimulatedVerdict, after: SimulatedVerdict, paths: Sequence[str], expected: float, *,
+    kept: bool,
+) -> dict[str, Any]:  # fmt: skip
     """Return what a further record that was advised came to, if the true law is `kept`."""
     shrink = math.exp(_widths(after, paths) - _widths(verdict, paths)) if paths else math.inf
     fewer = len(after.rivals) < len(verdict.rivals)
     return {
         "advice": shrink <= 0.5 or (fewer and kept),
         "shrink": shrink,
-        "expected": verdict.advised[0].expected_width,
+        "expected": expected,
         "asked": 1,
         "after": after.sentence,
     }
@@ -371,7 +372,7 @@ class Steps:
     law: RateState
     stiffness: float
     """Of the machine, over the load [1/m]."""
-    told: TowedBlock
+    given: TowedBlock
     """The machine as it is given."""
     record: Measurement
     knots: Array
@@ -395,7 +396,7 @@ def steps(random: Random, truth: str, wave: float = 0.0) -> Steps:
     off = between(random, 1.2, 1.4) ** float(random.choice((-1.0, 1.0)))
     return Steps(
         law=law, stiffness=stiffness, knots=knots, places=places, noise=noise,
-        told=TowedBlock(mass=1e-3, stiffness=off * stiffness, speed=1e-6, load=1.0),
+        given=TowedBlock(mass=1e-3, stiffness=off * stiffness, speed=1e-6, load=1.0),
         record=record,
     )  # fmt: skip
 
@@ -414,21 +415,21 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
         law, noise, knots, places = made.law, made.noise, made.knots, made.places
         row["law"] = repr(law)
         begun = time.process_time()
-        verdict = select(made.told, None, made.record)
+        verdict = select(made.given, None, made.record)
         assert isinstance(verdict, SimulatedVerdict)
         seconds = time.process_time() - begun
         closest = verdict.closest
         assert closest.fit is not None
         fresh = _fresh(knots, places)
         fitted = closest.fit.law, closest.fit.details["stiffness_over_load"]
-        other, own = (
+        true, predicted = (
             simulate_velocity_steps(each, stiffness=k, time=fresh[0], pull=fresh[1], at=fresh[2])
             for each, k in ((law, made.stiffness), fitted)
         )
     except StickslipError as error:
         return row | {"refused": str(error), "seconds": time.process_time() - begun}
-    variation = max(float(np.std(other.coefficient)), noise)
-    error = float(np.sqrt(np.mean((other.coefficient - own.coefficient) ** 2))) / variation
+    variation = max(float(np.std(true.coefficient)), noise)
+    error = float(np.sqrt(np.mean((true.coefficient - predicted.coefficient) ** 2))) / variation
     same = closest.name == truth
     rival = verdict.rivals[:1]
     evolves = closest.fit.law.critical_distance is not None
@@ -443,15 +444,15 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
         further = np.append(places, places[-1] + np.cumsum(ways))
         try:
             record = _stepped_record(law, made.stiffness, longer, further, noise, random)
-            after = select(made.told, None, record)
+            after = select(made.given, None, record)
         except StickslipError as error:
             row |= {"advice": False, "after": str(error)}
         else:
             assert isinstance(after, SimulatedVerdict)
             kept = truth in (after.closest.name, *after.rivals)
-            of = [{path for fit in x.fits for path in fit.draws} for x in (verdict, after)]
-            paths = [x.path for x in closest.fit.estimates if x.path in of[0] & of[1]]
-            row |= _came_to(verdict, after, paths, kept=kept)
+            drawn = [{path for fit in x.fits for path in fit.draws} for x in (verdict, after)]
+            paths = [x.path for x in closest.fit.estimates if x.path in drawn[0] & drawn[1]]
+            row |= _came_to(verdict, after, paths, speeds[0].expected_width, kept=kept)
     return _rated(
         row, verdict.best.name if verdict.best else "", rival,
         hedged="is closest, but" in verdict.sentence, error=error,

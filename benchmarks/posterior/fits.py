@@ -6,8 +6,8 @@ Axes, free motions, servos, velocity steps and travels are those of `benchmarks.
 levels of an axis grow along its record, those of travels from the first trial to the last, friction
 of a free motion and of velocity steps waves with the speed or along the way, and what a servo's
 gear takes fades otherwise with the speed. A bounded interval is to hold the true value of each
-parameter; those without a bound are counted apart. For one rig of each truth `select` is asked the
-same with this law alone: its values and ends are to be those of the fit.
+parameter; those without a bound are counted apart. For some rigs `select` is asked the same with
+this law alone: its values and ends are to be those of the fit.
 """
 
 import math
@@ -23,7 +23,7 @@ from benchmarks import pulled_sliders, rigs, servos, travel_truth
 from benchmarks.band_truths import decays
 from benchmarks.band_truths.rig import DRAG, KINETIC, VISCOUS, Array
 from stickslip import Axis, BamM4, FrictionLaw, Measurement, fit, select
-from stickslip.errors import StickslipError
+from stickslip.errors import ConvergenceError, StickslipError
 from stickslip.friction import law
 from stickslip.mechanisms import Mechanism
 
@@ -189,8 +189,7 @@ def _closest(rig: decays.Rig, off: float) -> dict[str, tuple[float, float]]:
     columns = np.array([v ** POWERS[name] for name in rig.parameters]).T
     values = [np.array([*rig.parameters.values()]) * (1.0 + x) for x in (-off, off)]
     for weight in (np.ones_like(v), np.sqrt(v)):
-        found = np.linalg.lstsq(columns * weight[:, None], curve * weight, rcond=None)[0]
-        values.append(found)
+        values.append(np.linalg.lstsq(columns * weight[:, None], curve * weight, rcond=None)[0])
     low, high = np.min(values, axis=0).tolist(), np.max(values, axis=0).tolist()
     return {f"friction.{n}": (a, b) for n, a, b in zip(rig.parameters, low, high, strict=True)}
 
@@ -260,6 +259,8 @@ def steps(random: rigs.Random, seed: int, number: int, off: float) -> Case:
         except StickslipError:
             continue
         break
+    else:
+        raise ConvergenceError(f"the slider runs away in all {DRAWS} rigs of {truth}.")
     stiffness = made.stiffness
     true = {"mechanism.stiffness": (stiffness, stiffness)}
 
@@ -267,7 +268,7 @@ def steps(random: rigs.Random, seed: int, number: int, off: float) -> Case:
         return true | {path: (x, x) for path, x in pulled_sliders.at(made.law, fitted).items()}
 
     return Case(
-        truth=truth, mechanism=made.told, law=truth, measurement=made.record, true=true, at=at,
+        truth=truth, mechanism=made.given, law=truth, measurement=made.record, true=true, at=at,
     )  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """Least squares with bounds, from several starts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.linear import Linear
@@ -166,3 +168,9 @@ def test_another_end_that_is_as_likely_is_part_of_the_interval_and_said(tilt):
     wider = inference.including(other.widening)
     assert wider.half_widths[0] > 2.0 > 5.0 * inference.half_widths[0]
     assert said[0].startswith("Another start of the search ends at x = ")
+    assert said[0].endswith("intervals hold both ends.")
+    for chance in (0.05, 0.26, 0.5, 1.0):
+        assert abs(replace(other, chance=chance).widening[0]) >= abs(other.off[0])
+    (item,) = Wells.free_parameters.items
+    nuisance = replace(item, quantity=Quantity("x", nuisance=True))
+    assert not list(fitting._of_ends(FreeParameters((nuisance,)), others))

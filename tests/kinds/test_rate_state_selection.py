@@ -13,7 +13,8 @@ from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.identify.kinds import SimulatedVerdict, fit_rate_state, simulate_velocity_steps
 from stickslip.identify.kinds.registry import kind_of_route
-from stickslip.identify.kinds.velocity_steps import stepped_speed
+from stickslip.identify.kinds.velocity_steps import stepped_speeds
+from stickslip.identify.problems.velocity_step_paths import Path
 from stickslip.identify.propose import WORTH
 from stickslip.show.report.blocks import Origin, Page, made_sections, render
 
@@ -167,16 +168,25 @@ def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
     verdict = select(MACHINE, None, record, settings=SETTINGS)
     assert name in (verdict.closest.name, *verdict.rivals)
     assert any("only one" in line for line in verdict.words.cannot_tell)
-    best = verdict.advised[0]
-    assert best.expected_width == min(item.expected_width for item in verdict.advised)
-    says = "not expected to tell more" if best.expected_width >= WORTH else "is expected to be left"
-    assert any(says in line for line in verdict.words.measure_next)
+    widths = [item.expected_width for item in verdict.advised]
+    assert widths == sorted(widths)
+    assert all(0.0 < width < WORTH for width in widths)
+    text = " ".join(verdict.words.measure_next)
+    assert ("is expected to fall to" in text) != ("not expected to tell more" in text)
+
+
+@pytest.mark.parametrize("first", [0.0, 1e-6])
+def test_a_pull_that_holds_has_its_first_moving_speed_and_no_step_again(first):
+    speeds = np.array([1e-6, 0.0, 1.000001e-6] if first else [0.0, 1e-6, 0.0])
+    path = Path(time=np.arange(4.0), position=np.concatenate([[0.0], np.cumsum(speeds)]))
+    begun, again = stepped_speeds(path)
+    assert begun == again == pytest.approx(1e-6)
 
 
 def test_a_step_again_is_expected_to_tell_less_than_one_to_another_speed(verdicts):
     verdict = verdicts("rate-and-state")
     left = {(x.name, x.value): x.expected_width for x in verdict.advised}
-    again = stepped_speed(verdict.closest.fit.problem.record.path)
+    _, again = stepped_speeds(verdict.closest.fit.problem.record.path)
     assert 0.5 < left["speed", again] < 1.0  # as much again leaves 1/sqrt(2) or so
     assert verdict.advised[0].expected_width < left["speed", again]
 

@@ -420,11 +420,13 @@ class Judgement:
             )
             if rung is not None:
                 share = masses.get(each.family, 0.0)
-                result.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
+                rung = replace(rung, share=share, adequate=adequate.get(each.family, 0.0))
+                result.append(self._everywhere(rung))
         if not self.is_told or not result:
             none = self._projection.rung((), np.zeros(0), np.zeros((len(self.target.middle), 0)), 0)
             share = float(self.problem.posterior.weights[self.problem.nothing()].sum())
-            result.append(replace(none, share=share, adequate=adequate.get((), 0.0)))
+            none = replace(none, share=share, adequate=adequate.get((), 0.0))
+            result.append(self._everywhere(none))
         return tuple(sorted(result, key=lambda item: (item.parameters, item.excess)))
 
     @cached_property
@@ -448,7 +450,7 @@ class Judgement:
         )
         columns = self.problem.design(structure, self._places)
         own = self._projection.rung(structure, coefficients[0], columns, rung.parameters)
-        return replace(own, share=rung.share, adequate=rung.adequate)
+        return self._everywhere(replace(own, share=rung.share, adequate=rung.adequate))
 
     @cached_property
     def _metric(self) -> tuple[Any, Array]:
@@ -515,14 +517,25 @@ class Judgement:
         draws = self.problem.steady(rows, self.draws)
         return rows, Target(draws=draws, tolerance=self.tolerance, scale=self.problem.scale(rows))
 
-    def distance_of(self, rung: Rung) -> float:
-        """Return the share of friction within which a law stays at `PLACES` of the places.
+    def _everywhere(self, rung: Rung) -> Rung:
+        """Return a law with its distances over the places and over the rows of the band.
 
-        Of those at which laws are compared, and of those over which the band is stated.
+        Rows of the band are counted after the places.
         """
         rows, target = self._asked
         apart = np.abs(self.curve_of(rung, rows) - target.middle) / target.size
-        return max(rung.distance, float(np.quantile(apart, PLACES)))
+        rung = replace(rung, distance=max(rung.distance, float(np.quantile(apart, PLACES))))
+        where = int(np.argmax(apart))
+        if apart[where] <= rung.worst:
+            return rung
+        return replace(rung, worst=float(apart[where]), where=len(self.target.middle) + where)
+
+    def speed_of(self, rung: Rung) -> float:
+        """Return the velocity at which a law is farthest from friction [m/s]."""
+        after = rung.where - len(self.target.middle)
+        if after < 0:
+            return self.problem.speed_of(rung.where)
+        return float(self._asked[0].velocity[after])
 
     def _is_named(self, rung: Rung) -> bool:
         return rung.family == self.named.family

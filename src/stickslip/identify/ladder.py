@@ -111,10 +111,10 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
 
     What is less than the tolerance is said to be within it.
     """
-    within = max(judgement.distance_of(rung), judgement.tolerance)
+    within = max(rung.distance, judgement.tolerance)
     said = f"{percent(within)} of friction"
     if rung.worst > 1.5 * within:
-        at = quantity(abs(judgement.problem.speed_of(rung.where)), words.speed_unit, 2)
+        at = quantity(abs(judgement.speed_of(rung)), words.speed_unit, 2)
         said += f" (worst {percent(rung.worst)} at {at})"
     return said
 
@@ -144,7 +144,7 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
             f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
         )
-    distance = judgement.distance_of(named)
+    distance = named.distance
     near = distance <= max(MARGIN * judgement.tolerance, judgement.known)
     if near and judgement.known > max(distance, judgement.tolerance):
         said = (
@@ -300,9 +300,9 @@ def candidate_of(
         share=rung.share,
         left=judgement.problem.scatter(rung),
         count=rung.parameters,
-        distance=judgement.distance_of(rung),
+        distance=rung.distance,
         worst=rung.worst,
-        worst_at=judgement.problem.speed_of(rung.where),
+        worst_at=judgement.speed_of(rung),
     )
 
 

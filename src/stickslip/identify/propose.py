@@ -1,10 +1,11 @@
-"""What to measure next: what is expected to take most off the width of what is asked.
+"""Readings that are expected to reduce the width of the quantities of interest most.
 
 Draws of the posterior say what is asked, and what would be read at each place that is offered: a
 reading, a stretch, a motion or a record. Both have a mean and a covariance over the draws, and a
 linear Gaussian update says what is left of what is asked.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -95,8 +96,10 @@ def propose(
         return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0) + rest)))
 
     start = width()
+    if not start:
+        return Proposal(places=(), shrinks=1.0, widths=(1.0,))
     chosen, shrinks, most = list[int](), [1.0], min(MOST, taken)
-    while start > 0.0 and len(chosen) < COUNTED:
+    while len(chosen) < COUNTED:
         if shrinks[-1] <= (enough if len(chosen) < most else HALVED):
             break
         own = covariance[numbers[:, :, None], numbers[:, None, :]] + scatter
@@ -146,4 +149,7 @@ def width_after(points: Array, seen: Sequence[Array]) -> float:
     asked = asked[:, known > 0.0] / known[known > 0.0]
     if not asked.size or not rows.size:
         return 1.0
-    return propose(asked, rows[:, None], 1e-4, taken=1).widths[0]
+    width = propose(asked, rows[:, None], 1e-4, taken=1).widths[0]
+    # rows that tell nothing reduce the variance in few draws by their number over that of draws
+    by_chance = max(1.0 - rows.shape[1] / (len(rows) - 1), 0.1)
+    return min(width / math.sqrt(by_chance), 1.0)

@@ -122,7 +122,8 @@ def select_table(
     chosen = offered.where(np.array(proposal.places, dtype=np.intp))
     conditions = ({LOAD: chosen.load} if problem.model.frame.loaded else {}) | {**chosen.inputs}
     foreseer = partial(_foreseen_readings, judgement, mechanism)
-    remarks = [ORDERED] * problem.model.is_sorted
+    ordered_by = problem.model.ordered_by
+    remarks = [ORDERED.format(ordered_by)] * bool(ordered_by)
     if problem.rests is not None:
         remarks.append(rest_sentence(problem.rests, words.speed_unit))
     return ladder_verdict(

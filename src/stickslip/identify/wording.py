@@ -134,8 +134,8 @@ def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
 
 
 ORDERED = (
-    "The speeds were measured in their order: a drift, such as warming or wear, would pass for an"
-    " effect of the speed. Measure them in random order, or some again at the end."
+    "The {0}s were measured in their order: a drift, such as warming or wear, would pass for an"
+    " effect of the {0}. Measure them in random order, or some again at the end."
 )
 
 

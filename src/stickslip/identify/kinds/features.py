@@ -206,7 +206,7 @@ class FeatureKind(SimulatedKind):
             said = [f"{titles[name]} predicts {motion(x)}" for name, x in item.predicted.items()]
             yield (
                 f"Pull again at a {item.name} of {quantity(item.value, UNITS[item.name])}, and give"
-                f" both records as trials: {item.left(others)}. There {'; '.join(said)}."
+                f" both records as trials: {item.expectation(others)}. There {'; '.join(said)}."
             )
         if free:
             yield (
@@ -303,19 +303,19 @@ def other_settings(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
     """Return what the closest law and its rivals predict elsewhere, the most telling first."""
     problem = fits[0].problem
     first = problem.first
-    asked, blocks = [], []
+    values, blocks = [], []
     for name, factors in OTHERS.items():
         for factor in factors:
             value = factor * float(getattr(first.block, name))
             block: TowedBlock = with_values(first.block, "mechanism", {f"mechanism.{name}": value})
             if all(block != setting.block for setting in problem.settings):
-                asked.append((name, value))
+                values.append((name, value))
                 blocks.append(block)
     every = [draws_of(fit, blocks, int(ENOUGH)) for fit in fits]
     chosen = np.linspace(0, len(fits[0].family.points) - 1, int(ENOUGH)).astype(np.intp)
-    own = fits[0].family.points[chosen, : len(problem.laws[fits[0].name].free)]
+    points = fits[0].family.points[chosen, : len(problem.laws[fits[0].name].free)]
     result = []
-    for k, (name, value) in enumerate(asked):
+    for k, (name, value) in enumerate(values):
         rows = [features[:, k] for features in every]
         works = [np.isfinite(row).all(axis=1) for row in rows]
         if not min(float(np.mean(row[:, 0] > 0.0)) for row in rows) > 0.8:  # NaN is no cycle
@@ -326,8 +326,8 @@ def other_settings(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
         }
         least = READ * first.features.compared
         seen = [np.log(np.maximum(row[ok], least)) for row, ok in zip(rows, works, strict=True)]
-        left = width_after(own[works[0]], seen)
-        result.append(OtherSetting(name, value, predicted, left))
+        width = width_after(points[works[0]], seen)
+        result.append(OtherSetting(name, value, predicted, width))
     return tuple(sorted(result, key=lambda item: item.expected_width))
 
 

@@ -57,6 +57,7 @@ from stickslip.identify.kinds.kind import (
     page_table,
     terminal_table,
 )
+from stickslip.identify.propose import WORTH
 from stickslip.identify.selection import checked
 from stickslip.identify.simulated import FamilyDraws, Readable, Simulated, SimulatedPosterior
 from stickslip.quantities import Quantity
@@ -360,11 +361,11 @@ class OtherSetting(NamedTuple):
     expected_width: float
     """Expected width of what is asked, over that of now: which law, or its parameters."""
 
-    def left(self, others: Sequence[Any]) -> str:
-        """Return what is expected to be left of what is not known, beside other laws or none."""
-        asked = "which law holds" if others else "its parameters"
+    def expectation(self, others: Sequence[Any]) -> str:
+        """Return what the uncertainty is expected to fall to, beside other laws or none."""
+        unknown = "which law holds" if others else "its parameters"
         share = significant(100.0 * self.expected_width, 2)
-        return f"of what is not known of {asked}, {share} % is expected to be left"
+        return f"the uncertainty about {unknown} is expected to fall to {share} %"
 
 
 class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
@@ -584,7 +585,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             return f"{probability_text(one.probability)} probable"
 
         told = [replace(item, outcome=outcome(item)) for item in ordered]
-        advised = tuple(self.advised(fits))
+        advised = tuple(item for item in self.advised(fits) if item.expected_width < WORTH)
         intervals = tuple(self.over_all(fits, estimate) for estimate in closest.fit.estimates)
         return self.verdict_class(
             kind=self,

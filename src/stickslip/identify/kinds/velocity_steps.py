@@ -34,7 +34,7 @@ from stickslip.identify.kinds.simulated import (
     SimulatedKind,
 )
 from stickslip.identify.problems.run_laws import UNKNOWN
-from stickslip.identify.problems.velocity_step_paths import SHORTEST, STRAIGHT, Path
+from stickslip.identify.problems.velocity_step_paths import SHORTEST, STRAIGHT, Path, differ
 from stickslip.identify.problems.velocity_steps import (
     DIRECT,
     EVOLVED,
@@ -45,7 +45,7 @@ from stickslip.identify.problems.velocity_steps import (
     path_of_parameter,
     record_of,
 )
-from stickslip.identify.propose import WORTH, width_after
+from stickslip.identify.propose import width_after
 from stickslip.identify.simulated import ENOUGH, WHITE
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.show.formatting import (
@@ -252,18 +252,18 @@ class VelocityStepKind(SimulatedKind):
         rest = [name for name, form in RATE_STATE_FORMS.items() if form.title not in tried]
         if rest and misses(fit):
             yield f"First compare the forms that were not tried, {joined(rest)}, by naming them."
-        if not any(item.expected_width < WORTH for item in advised[:1]):
-            asked = "which law holds" if others else "its parameters"
-            yield f"Further steps are not expected to tell more of {asked}."
-            advised = ()
+        if not advised:
+            unknown = "which law holds" if others else "its parameters"
+            yield f"Further steps are not expected to tell more of {unknown}."
         for item in advised[:1]:
             new = item.name == "stiffness"
-            speeds = float(path.lasting[0]), stepped_speed(path) if new else item.value
+            begun, again = stepped_speeds(path)
+            speeds = begun, again if new else item.value
             first, last = (quantity(speed, "m/s", 2) for speed in speeds)
             machine = f", with a machine of {quantity(item.value, 'N/m', 2)}" if new else ""
             yield (
                 f"{'Make' if new else 'Go on with'} steps from {first} to {last} and back over the"
-                f" same ways{machine}: {item.left(others)}."
+                f" same ways{machine}: {item.expectation(others)}."
             )
         fastest = float(path.lasting.max())
         interval = float(np.median(np.diff(fit.problem.record.time)))
@@ -327,10 +327,17 @@ class VelocityStepKind(SimulatedKind):
         ]  # fmt: skip
 
 
-def stepped_speed(path: Path) -> float:
-    """Return the speed farthest from the first one to which there was a step, without holds."""
-    moving = path.lasting[path.lasting > STRAIGHT * path.lasting[0]]
-    return float(max(moving, key=lambda v: abs(math.log(v / path.lasting[0]))))
+def stepped_speeds(path: Path) -> tuple[float, float]:
+    """Return the first speed, and that farthest from it, without holds: itself without another.
+
+    Examples
+    --------
+    >>> stepped_speeds(Path(time=np.array([0.0, 2, 4, 5]), position=np.array([0.0, 0, 2, 4])))
+    (1.0, 2.0)
+    """
+    begun, *others = path.lasting[path.lasting > STRAIGHT * path.lasting.max()].tolist()
+    others = [speed for speed in others if differ(begun, speed)]
+    return begun, max(others, key=lambda speed: abs(math.log(speed / begun)), default=begun)
 
 
 def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
@@ -342,11 +349,12 @@ def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
     """
     problem: VelocitySteps = fits[0].problem
     path, stiffness = problem.record.path, _pulled(fits[0].mechanism).stiffness
-    begun, tried = float(path.lasting[0]), stepped_speed(path)
-    extremes = float(path.lasting.max()), float(path.lasting[path.lasting > STRAIGHT * begun].min())
-    speeds = {tried, STEPS * extremes[0], extremes[1] / STEPS}
+    begun, again = stepped_speeds(path)
+    moving = path.lasting[path.lasting > STRAIGHT * path.lasting.max()]
+    speeds = {again, STEPS * float(moving.max()), float(moving.min()) / STEPS} - {begun}
     settings = [("speed", speed, speed, 1.0) for speed in sorted(speeds)]
-    settings += [("stiffness", x * stiffness, tried, x) for x in STIFFER]
+    if again != begun:
+        settings += [("stiffness", x * stiffness, again, x) for x in STIFFER]
     rng = np.random.default_rng(13)
     result = []
     for name, value, speed, stiffer in settings:
@@ -357,11 +365,11 @@ def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
         times = np.concatenate([knots[k] + slid * (knots[k + 1] - knots[k]) for k in (1, 2)])
         trend = np.column_stack([np.ones(len(times)), np.interp(times, steps.time, steps.position)])
         counts = np.tile(np.gradient(slid), 2) * len(problem.record.time) / len(path.lasting)
+        noise = fits[0].rms / np.sqrt(fits[0].posterior.kappa * counts)
+        beside = np.linalg.svd(trend / noise[:, None])[0][:, 2:]
         for fit in fits:
             chosen = np.linspace(0, len(fit.family.points) - 1, int(ENOUGH)).astype(np.intp)
             runs = problem.stepped(fit.name, fit.family.points[chosen], steps, times, stiffer)
-            noise = fit.rms / np.sqrt(fit.posterior.kappa * counts)
-            beside = np.linalg.svd(trend / noise[:, None])[0][:, 2:]
             works = np.isfinite(runs).all(axis=0)
             if np.mean(works) > 0.8:
                 read = runs[:, works] / noise[:, None]
@@ -369,8 +377,7 @@ def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
                 last[fit.name] = {"coefficient": float(np.median(runs[ROWS - 1, works]))}
                 points = fit.family.points[chosen][works]
         if len(seen) == len(fits):  # where a slider runs away, there is no record
-            own = points if len(fits) == 1 else np.zeros((0, 0))
-            result.append(OtherSetting(name, value, last, width_after(own, seen)))
+            result.append(OtherSetting(name, value, last, width_after(points, seen)))
     return tuple(sorted(result, key=lambda item: item.expected_width))
 
 

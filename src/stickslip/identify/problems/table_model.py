@@ -73,7 +73,8 @@ parts in a thousand (with 1 in 7, a drift that no noisy table excludes was a thi
 Files are sorted: an order that follows the speed says nothing of time (12 tables of joints: bands
 of 6 to 44 % fell to 1 to 3 %)."""
 FOLLOWS = 0.8
-"""Share of the order that speeds explain from which it follows them, as inputs follow runs."""
+"""Adjusted share of the order that speeds or loads explain from which it follows them, and share
+of an input that runs explain."""
 RUNS, RUNS_PRIOR = (0.003, 0.02, 0.06, 0.18), (0.4, 0.25, 0.2, 0.15)
 """Deviation of friction from run to run."""
 INPUT, INPUTS_PRIOR = (0.005, 0.2), (0.5, 0.5)
@@ -82,7 +83,8 @@ size depends on its unit."""
 KELVINS = 10.0
 BEND = 0.05
 """Bends of friction over a load, beyond its power, and over an input, where its change is large: an
-exponential of .3 over `KELVINS` bends by that. Where the change is small, so is its bend."""
+exponential of .3 over `KELVINS` bends by that near the mean; over several times `KELVINS` it bends
+more, which kinks follow. Where the change is small, so is its bend."""
 LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
 """Powers of the load with their priors: in proportion, adhesive, elastic contact."""
 RULES = {"own": 0.5, "all": 0.4, "hersey": 0.1}
@@ -442,18 +444,21 @@ def break_column(name: str, place: float | Array, rows: Rows, frame: Frame) -> A
 def gaps_of(rows: Rows, over: str) -> list[tuple[float, float]]:
     """Return gaps (low, high) between values of a speed, load or input, two of them on each side.
 
+    Values that are near each other are one.
+
     Examples
     --------
-    >>> v = np.array([0.1, 0.2, 0.4, 0.8, 1.6])
-    >>> rows = Rows(velocity=v, load=v, inputs={}, run=np.zeros(5, int), order=v)
+    >>> v = np.array([0.1, 0.2, 0.202, 0.4, 0.8, 1.6])
+    >>> rows = Rows(velocity=v, load=v, inputs={}, run=np.zeros(6, int), order=v)
     >>> gaps_of(rows, "speed")
-    [(0.2, 0.4), (0.4, 0.8)]
+    [(0.202, 0.4), (0.4, 0.8)]
     """
     x = {"speed": rows.speed, "load": rows.load, **rows.inputs}[over]
     least = {"speed": NEAR, "load": NEAR_LOAD}.get(over, NEAR_LOAD * float(np.ptp(x)))
     values = np.unique(x)
-    apart = np.diff(np.log(values) if over in ("speed", "load") else values, prepend=-math.inf)
-    return list(itertools.pairwise(values[apart > least].tolist()))[1:-1]
+    apart = np.diff(np.log(values) if over in ("speed", "load") else values)
+    lower = np.flatnonzero(apart > least)[1:-1]
+    return list(zip(values[lower].tolist(), values[lower + 1].tolist(), strict=True))
 
 
 def breaks_of(frame: Frame) -> list[str]:
@@ -593,7 +598,7 @@ class TableModel(Model):
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
-        self.is_sorted = is_in_order(readings) and not readings.timed
+        self.ordered_by, self.is_sorted = ("", False) if readings.timed else order_of(readings)
         self.scales = self._scales()
         self._columns, self.groups = self.random(readings.rows)
         self._laws: tuple[tuple[Column, ...], Array, Array] | None = None
@@ -870,18 +875,46 @@ def step_of(readings: Readings, frame: Frame) -> float:
     return least if divides and least > 2e-3 * frame.size else 0.0
 
 
-def is_in_order(readings: Readings) -> bool:
-    """Return whether the order of the readings follows speed and load, as in a sorted file."""
-    rows, n = readings.rows, len(readings.friction)
-    x, load = np.log(rows.speed), np.log(rows.load)
-    order = np.arange(n) / n
-    columns = np.column_stack([
-        *(rows.direction**k * x**j for k in (0, 1) for j in range(4)),
-        *(load**j for j in (1, 2, 3) if np.ptp(load) > NEAR_LOAD),
-    ])  # fmt: skip
-    columns = columns / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-300)
-    left = order - columns @ np.linalg.lstsq(columns, order, rcond=None)[0]
-    return bool(1.0 - np.var(left) / np.var(order) > FOLLOWS)
+def order_of(readings: Readings) -> tuple[str, bool]:
+    """Return which of "speed" and "load" explains the order, or "", and if nothing else does.
+
+    Speeds that are shuffled at each of rising loads say more of time than a sorted file.
+    """
+    rows = readings.rows
+    load, order = np.log(rows.load), np.arange(len(rows.load), dtype=float)
+    speed, ones = _ranks(rows.speed), np.ones(len(load))
+    speeds = [ones, rows.direction, speed, rows.direction * speed]
+    loads = [ones, _ranks(rows.load)] if np.ptp(load) > NEAR_LOAD else [ones]
+    by_speed, by_load = _explained(order, speeds), _explained(order, loads)
+    if max(by_speed, by_load, _explained(order, speeds + loads)) <= FOLLOWS:
+        return "", False
+    if by_speed > min(by_load, FOLLOWS):
+        return "speed", True
+    group = _grouped(load, NEAR_LOAD)
+    within = order - (np.bincount(group, order) / np.bincount(group))[group]
+    return "load", not within.any() or _explained(within, speeds) > FOLLOWS
+
+
+def _ranks(x: Array) -> Array:
+    """Return the places of numbers (n,) in their order; equal ones share a place."""
+    ordered = np.sort(x)
+    return np.asarray(np.searchsorted(ordered, x) + np.searchsorted(ordered, x, side="right"))
+
+
+def _explained(x: Array, columns: Sequence[Array]) -> float:
+    """Return the share of numbers (n,) that columns (n,) explain, less what as many do by chance.
+
+    Examples
+    --------
+    >>> x = np.arange(6.0)
+    >>> _explained(x, [x**0, x]), _explained(np.array([0.0, 1, 1, 0]), [x[:4] ** 0, x[:4]]) < 0.0
+    (1.0, True)
+    """
+    table = np.column_stack(columns)
+    c, _, rank, _ = np.linalg.lstsq(table, x, rcond=None)
+    free = len(x) - int(rank)
+    left = float(np.var(x - table @ c) / np.var(x))
+    return 1.0 - left * (len(x) - 1) / free if free else 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,7 +50,6 @@ from stickslip.identify.problems.table_model import (
     FEW_SPEEDS,
     FOLLOWS,
     JUMP,
-    KINK,
     MOST,
     NEAR,
     RHO,
@@ -734,37 +733,36 @@ class TableProblem(Problem):
         )
 
     def _break(self, over: str, draws: Sequence[Draws]) -> Finding:
-        """Return the jump or kink of friction over the load or an input."""
-        frame, rows = self.model.frame, self.table.rows
-        known = dict(zip(self.posterior.structures, self.posterior.shares.tolist(), strict=True))
-        of = {law: [item for item in law if item[0] in (f"{JUMP} {over}", f"{KINK} {over}")]
-              for law in known}  # fmt: skip
-        likely = min(sum(p for law, p in known.items() if of[law]), 1.0)
+        """Return the jump of friction over the load or an input: a kink has no certain place."""
+        frame, rows, name = self.model.frame, self.table.rows, f"{JUMP} {over}"
+        shares = zip(self.posterior.structures, self.posterior.shares.tolist(), strict=True)
+        likely = min(sum(share for law, share in shares if name in family_of(law)), 1.0)
         title = f"break of friction over the {over}"
         if likely < 0.5:
             return stated("break", title, likely, np.zeros(1), "")
         ends, sizes = list[tuple[float, ...]](), list[Array]()
-        x = rows.load if over == "load" else rows.inputs[over]
+        largest = float((rows.load if over == "load" else rows.inputs[over]).max())
+        last = {over: largest}
+        at = self.at(self._middle_speed, last.get("load"), last)
         for draw in draws:
-            for name, gap in of[draw.structure]:
-                # what the break adds at the largest value, over friction there
-                last = {over: float(x.max())}
-                at = self.at(self._middle_speed, last.get("load"), last)
-                added = draw.law[[item[0] for item in draw.structure].index(name)]
-                added = added * law_column((name, gap), at, frame)[0]
-                sizes.append(added / (self.steady(at, [draw])[:, 0] - added))
-                ends += [gap] * len(added)
+            for (term, gap), coefficient in zip(draw.structure, draw.law, strict=True):
+                if term == name:  # what it adds at the largest value, over friction there
+                    added = coefficient * law_column((name, gap), at, frame)[0] * at.direction[0]
+                    total = np.abs(self.steady(at, [draw])[:, 0])
+                    sizes.append(added / np.maximum(total, 1e-3 * frame.size))
+                    ends += [gap] * len(added)
         low, high = np.quantile(np.array(ends), (0.025, 0.975), axis=0)
         change = np.concatenate(sizes)
         unit = (
             "N" if over == "load" else CONTACT_INPUTS[over].unit if over in CONTACT_INPUTS else ""
         )
-        middle, *span = map(percent, np.quantile(np.abs(change), (0.5, 0.025, 0.975)).tolist())
+        sign, more = (-1.0, "less") if np.median(change) < 0.0 else (1.0, "more")
+        middle, *span = map(percent, np.quantile(sign * change, (0.5, 0.025, 0.975)).tolist())
         sentence = (
             f"Friction over the {over} breaks between {quantity(low[0], unit, 3)} and"
-            f" {quantity(high[1], unit, 3)}: at {quantity(float(x.max()), unit, 3)} it is"
-            f" {middle} ({span[0]} to {span[1]})"
-            f" {'less' if np.median(change) < 0.0 else 'more'} than what was measured below says."
+            f" {quantity(high[1], unit, 3)}: at {quantity(largest, unit, 3)} it is"
+            f" {middle} ({span[0]} to {span[1]}) of friction there {more} than what was measured"
+            " below says."
         )
         return stated("break", title, likely, change, sentence)
 

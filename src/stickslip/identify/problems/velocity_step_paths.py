@@ -77,7 +77,7 @@ class Path:
                 del kept[at]
         result: list[tuple[int, int]] = []
         for piece in kept:
-            if result and not _differ(*np.abs(self.speeds[[result[-1][0], piece]])):
+            if result and not differ(*np.abs(self.speeds[[result[-1][0], piece]])):
                 result[-1] = max(result[-1][0], piece, key=lengths.__getitem__), piece
             else:
                 result.append((piece, piece))
@@ -206,7 +206,7 @@ def _together(t: Array, x: Array, changes: list[float]) -> list[float]:
     return moved if _squares(t, x, moved) < _squares(t, x, changes) else changes
 
 
-def _differ(one: float, other: float) -> bool:
+def differ(one: float, other: float) -> bool:
     """Whether two speeds count as two; one far below the other is that of a load point at rest."""
     least = max(STRAIGHT * max(one, other), 1e-300)
     return bool(abs(math.log(max(one, least) / max(other, least))) >= CHANGE)

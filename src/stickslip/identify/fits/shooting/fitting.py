@@ -374,8 +374,8 @@ class _Elsewhere:
 
     @property
     def widening(self) -> Array:
-        """Half widths (p,) that a mixture of both ends has beside those of one."""
-        return np.asarray(NORMAL_95 * math.sqrt(self.chance) * self.off)
+        """Half widths (p,) beside those of one end: to the other end, or as of their mixture."""
+        return np.asarray(max(1.0, NORMAL_95 * math.sqrt(self.chance)) * self.off)
 
 
 def _elsewhere(searched: OptimizeResult, inference: Inference) -> list[_Elsewhere]:
@@ -405,10 +405,11 @@ def _of_ends(free: FreeParameters, elsewhere: Sequence[_Elsewhere]) -> Iterator[
             for item, x, off in zip(free.items, end.values.tolist(), end.off.tolist(), strict=True)
             if off and not item.quantity.nuisance
         ]
-        yield (
-            f"Another start of the search ends at {joined(values)}, which is about as likely"
-            f" ({percent(end.chance)}): intervals are as wide as both ends need."
-        )
+        if values:
+            yield (
+                f"Another start of the search ends at {joined(values)}, with a probability of"
+                f" {percent(end.chance)}: intervals hold both ends."
+            )
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
