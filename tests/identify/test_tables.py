@@ -627,7 +627,7 @@ def test_a_verdict_on_specimens_states_that_of_another_one():
     verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
     own, other = verdict.friction, verdict.other_specimen
     assert np.all(other.high - other.low > 1.5 * (own.high - own.low))
-    assert "any of the 6 runs or specimens" in verdict.words.lede
+    assert "each of the 6 runs or specimens" in verdict.words.lede
     assert [one.term for one in verdict.findings if one.asserted] == ["run"]
     assert verdict.drawing().other is other
 
