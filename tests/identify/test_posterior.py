@@ -207,3 +207,20 @@ def test_a_random_column_with_no_room_changes_nothing() -> None:
     closed = System(gram=gram, deviations=np.full(1, 1e-9), volume=0.0, sizes=np.ones(1))
     _, left = eliminated(closed)
     np.testing.assert_allclose(left, gram[1:, 1:], rtol=1e-12)
+
+
+def test_an_estimate_holds_random_coefficients_that_cannot_be_negative() -> None:
+    class OneSided(Linear):
+        def system(self, node: Node, columns: Sequence[Column]) -> System:
+            return replace(super().system(node, columns), positive=(1,))
+
+    y, law = 0.7 + 0.2 * Z[:, 0] - 0.5 * Z[:, 1], LAWS[1]
+    _, free = Posterior(Linear(y), [law], np.zeros(1), begin=[(0, 1)], most=0).estimate((0, 1), law)
+    held = Posterior(OneSided(y), [law], np.zeros(1), begin=[(0, 1)], most=0).estimate((0, 1), law)
+    assert free[1] < -0.1
+    assert held[1][1] == pytest.approx(0.0, abs=1e-9)
+    # the others are those of a fit without it
+    x = np.column_stack([Z[:, 0], np.ones(12)]) / NOISES[0]
+    precision = x.T @ x + np.diag([SPREADS[1] ** -2, COEFFICIENT**-2])
+    expected = np.linalg.solve(precision, x.T @ y / NOISES[0])
+    np.testing.assert_allclose([held[1][0], held[0][0]], expected, rtol=1e-6)

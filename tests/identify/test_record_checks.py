@@ -1,6 +1,7 @@
 """Records that no judge may be given: forces of the wrong sign; and terms of what drives them."""
 
 import math
+from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
+from stickslip.identify.bands import Array
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_model import RecordModel, force_wave
 from stickslip.identify.problems.record_rows import by_best_sensor
@@ -224,3 +226,22 @@ def test_velocities_that_are_later_than_positions_are_not_taken() -> None:
     ]
     assert kept[0] is not None
     assert kept[1] is None
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda x: 5e-3 * np.round(x / 5e-3),
+        lambda x: 5e-4 * np.round(x / 5e-4),
+        lambda x: x + 1e-5 * np.sin(2.0 * np.pi * x / 0.01),
+        lambda x: 1e3 * x,
+    ],
+    ids=["coarse", "quantised", "periodic", "unit"],
+)
+def test_velocities_are_kept_where_positions_are_wrong(wrong: Callable[[Array], Array]) -> None:
+    rng, t = np.random.default_rng(0), np.arange(0.0, 8.0, 0.001)
+    x, v = 0.1 * np.sin(np.pi * t), 0.1 * np.pi * np.cos(np.pi * t)
+    force = -2.0 * np.pi**2 * x + np.sign(v) + 0.5 * v + 0.01 * rng.normal(size=len(t))
+    read = v + 1e-5 * rng.normal(size=len(t))
+    record = Record(time=t, position=wrong(x), force=force, velocity=read)
+    assert by_best_sensor([record])[0].velocity is not None

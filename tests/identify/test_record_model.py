@@ -324,3 +324,28 @@ def test_an_earlier_estimate_is_as_doubtful_in_other_readings() -> None:
     column = rows.balance.fixed(MIDDLE)["links.0"][:, 0]
     wide = np.abs(column) > 0.9 * LEVEL
     assert np.median((band.high - band.low)[wide]) / 2.0 > 1.6 * LEVEL
+
+
+def test_a_record_without_what_was_estimated_has_readings() -> None:
+    record = driven()
+    column = LEVEL * np.cos(1.7 * record.time)
+    unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0, estimated=True)}
+    problem = RecordProblem([replace(record, unknown=unknown)])
+    rows = problem.like([driven(2)])
+    band = Judgement(problem).reading_band(rows)
+    assert np.mean((band.low <= rows.response) & (rows.response <= band.high)) > 0.9
+
+
+def test_an_inertial_force_that_is_late_alone_changes_no_inertia() -> None:
+    rng, late, t = np.random.default_rng(1), 3 * 0.002, np.arange(0.0, 6.0, 0.002)
+    x, v, a = np.zeros((3, len(t)))
+    for size, f in zip((0.04, 0.012, 0.003), (0.35, 1.3, 3.1), strict=True):
+        w, phase = 2.0 * math.pi * f, rng.uniform(0.0, 6.0)
+        x += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w * w * np.sin(w * (t - late) + phase)
+    force = INERTIA * a + LEVEL * np.sign(v) + VISCOUS * v + 0.16 * rng.normal(size=len(t))
+    record = Record(time=t, position=x + 1e-6 * rng.normal(size=len(t)), force=force)
+    intervals = {item.path: item for item in Judgement(RecordProblem([record])).intervals}
+    for path, true in (("inertia", INERTIA), ("friction.viscous_coefficient", VISCOUS)):
+        assert intervals[path].low < true < intervals[path].high

@@ -25,8 +25,8 @@ where :math:`M = S_{XX} + s^{-2}`, :math:`c = M^{-1} S_{Xy}`, columns are scaled
 friction, :math:`s` is `COEFFICIENT`, and the last sum is over coefficients that are not negative,
 and sums of them such as a level at the fastest speed, over their share of the prior, the least
 likely first and each given those before it (Mendell and Elston, 1974): of two that fit
-together only, one of them negative, no margin shows it. A random column whose coefficient is not
-negative, as a dead zone is none, stands among those of the laws, in the unit of its deviation.
+together only, one of them negative, no margin shows it. Random columns whose coefficients cannot
+be negative, such as a dead zone, are treated like columns of laws, scaled by their prior deviation.
 One Cholesky factor serves all laws of a node.
 
 1. A *node* is a value of each scale. Nodes are visited best first from where the problem begins,
@@ -476,10 +476,14 @@ class Posterior:
         return float(len(unit) - np.sum((root / unit[:, None]) ** 2))
 
     def estimate(self, node: Node, structure: Structure) -> tuple[Array, Array]:
-        """Return the mean coefficients of a law (d,) and of the random columns (m,) at a node."""
+        """Return the mean coefficients of a law (d,) and of the random columns (m,) at a node.
+
+        Random coefficients that cannot be negative are held to 0.
+        """
         system, known = self.model.system(node, self.columns), self.known_of(structure)
         free = tuple(item for item in structure if item not in known)
-        mean, _ = self._moments(system, free, known)
+        mean, root = self._moments(system, free, known)
+        held_to_zero(mean[:, None], root, np.array(system.positive, dtype=np.intp))
         m = len(system.deviations)
         law = dict(known)
         for entry, x in zip(free, mean[m:].tolist(), strict=True):
@@ -497,10 +501,11 @@ def allotted(weights: Array, count: int) -> Places:
 
 
 def eliminated(system: System) -> tuple[float, Array]:
-    """Return the evidence of a node without a law, and what random columns leave (k + p + 1, ...).
+    """Return an evidence of a node, and products of what random columns leave (k + p + 1, ...).
 
-    The k columns whose coefficients are not negative are left, too, each over its deviation, and
-    times that of a coefficient of a law.
+    The k random columns whose coefficients cannot be negative are left before those of the laws,
+    scaled by their prior deviation over `COEFFICIENT`. The evidence is that without a law and
+    without these columns.
 
     Examples
     --------

@@ -41,8 +41,7 @@ BY_PLACE = {"place": "drift", "force": "zero"}
 """What was learned of places, and what as a course in time that looks alike."""
 GOES_ON = 0.25
 """Prior probability that a course of friction goes on in a record that follows: warming does, but
-what another joint did, or an edge of a fit, does not (parts of first parts of public records: two
-of six)."""
+what another joint did, or an edge of a fit, does not (on two of six splits of public records)."""
 WARMING, OTHERWISE = 0.12, 0.5
 """Sizes of such a course over that of the friction: of warming, as in tables, and of what does not
 go on, which may be as large as friction is. How large it is tells which it is."""
@@ -361,6 +360,8 @@ class _Readings:
                 new = unknown.doubt * rng.normal(size=(count, self.other.runs))
                 result += new @ (fixed[path] * of).T
         for path, doubt in self.again.items():
+            if path not in fixed:
+                continue
             result += doubt * rng.normal(size=(count, 1)) * fixed[path].T
         return result
 

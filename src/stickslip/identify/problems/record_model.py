@@ -4,10 +4,12 @@ At the rows :math:`i` of the filtered balance,
 
 .. math::
     y_i = J a_i + \sum_p p\,k_{pi} + \sum_t c_t L[x_t(v)]_i + L[\delta(\log |v|)]_i
-          + \delta_d(\log |v|)_i + b_0 + b_1 |v_i| + \ldots + e_i ,
+          + \delta_d(\log |v|)_i + b_0 + b_1 |v_i| + b_2 \dot a_i + b_3 \dot z_i
+          + \ldots + e_i ,
 
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
-(`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
+(`record_columns`), inertia or a level :math:`z` that is late alone, and what every record may
+have: `SIZES` and `SCALES` are the priors.
 
 1. *Screen*: the bristles whose curve with the inertia leaves least.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,

@@ -617,8 +617,8 @@ def _distance(piece: Piece, usable: Mask) -> Array:
 def by_best_sensor(records: Sequence[Record]) -> list[Record]:
     """Return records without velocities where positions tell accelerations better.
 
-    What the two differ by, beyond the noise of both, is an error of the velocities: they may have
-    been filtered on their way, or come from another place.
+    Velocities that are late, filtered on their way or from another place, have an error along their
+    second derivative: it is most of what the two differ by beyond the noise of positions.
     """
     moving = [even(record) for record in records if moves(record)]
     if not all(record.velocity is not None and record.located for record in records):
@@ -626,15 +626,17 @@ def by_best_sensor(records: Sequence[Record]) -> list[Record]:
     bare = [replace(item, velocity=None) for item in moving]
     band = float(np.median([cutoff_of(item) for item in [*moving, *bare]]))
     less = []
-    for own, item in zip(bare, moving, strict=True):
-        filt = Filter(
-            count=len(item.time), step=float(np.diff(item.time[:2])[0]), band=band, every=1
-        )
-        apart = acceleration_of(item, filt) - acceleration_of(own, filt)
-        apart = apart[len(apart) // SHORTEST : -len(apart) // SHORTEST]
-        by_place, by_speed = (_noise_of_acceleration(x, band) for x in (own, item))
-        error = max(float(np.mean(apart**2)) - by_place**2, by_speed**2)
-        less.append(by_place**2 < error)
+    for place, item in zip(bare, moving, strict=True):
+        count = len(item.time)
+        filt = Filter(count=count, step=float(np.diff(item.time[:2])[0]), band=band, every=1)
+        inner = slice(count // SHORTEST, -count // SHORTEST)
+        apart = (acceleration_of(item, filt) - acceleration_of(place, filt))[inner]
+        late = filt(np.asarray(item.velocity), slope=2)[inner]
+        bias = float(late @ apart) ** 2 / (float(late @ late) + 1e-300) / len(late)
+        by_place, by_speed = (_noise_of_acceleration(x, band) ** 2 for x in (place, item))
+        if bias < 0.5 * (float(np.mean(apart**2)) - by_place):
+            bias = 0.0  # of the positions: coarse, periodic or in another unit
+        less.append(by_place < max(bias, by_speed))
     better = 2 * sum(less) > len(less)
     return [replace(record, velocity=None) for record in records] if better else [*records]
 

@@ -760,7 +760,11 @@ class RecordProblem(Problem):
         return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
-        """Return how much the level or the force changes, with the odds that it is not little."""
+        """Return how much the level or the force changes, with the odds that it is not little.
+
+        They are those of its scale or of the change in draws, whichever are less: as of an
+        interval, what is out of it on one side counts twice.
+        """
         model, rows = self.model, self.model.balance.rows(MIDDLE)
         likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in SCALES[name][0]]].sum()
         frame, waves = model.frame, model.balance.waves
@@ -789,8 +793,11 @@ class RecordProblem(Problem):
                 changes.append(np.std(moved, axis=0))
         change = np.concatenate(changes) / self.size
         middle = float(np.median(change))
-        likely = min(float(likely), 1.0) if abs(middle) >= NEGLIGIBLE else 0.0
-        return stated(name, FINDINGS[name], likely, change, self._sentence(name, middle, draws))
+        little = min(float(np.mean(k * change < NEGLIGIBLE)) for k in (-1, 1))
+        how = self._sentence(name, middle, draws)
+        return stated(
+            name, FINDINGS[name], min(float(likely), max(1.0 - 2.0 * little, 0.0)), change, how
+        )
 
     def _sentence(self, name: str, size: float, draws: Sequence[Draws]) -> str:
         unit = "N m" if self.turning else "N"
