@@ -334,18 +334,3 @@ def test_a_record_without_what_was_estimated_has_readings() -> None:
     rows = problem.like([driven(2)])
     band = Judgement(problem).reading_band(rows)
     assert np.mean((band.low <= rows.response) & (rows.response <= band.high)) > 0.9
-
-
-def test_an_inertial_force_that_is_late_alone_changes_no_inertia() -> None:
-    rng, late, t = np.random.default_rng(1), 3 * 0.002, np.arange(0.0, 6.0, 0.002)
-    x, v, a = np.zeros((3, len(t)))
-    for size, f in zip((0.04, 0.012, 0.003), (0.35, 1.3, 3.1), strict=True):
-        w, phase = 2.0 * math.pi * f, rng.uniform(0.0, 6.0)
-        x += size * np.sin(w * t + phase)
-        v += size * w * np.cos(w * t + phase)
-        a -= size * w * w * np.sin(w * (t - late) + phase)
-    force = INERTIA * a + LEVEL * np.sign(v) + VISCOUS * v + 0.16 * rng.normal(size=len(t))
-    record = Record(time=t, position=x + 1e-6 * rng.normal(size=len(t)), force=force)
-    intervals = {item.path: item for item in Judgement(RecordProblem([record])).intervals}
-    for path, true in (("inertia", INERTIA), ("friction.viscous_coefficient", VISCOUS)):
-        assert intervals[path].low < true < intervals[path].high

@@ -410,6 +410,6 @@ def ladder_verdict(
         shrinks=proposal.shrinks,
         halves=proposal.halves,
         places=tuple(places),
-        conditions=conditions,
+        conditions={**conditions},
         intervals=every,
     )

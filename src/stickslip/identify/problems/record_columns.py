@@ -562,7 +562,6 @@ class Balance:
         result["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
             result["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
-            result["jerk"] = rows.seen([p.acceleration for p in pieces], slope=1)[:, None]
         if self.driven:
             result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
@@ -792,10 +791,6 @@ class Balance:
         ends = np.cumsum([0, *widths])
         groups = {name: seen[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
         groups["delay"] = self.delayed(which, memory)[:, None]
-        if not self.measured:
-            states = zip(self.states(memory), self.pieces, strict=True)
-            level = [state * self.load(piece) for state, piece in states]
-            groups["turning"] = rows.seen(level, slope=1)[:, None]
         return groups, seen[:, ends[-1] :]
 
     @cached_property

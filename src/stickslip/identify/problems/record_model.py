@@ -4,12 +4,10 @@ At the rows :math:`i` of the filtered balance,
 
 .. math::
     y_i = J a_i + \sum_p p\,k_{pi} + \sum_t c_t L[x_t(v)]_i + L[\delta(\log |v|)]_i
-          + \delta_d(\log |v|)_i + b_0 + b_1 |v_i| + b_2 \dot a_i + b_3 \dot z_i
-          + \ldots + e_i ,
+          + \delta_d(\log |v|)_i + b_0 + b_1 |v_i| + \ldots + e_i ,
 
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
-(`record_columns`), inertia or a level :math:`z` that is late alone, and what every record may
-have: `SIZES` and `SCALES` are the priors.
+(`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
 1. *Screen*: the bristles whose curve with the inertia leaves least.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
@@ -249,9 +247,6 @@ WRONG = {"given": 3}
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
 LOOKED = ("given", "inertia", "offset")
-PARTS_LATE = ("jerk", "turning")
-"""The inertial force alone and the level alone, late: flexible parts, a motion that was filtered
-and rests shorter than a filter shows make what looks like a delay of all forces."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -567,10 +562,6 @@ class RecordModel(Model):
                 result[at] = self.at(node, name)
             elif name == "delay":
                 result[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
-            elif name in PARTS_LATE:  # by no more than where forces are between samples, all are
-                late = (self.at(node, "delay") - SCALES["delay"][0][0]) * record.sample
-                of = size if name == "turning" else max(self.inertia, 0.0)
-                result[at] = late * of + LEAST * size * record.sample
             elif name == "damping":
                 longest = max(bristle.length, self.frame.noise)
                 result[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
