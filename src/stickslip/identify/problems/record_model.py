@@ -441,8 +441,15 @@ class RecordModel(Model):
             deviations=self.deviations(node),
             volume=self.kappas[which] * self._volume(node),
             sizes=self.design(which, memory).sizes,
-            positive=tuple(np.flatnonzero(self.design(which, memory).groups == "zone").tolist()),
+            positive=self._positive(node),
         )
+
+    def _positive(self, node: Node) -> tuple[int, ...]:
+        """Return the columns whose coefficients are not negative: dead zones that are no noise."""
+        groups = self.design(*self.key(node)).groups
+        if "zone" not in groups or self.at(node, "zone") == SCALES["zone"][0][0]:
+            return ()
+        return tuple(np.flatnonzero(groups == "zone").tolist())
 
     def _volume(self, node: Node) -> float:
         """Return the sum over the rows of the logarithm of the density of what is left none of.
