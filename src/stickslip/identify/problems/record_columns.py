@@ -52,6 +52,8 @@ OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
 of any kind yields."""
 TOGETHER = 10
 """Columns of them whose sum is as large as that of all: more of them say no more."""
+OPPOSED = 0.01
+"""Share of a record in which a drive pushes against the motion, from which a dead zone is seen."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 STRAIGHT = 4.0
@@ -562,7 +564,7 @@ class Balance:
         result["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
             result["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
-        if self.driven:
+        if self.opposed:
             result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
             result["limit"] = self.above(which, self.limit)[:, None]
@@ -579,6 +581,17 @@ class Balance:
     def driven(self) -> bool:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(piece.record.force) for piece in self.pieces)
+
+    @cached_property
+    def opposed(self) -> bool:
+        """Whether a drive pushes against the motion, too: else a dead zone is a level."""
+        if self._from is not self:
+            return self._from.opposed
+        if not self.driven:
+            return False
+        pushed = zip(self.needed(RIGID), self.pieces, strict=True)
+        against = np.concatenate([x * piece.direction < 0.0 for x, piece in pushed])
+        return bool(np.mean(against) > OPPOSED)
 
     @cached_property
     def pulled(self) -> bool:

@@ -400,7 +400,7 @@ class RecordModel(Model):
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
             "relaxing": not balance.measured,
-            "zone": balance.driven,
+            "zone": balance.opposed,
             "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,

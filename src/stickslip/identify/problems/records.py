@@ -748,7 +748,7 @@ class RecordProblem(Problem):
         """
         model, node = self.model, self.posterior.best
         if "zone" not in model.names:
-            return 0.0
+            return math.inf if model.balance.driven else 0.0
         groups, system = model.design(*model.key(node)).groups, model.system(node, model.columns)
         zone, law = int(np.argmax(groups == "zone")), self.posterior.law_at(node)
         at = [k for k in range(len(groups)) if k != zone]
