@@ -94,7 +94,7 @@ def test_a_coefficient_that_changes_at_a_load_is_stated_and_the_law_is_as_close_
     assert change.term == "break"
     assert "between 50 N and 70 N" in change.sentence
     assert change.low <= -9.0 / 21.3 <= change.high  # at .1 m/s and 150 N
-    assert "of friction there less" in change.sentence
+    assert "it is less, by" in change.sentence
     rows = found.problem.at(v, load)
     band = found.band(rows)
     assert np.mean((band.low <= true) & (true <= band.high)) > 0.9
@@ -125,7 +125,7 @@ def test_a_fall_of_friction_to_nearly_nothing_is_stated_as_a_fall():
     found = Judgement(TableProblem.of(AXIS, table))
     (change,) = (item for item in found.findings if item.asserted)
     assert change.low <= -4.5 / 0.5 <= change.high < 0.0
-    assert "of friction there less" in change.sentence
+    assert "it is less, by" in change.sentence
 
 
 def test_a_law_is_nowhere_farther_from_friction_than_its_worst_place(judgement):

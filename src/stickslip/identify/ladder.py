@@ -144,9 +144,8 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
             f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
         )
-    distance = named.distance
-    near = distance <= max(MARGIN * judgement.tolerance, judgement.known)
-    if near and judgement.known > max(distance, judgement.tolerance):
+    near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
+    if near and judgement.known > max(named.distance, judgement.tolerance):
         said = (
             f"Use {phrase}{beside}: it follows the most probable curve to {how}, which is known to"
             f" ± {percent(judgement.known)}"

@@ -63,6 +63,8 @@ Family: TypeAlias = tuple[str, ...]
 """Names of the terms of a structure."""
 Known: TypeAlias = dict[int, float]
 """Coefficients that are known, by the number of their column."""
+Batch: TypeAlias = tuple[Places, Places, NDArray[np.bool_], Array, Known]
+"""Structures with as many columns: places, columns, signs, sums and what is known."""
 
 COEFFICIENT = 1.5
 """Prior standard deviation of a coefficient, over the size of the friction: a law may be larger
@@ -273,7 +275,7 @@ class Posterior:
         self.model, self.structures = model, tuple(structures)
         self._priors = np.asarray(priors, dtype=float)
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
-        self._batches = tuple(self._batched())
+        self._batches: dict[int, tuple[Batch, ...]] = {}
         self._given = [k for k, item in enumerate(model.scales) if not item.judged]
         self._seen: dict[Node, Array] = {}
         self._visit(begin, most)
@@ -294,9 +296,12 @@ class Posterior:
         self.weights: Array = np.exp(table - less[:, None])
         """Posterior probabilities of nodes and structures (k, s), in sum 1."""
 
-    def _batched(self) -> "Iterator[tuple[Places, Places, NDArray[np.bool_], Array, Known]]":
-        """Yield structures with as many columns: places, columns, signs, sums, what is known."""
-        number = {column: k for k, column in enumerate(self.columns)}
+    def _batched(self, before: int) -> Iterator[Batch]:
+        """Yield structures with as many columns, after random ones that are not negative.
+
+        Of each: places, columns, signs, sums, what is known.
+        """
+        number = {column: k for k, column in enumerate(self.columns, before)}
         free = [
             tuple(x for x in structure if x not in self.known_of(structure))
             for structure in self.structures
@@ -307,14 +312,18 @@ class Posterior:
             known = tuple(self.known_of(item).items())
             groups.setdefault((len(free[k]), len(sums[k]), known), []).append(k)
         for (length, more, known), places in groups.items():
-            of = [[number[column] for column in free[k]] for k in places]
-            names = [[name not in self.model.signed for name, _ in free[k]] for k in places]
-            shape = (len(places), length)
+            of = [[*range(before), *(number[column] for column in free[k])] for k in places]
+            names = [
+                [True] * before + [name not in self.model.signed for name, _ in free[k]]
+                for k in places
+            ]
+            shape = (len(places), before + length)
+            totals = np.array([sums[k] for k in places]).reshape(len(places), more, length)
             yield (
                 np.array(places, dtype=np.intp),
                 np.array(of, dtype=np.intp).reshape(shape),
                 np.array(names, dtype=bool).reshape(shape),
-                np.array([sums[k] for k in places]).reshape(len(places), more, length),
+                np.pad(totals, ((0, 0), (0, 0), (before, 0))),
                 {number[column]: x for column, x in known},
             )
 
@@ -360,16 +369,15 @@ class Posterior:
         system = self.model.system(node, self.columns)
         base, left = eliminated(system)
         result = np.empty(len(self.structures))
-        every, nothing, more = left, base, len(system.positive)
-        for at, columns, signs, rows, known in self._batches:
+        every, nothing, before = left, base, len(system.positive)
+        if before not in self._batches:
+            self._batches[before] = tuple(self._batched(before))
+        sizes = np.r_[np.ones(before), system.sizes]
+        for at, of, positive, rows, known in self._batches[before]:
             left, base = every, nothing
             if known:
-                left = without(every, {more + k: x / system.sizes[k] for k, x in known.items()})
+                left = without(every, {k: x / sizes[k] for k, x in known.items()})
                 base += 0.5 * float(every[-1, -1] - left[-1, -1])
-            of = np.pad(columns + more, ((0, 0), (more, 0)))
-            of[:, :more] = range(more)
-            positive = np.pad(signs, ((0, 0), (more, 0)), constant_values=True)
-            sums = np.pad(rows * system.sizes[columns][:, None, :], ((0, 0), (0, 0), (more, 0)))
             size = of.shape[1]
             if size == 0:
                 result[at] = base
@@ -384,7 +392,7 @@ class Posterior:
             quadratic = 0.5 * np.einsum("si,sij,sj->s", c, m, c)
             gain = np.sum(moment * c, axis=1) - quadratic
             gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
-            inside = brakes(c, inverse, positive, sums)
+            inside = brakes(c, inverse, positive, rows * sizes[of][:, None, :])
             result[at] = base + gain + inside
         return np.asarray(result + self._priors + self.model.prior(node))
 

@@ -51,9 +51,8 @@ OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
 """Lengths of further bristles, over that of the law: so near that their sums follow how a surface
 of any kind yields."""
 TOGETHER = 10
-"""Columns of them whose sum is as large as that of all: more of them say no more."""
-OPPOSED = 0.01
-"""Share of a record in which a drive pushes against the motion, from which a dead zone is seen."""
+"""Number of their columns for which sizes are stated: of more, each is smaller, so that their sum
+stays as large."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 STRAIGHT = 4.0
@@ -589,9 +588,11 @@ class Balance:
             return self._from.opposed
         if not self.driven:
             return False
-        pushed = zip(self.needed(RIGID), self.pieces, strict=True)
-        against = np.concatenate([x * piece.direction < 0.0 for x, piece in pushed])
-        return bool(np.mean(against) > OPPOSED)
+        seen = self.rows(MIDDLE).seen
+        level = seen([np.asarray(piece.direction, dtype=float) for piece in self.pieces])
+        zone = seen([np.sign(force) for force in self.needed(RIGID)])
+        # a force that always pushes against the motion is no level either, which brakes
+        return bool(level @ zone < 0.0) or is_told(zone, [level, np.ones_like(level)])
 
     @cached_property
     def pulled(self) -> bool:

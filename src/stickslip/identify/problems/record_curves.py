@@ -42,7 +42,7 @@ BY_PLACE = {"place": "drift", "force": "zero"}
 GOES_ON = 0.25
 """Prior probability that a course of friction goes on in a record that follows: warming does, but
 what another joint did, or an edge of a fit, does not (on two of six splits of public records)."""
-WARMING, OTHERWISE = 0.12, 0.5
+WARMING, ANY_CAUSE = 0.12, 0.5
 """Sizes of such a course over that of the friction: of warming, as in tables, and of what does not
 go on, which may be as large as friction is. How large it is tells which it is."""
 EITHER = 0.5
@@ -246,8 +246,8 @@ def going_on(size: Array) -> Array:
     >>> going_on(np.array([0.0, 0.1, 0.2, 0.5])).round(2).tolist()
     [0.58, 0.5, 0.27, 0.0]
     """
-    precision = WARMING**-2 - OTHERWISE**-2
-    odds = OTHERWISE / WARMING * np.exp(-0.5 * precision * size**2) * GOES_ON / (1.0 - GOES_ON)
+    precision = WARMING**-2 - ANY_CAUSE**-2
+    odds = ANY_CAUSE / WARMING * np.exp(-0.5 * precision * size**2) * GOES_ON / (1.0 - GOES_ON)
     return np.asarray(odds / (1.0 + odds))
 
 
@@ -359,10 +359,8 @@ class _Readings:
             if path not in plain:
                 new = unknown.doubt * rng.normal(size=(count, self.other.runs))
                 result += new @ (fixed[path] * of).T
-        for path, doubt in self.again.items():
-            if path not in fixed:
-                continue
-            result += doubt * rng.normal(size=(count, 1)) * fixed[path].T
+        for path in (x for x in self.again if x in fixed):  # in a known order of draws
+            result += self.again[path] * rng.normal(size=(count, 1)) * fixed[path].T
         return result
 
     def in_time(self, learned: Array, likely: Array | float) -> Array:

@@ -106,8 +106,6 @@ MISTAKEN = 1.0
 of five careful experimenters in hundred."""
 BENT = 0.3
 """Part of a force by place that is not in proportion to it, up to which it is called a spring."""
-ALIKE = 0.9
-"""Correlation of draws of the inertia and a spring from which they are one column."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -714,13 +712,6 @@ class RecordProblem(Problem):
                 " cannot be distinguished from the level of friction, which is stated without one:"
                 " a record with added mass or larger accelerations would tell them."
             )
-        if self._trades_with_spring():
-            result.append(
-                "The inertia cannot be distinguished from a spring, or another force in proportion"
-                " to the position: the motion has nearly one frequency. What is stated of the"
-                " inertia allows for a spring of usual size; a record with another frequency, or"
-                " one with added mass, would tell them apart."
-            )
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             alike, them = ("", "it") if len(names) == 1 else (" together", "them")
@@ -729,17 +720,6 @@ class RecordProblem(Problem):
                 f" stated of {them} has both, and no law with viscous friction is compared."
             )
         return result
-
-    def _trades_with_spring(self) -> bool:
-        """Return whether draws of the inertia follow those of a spring, and differ by much."""
-        balance = self.model.balance
-        if not (balance.finds_inertia and balance.pulled):
-            return False
-        parts = [self.model.split(x.node, x.random) for x in self.posterior.draws(DRAWN, seed=5)]
-        inertia = np.concatenate([x["inertia"][0] for x in parts])
-        spring = np.concatenate([x["force"][-1] for x in parts])
-        spread = float(np.std(inertia)) > NEGLIGIBLE * abs(float(np.median(inertia)))
-        return spread and abs(float(np.corrcoef(inertia, spring)[0, 1])) > ALIKE
 
     def _spread_of_dead_zone(self) -> float:
         """Return the deviation of a dead zone of the drive over friction, were one sought.

@@ -760,9 +760,9 @@ class TableProblem(Problem):
         middle, *span = map(percent, np.quantile(sign * change, (0.5, 0.025, 0.975)).tolist())
         sentence = (
             f"Friction over the {over} breaks between {quantity(low[0], unit, 3)} and"
-            f" {quantity(high[1], unit, 3)}: at {quantity(largest, unit, 3)} it is"
-            f" {middle} ({span[0]} to {span[1]}) of friction there {more} than what was measured"
-            " below says."
+            f" {quantity(high[1], unit, 3)}: at {quantity(largest, unit, 3)} it is {more}, by"
+            f" {middle} of friction there ({span[0]} to {span[1]}), than readings below the break"
+            " suggest."
         )
         return stated("break", title, likely, change, sentence)
 
