@@ -1,6 +1,7 @@
 """Tables of friction: the law, the band, and the intervals, against truths that are known."""
 
 import json
+import math
 import pickle
 import re
 import tracemalloc
@@ -285,17 +286,19 @@ def test_a_level_is_stated_at_the_usual_values_of_all_its_inputs():
     assert re.search(r"it is (9\.9|10)", said)
 
 
-def test_the_exponent_of_the_load_is_a_parameter():
+@pytest.mark.parametrize("surplus", [0.0, 0.4])
+def test_the_exponent_of_the_load_is_a_parameter(surplus):
     load = np.tile([5.0, 10.0, 20.0], 8)
     v = np.repeat(np.geomspace(0.01, 1.0, 8), 3)
-    read = 0.5 * load**0.67 + 0.01 * np.random.default_rng(1).normal(size=24)
+    read = (0.5 + surplus * np.exp(-v / 0.1)) * load**0.67
+    read += 0.01 * np.random.default_rng(1).normal(size=24)
     found = select(AXIS, None, Measurement(velocity=v, friction=read, load=load))
     exponent = next(
         parameter for parameter in found.parameters if parameter.path == "load_exponent"
     )
-    assert exponent.low <= 0.67 <= exponent.high
+    assert exponent.low < 0.67 < exponent.high < exponent.low + 0.1
     band = found.band([0.1, 0.1], load=[7.0, 15.0])
-    truth = 0.5 * np.array([7.0, 15.0]) ** 0.67
+    truth = (0.5 + surplus * math.exp(-1.0)) * np.array([7.0, 15.0]) ** 0.67
     assert ((band.low < truth) & (truth < band.high)).all()
 
 

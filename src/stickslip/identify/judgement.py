@@ -487,7 +487,8 @@ class Judgement:
             none = [np.zeros(x.law.shape[1]) for x in draws]
             each = zip(laws, none, strict=True)
             about = np.hstack([[law.get(name, zero) for name in names] for law, zero in each]).T
-        return projector(curves, [rung.structure, *coarse], about)
+        coefficients, shaped = projector(curves, [rung.structure, *coarse], about)
+        return coefficients, self.problem.tied(shaped)
 
     @cached_property
     def ladder(self) -> tuple[Rung, ...]:
