@@ -641,7 +641,13 @@ def test_trials_and_temperatures_are_offered_and_a_temperature_is_the_mean_of_it
 
 @pytest.mark.parametrize(
     ("header", "unit"),
-    [("Temperatur [°C]", None), ("Temperatur [C]", "degC"), ("Öltemperatur_C", "degC")],
+    [
+        ("Temperatur [°C]", None),
+        ("Temperatur [C]", "degC"),
+        ("Öltemperatur_C", "degC"),
+        ("T_oil [degC]", None),  # by its unit alone
+        ("theta °C", "°C"),
+    ],
 )
 def test_a_temperature_that_changes_within_the_record_is_an_input_of_the_contact(
     tmp_path, header, unit
@@ -652,7 +658,7 @@ def test_a_temperature_that_changes_within_the_record_is_an_input_of_the_contact
     file.write_text(text, encoding="utf-8")
     guess = guess_data(file)
     assert guess.conditions == ()
-    assert guess.columns["temperature"] == header.partition(" ")[0]
+    assert header.startswith(guess.columns["temperature"])
     assert guess.units.get("temperature") == unit
     rig = tmp_path / "rig.toml"
     rig.write_text(guessed_rig(guess, "warm.csv"), encoding="utf-8")

@@ -1,6 +1,7 @@
 """`select` on records of one coordinate: the law, the band and the parameters, by their balance."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -278,6 +279,9 @@ def test_a_record_without_motion_decides_nothing():
 def test_a_frictionless_record_is_said_to_be_one():
     verdict = select(AXIS, None, moved(Coulomb(kinetic_coefficient=1e-9)))
     assert verdict.sentence.startswith("No friction stands above the noise")
+    assert not any(parameter.path.startswith("friction.") for parameter in verdict.parameters)
+    shares = re.findall(r"([\d,.]+) %", " ".join(verdict.words.measure_next))
+    assert all(float(share.replace(",", "")) <= 100.0 for share in shares)
 
 
 @pytest.mark.parametrize("options", [{"settings": RecordSettings(starts=2)}, {"route": "shooting"}])

@@ -796,6 +796,8 @@ class Judgement:
                 values = self._values_if(rung, math.ceil(odds * DRAWS))
                 others.append((composed.flow == flow, values))
         for path, value in self.composition.paths().items():
+            if path.startswith("friction.") and not self.named.structure:
+                continue  # no law has no parameters
             own = self.named_values.get(path, value)
             same = [x[path] for alike, x in others
                     if path in x and (alike or not path.endswith(LINEAR))]  # fmt: skip

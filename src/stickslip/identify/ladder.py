@@ -57,6 +57,7 @@ from stickslip.identify.wording import (
     relative,
     second_sentence,
     third_load_sentence,
+    widths_text,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import capital, joined, number, percent, quantity
@@ -212,21 +213,21 @@ def rest_sentence(velocities: Array, unit: str) -> str:
     )
 
 
-def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int) -> str:
+def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int, unit: str) -> str:
     """Return how well friction of another specimen is known, where that is less; else nothing."""
     mine, new = (float(np.median(relative(item))) for item in (own, other))
     if new < DIFFERENT * mine:
         return ""
     return (
         f"That holds for each of the {runs} runs or specimens measured; friction of another one is"
-        f" known to ± {percent(new)}."
+        f" known to ± {widths_text([own, other], unit)[1]}."
     )
 
 
 def ladder_texts(one: LawCandidate, unit: str) -> tuple[str, str]:
     """Return within which share of friction a law stays, and where it is worst, for tables."""
-    at = quantity(one.worst_at, unit, 2)
-    return percent(one.distance), f"{percent(one.worst)} at {at}"
+    within, worst = (percent(x) if x <= 1.0 else "over 100 %" for x in (one.distance, one.worst))
+    return within, f"{worst} at {quantity(one.worst_at, unit, 2)}"
 
 
 def probability_text(share: float) -> str:
@@ -346,7 +347,10 @@ def ladder_verdict(
     lede = band_sentence(rows.velocity, band, words, offset="offset" in judgement.beside)
     if other is not None:
         lede = " ".join(
-            filter(None, (lede, specimen_sentence(band, other, judgement.problem.runs)))
+            filter(
+                None,
+                (lede, specimen_sentence(band, other, judgement.problem.runs, words.force_unit)),
+            )
         )
     settles = [
         f"The law leaves {quantity(first.left, words.force_unit, 2)} of the {words.measured}"

@@ -394,7 +394,8 @@ def record_verdict(
         proposal = Proposal(places=(), shrinks=widths[0])
         next_ += [motions_sentence(widths, share)] * (widths[0] < WORTH)
     if problem.runs < 2 and second is None:
-        next_.append(again_sentence(judgement.band(rows), judgement.band(rows, new=True)))
+        bands = judgement.band(rows), judgement.band(rows, new=True)
+        next_.append(again_sentence(*bands, words.force_unit))
     return ladder_verdict(
         judgement,
         mechanism,

@@ -68,6 +68,14 @@ def relative(band: PredictionBand) -> Array:
     return np.asarray(0.5 * (band.high - band.low) / np.maximum(size, least))
 
 
+def widths_text(bands: Sequence[PredictionBand], unit: str) -> list[str]:
+    """Return half the width of bands: a share of friction, or a force if one is above 100 %."""
+    shares = [float(np.median(relative(item))) for item in bands]
+    if max(shares) <= 1.0:
+        return [percent(share) for share in shares]
+    return [quantity(float(np.median(0.5 * (x.high - x.low))), unit, 2) for x in bands]
+
+
 def range_of(speeds: Array, unit: str) -> str:
     """Return over which velocities (n,) something is stated, each direction as it was moved in.
 
@@ -186,9 +194,9 @@ def motions_sentence(shrinks: Sequence[float], share: float) -> str:
     )
 
 
-def again_sentence(own: PredictionBand, other: PredictionBand) -> str:
+def again_sentence(own: PredictionBand, other: PredictionBand, unit: str) -> str:
     """Return what a second record would tell, by the bands of this one and of another run."""
-    mine, new = (percent(float(np.median(relative(item)))) for item in (own, other))
+    mine, new = widths_text([own, other], unit)
     return (
         f"Record it again, on another day (--validate): friction of this record is known to ±"
         f" {mine} and that of another one, which may differ as runs usually do, to ± {new}."

@@ -329,6 +329,7 @@ def guess_data(
     repair = repairs_of(frame, result, times, trial)
     if repair:
         reasons["repair"] = repair_text(repair)
+    reasons |= _unread(frame, given, {trial, *conditions, *(x.name for x in result.values())})
     if times is not None and not trial:
         _refuse_restarts(frame, times)
     backwards = times is not None and bool(np.all(np.diff(times[np.isfinite(times)]) < 0.0))
@@ -1381,7 +1382,7 @@ def _conditions(frame: QuantityTable, found: Mapping[str, Found], trial: str) ->
         name
         for name in frame.names
         if name not in taken
-        and _is_named(name, WORDS["conditions"])
+        and (_is_named(name, WORDS["conditions"]) or _has_degrees(name, frame.units.get(name)))
         and bool(frame.data[frame.names[name]].notna().any())
     )
 
@@ -1439,6 +1440,17 @@ def _is_named(name: str, words: Collection[str]) -> bool:
     return any(part in words or part.endswith("temperatur") for part in parts_of(name))
 
 
+def _unread(
+    frame: QuantityTable, given: Mapping[str, Column], taken: Collection[str]
+) -> dict[str, str]:
+    """Return the columns that are neither given nor taken, as a reason."""
+    read = {*taken}
+    for column in given.values():
+        read |= {column} if isinstance(column, str) else {*column}
+    left = [repr(name) for name in frame.names if name and name not in read]
+    return {"not read": joined(left, MOST_LISTED)} if left else {}
+
+
 def _of_trials(frame: QuantityTable, trial: str) -> list[QuantityTable]:
     """Return the rows of each trial; the table itself if no column numbers trials."""
     names = {**frame.names, TRIAL: frame.names.get(trial, trial)} if trial else frame.names
@@ -1450,9 +1462,11 @@ def changing_temperature(
 ) -> Iterator[tuple[str, Found]]:
     """Yield the temperature that laws may contain: known at all times, and one that changes."""
     result = [
-        Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
+        Found(score=PART, name=name, unit=unit, stated=unit == stated, why=f"by its {why}")
         for name in names
-        if _is_named(name, VOCABULARY["temperature"].names)
+        for named in [_is_named(name, VOCABULARY["temperature"].names)]
+        for why in ["name" if named else "unit"]
+        if named or _has_degrees(name, parts[0].units.get(name))
         for cells in [[part.data[part.names[name]] for part in parts]]
         if any(column.nunique() > 1 for column in cells)
         and all(np.isfinite(pd.to_numeric(column, errors="coerce")).all() for column in cells)
@@ -1504,6 +1518,18 @@ def _temperature_unit(name: str, stated: str | None) -> str | None:
     """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
     spelt = [stated] if stated else [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
     return next((CELSIUS if key == "C" else key for key in spelt if key in ("C", *KELVINS)), stated)
+
+
+def _has_degrees(name: str, stated: str | None) -> bool:
+    """Whether a column is in degrees, in the header or in its name: T_oil (degC), Tmp °C.
+
+    K at the end of a name may be a letter: it is a unit in brackets alone.
+    """
+    spelt = [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
+    sure = [m["unit"] for style in SURE_STYLES if (m := style.fullmatch(name))]
+    return any(unit in KELVINS for unit in (stated, *sure)) or any(
+        unit in KELVINS and unit != "K" for unit in spelt
+    )
 
 
 def _has_one_value(part: QuantityTable, name: str) -> bool:
