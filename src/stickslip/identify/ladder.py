@@ -387,11 +387,14 @@ def ladder_verdict(
         texts = [text for _, text in sorted(zip(places, texts, strict=True))]
         said_next.append(advice_sentence(proposal, texts, words))
     said_next += advice
+    # where a law describes friction, an interval that holds possible values raises no doubt
+    sure = judgement.named.distance < NO_LAW
+    unphysical = unphysical_of(judgement, mechanism, sure=sure)
     return BandVerdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,
         words=Wording(
-            verdict=law_sentence(judgement, words, unphysical_of(judgement.composition, mechanism)),
+            verdict=law_sentence(judgement, words, unphysical),
             lede=lede,
             settles=tuple(settles),
             cannot_tell=tuple(doubts),

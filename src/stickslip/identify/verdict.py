@@ -615,7 +615,7 @@ def law_fit(
     rig = vary(mechanism, "mechanism", values) if values else mechanism
     rig, loaded = as_loaded(rig, measurement)
     rig, of_inputs = as_informed(law, rig, measurement)
-    said = (*unphysical_of(composed, mechanism), loaded, *of_inputs)
+    said = (*unphysical_of(judgement, mechanism), loaded, *of_inputs)
     remarks = [remark for remark in said if remark]
     if named:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
@@ -647,14 +647,18 @@ def law_fit(
     )
 
 
-def unphysical_of(composed: Composition, mechanism: Mechanism) -> list[str]:
-    """Return what to say of parameters of a mechanism that came out where they cannot be."""
+def unphysical_of(judgement: Judgement, mechanism: Mechanism, *, sure: bool = False) -> list[str]:
+    """Return what to say of parameters of a mechanism that came out where they cannot be.
+
+    If that is `sure`, no value of the interval can be.
+    """
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    result = {path: float(x[0]) for path, x in composed.rig.items() if path in known}
     return [
-        unphysical_sentence(known[path], x)
-        for path, x in result.items()
-        if not known[path].allows(x)
+        unphysical_sentence(known[item.path], item.value, impossible=impossible)
+        for item in judgement.intervals
+        if item.path in known and not known[item.path].allows(item.value)
+        for impossible in [not any(map(known[item.path].allows, (item.low, item.high)))]
+        if impossible or not sure
     ]
 
 

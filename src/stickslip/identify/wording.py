@@ -267,11 +267,15 @@ def lacking_sentences(
     return tuple(filter(None, each))
 
 
-def unphysical_sentence(known: Quantity, value: float) -> str:
-    """Return that a parameter of the mechanism came out where it cannot be."""
+def unphysical_sentence(known: Quantity, value: float, *, impossible: bool) -> str:
+    """Return that a parameter of the mechanism came out where it cannot be, surely or not."""
+    shown = f"${known.symbol}$ = {with_unit(number(value, 3), known.unit)}"
     return (
-        f"The balance gives ${known.symbol}$ = {with_unit(number(value, 3), known.unit)}, which"
-        " cannot be: something else acts along the motion. The mechanism keeps the value given."
+        f"The balance gives {shown}, which cannot be: something else acts along the motion. The"
+        " mechanism keeps the value given."
+        if impossible
+        else f"The balance gives {shown}, with an interval that holds possible values: the motion"
+        " does not show it, and the mechanism keeps the value given."
     )
 
 

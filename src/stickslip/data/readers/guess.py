@@ -329,7 +329,8 @@ def guess_data(
     repair = repairs_of(frame, result, times, trial)
     if repair:
         reasons["repair"] = repair_text(repair)
-    reasons |= _unread(frame, given, {trial, *conditions, *(x.name for x in result.values())})
+    taken = {trial, steady, *conditions, *(column.name for column in result.values())}
+    reasons |= _unread(frame, given, taken)
     if times is not None and not trial:
         _refuse_restarts(frame, times)
     backwards = times is not None and bool(np.all(np.diff(times[np.isfinite(times)]) < 0.0))
