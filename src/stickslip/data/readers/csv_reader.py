@@ -927,10 +927,10 @@ def _layout(path: Path, text: str, encoding: str) -> Layout:
         )
     _check_single_table(path, lines, layout)
     if assumed and layout.thousands:
-        mark, decimal = layout.thousands, "comma" if layout.decimal == "," else "point"
+        mark, usual = layout.thousands, "comma" if layout.decimal == "," else "point"
         raise InputError(
             f"{path}: {shown(assumed)} may be {assumed.replace(mark, '')} or"
-            f" {assumed.replace(mark, '.')}: other numbers have a decimal {decimal}. Write all"
+            f" {assumed.replace(mark, '.')}: other numbers have a decimal {usual}. Write all"
             " numbers with one decimal mark, or give a layout, which says what parts thousands."
         )
     return replace(layout, decimal=".") if assumed else layout
