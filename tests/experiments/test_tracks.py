@@ -172,6 +172,12 @@ def test_a_comma_that_may_part_thousands_is_no_decimal_comma(write):
         load_measurement(file)
 
 
+def test_a_point_beside_decimal_commas_that_may_part_thousands_is_refused(write):
+    file = write("velocity;friction\n0,01;1.500\n0,02;1.700\n", "data.csv")
+    with pytest.raises(InputError, match=r"'1\.500' may be 1500 or 1\.500"):
+        load_measurement(file)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

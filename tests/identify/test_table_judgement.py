@@ -311,3 +311,16 @@ def test_a_term_that_no_place_shows_keeps_its_coefficients() -> None:
     np.testing.assert_allclose(found - own, np.tile([0.3, 0.0], (3, 1)), atol=2e-3)
     found, _ = projector(own @ x.T + 0.3, [structure])
     assert not np.allclose(found[:, 1], own[:, 1], rtol=0.1)
+
+
+def test_cells_of_many_runs_keep_the_speed():
+    v = np.tile(np.geomspace(0.01, 1.0, 20), 60)
+    read, none = stribeck(v), np.full(1200, np.nan)
+    rows = Rows(velocity=v, load=np.ones(1200), inputs={}, run=np.repeat(np.arange(60), 20),
+                order=none)  # fmt: skip
+    readings = Readings.of(rows, read)
+    assert len(readings.friction) < 1200
+    np.testing.assert_allclose(readings.friction, stribeck(readings.rows.velocity), rtol=0.01)
+    fit = fitted(readings)
+    places = TableProblem(readings, fit).places()
+    assert len(places.velocity) <= 250

@@ -583,8 +583,8 @@ class Judgement:
 
         One of a probability of `CHANCE` may, however far noise moves the curve from it.
         """
-        every = (self.named, *self.rungs)
-        near = any(item.distance <= NO_LAW or item.excess <= MARGIN for item in every)
+        every, within = (self.named, *self.rungs), max(NO_LAW, self.known)
+        near = any(item.distance <= within or item.excess <= MARGIN for item in every)
         return near or self.named.adequate >= CHANCE
 
     @property

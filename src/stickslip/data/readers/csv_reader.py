@@ -889,7 +889,7 @@ def _text_in(path: Path, data: bytes, layout: Layout) -> str:
 
 
 def _layout(path: Path, text: str, encoding: str) -> Layout:
-    """Return how a text holds its table, with a mark between thousands only where it is sure."""
+    """Return how a text holds its table; a number whose mark may be either is refused, or text."""
     lines = upper_lines(text)
     start = next((i for i, line in enumerate(lines) if is_content(line)), None)
     if start is None:
@@ -926,9 +926,14 @@ def _layout(path: Path, text: str, encoding: str) -> Layout:
             preface=start,
         )
     _check_single_table(path, lines, layout)
-    if assumed:
-        layout = replace(layout, thousands="", decimal=layout.decimal if layout.thousands else ".")
-    return layout
+    if assumed and layout.thousands:
+        mark, usual = layout.thousands, "comma" if layout.decimal == "," else "point"
+        raise InputError(
+            f"{path}: {shown(assumed)} may be {assumed.replace(mark, '')} or"
+            f" {assumed.replace(mark, '.')}: other numbers have a decimal {usual}. Write all"
+            " numbers with one decimal mark, or give a layout, which says what parts thousands."
+        )
+    return replace(layout, decimal=".") if assumed else layout
 
 
 def _check_head(path: Path, lines: Sequence[str], text: Text) -> None:

@@ -51,6 +51,7 @@ from stickslip.identify.problems.table_model import (
     FOLLOWS,
     JUMP,
     MOST,
+    MOST_ROWS,
     NEAR,
     RHO,
     RUNS,
@@ -249,8 +250,14 @@ class TableProblem(Problem):
         return np.asarray(self.design(plain, rows) @ c)
 
     def places(self) -> Rows:
-        """Return the rows as measured, and half-way between neighbours of a direction and load."""
+        """Return the rows as measured, and half-way between neighbours of a direction and load.
+
+        Cells of many runs are joined: a law has no runs.
+        """
         rows = self.table.rows
+        if len(rows.velocity) > MOST_ROWS:
+            rows = replace(rows, run=np.zeros_like(rows.run))
+            rows = replace(self.table, rows=rows).condensed().rows
         own = self.at(rows.velocity, rows.load, rows.inputs)
         if len(rows.velocity) >= MANY:
             return own
