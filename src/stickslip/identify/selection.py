@@ -396,13 +396,11 @@ def record_verdict(
     places, widths = tuple[float, ...](), tuple[float, ...]()
     if isinstance(problem, RecordProblem):
         offered = problem.offered()
-        noise, shared = problem.errors_of_stretches(offered)
         proposal = propose(
             judgement.curves(rows),
             judgement.curves(offered),
-            noise,
+            problem.noise_of_stretch(offered),
             taken=STRETCHES_TO_MAKE,
-            shared=shared,
         )
         places = tuple(float(offered.velocity[k]) for k in proposal.places)
         widths = widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)

@@ -274,18 +274,15 @@ class RecordProblem(Problem):
         ]
         return self.at(np.sort(np.concatenate([v, ends])))
 
-    def errors_of_stretches(self, rows: SteadyRows) -> tuple[Array, Array]:
-        """Return the deviation of the mean of a stretch at rows (n,), and what stretches share.
+    def noise_of_stretch(self, rows: SteadyRows) -> Array:
+        """Return the deviation of the mean of a stretch of another run at rows (n,).
 
-        A stretch is as long as a twentieth of the record, and all are of another run, whose level
-        and slope differ: a covariance (n, n).
+        It is as long as a twentieth of the record.
         """
         count = self.model.kappas[MIDDLE] * self.model.balance.rows(MIDDLE).count / STRETCHES
-        sizes, shares = self.run_sizes
-        differs = float(np.dot(np.square(sizes), shares)) * self.size**2
-        level, slope = np.sign(rows.velocity) * rows.ratio, rows.velocity / self.model.frame.top
-        shared = differs * (np.outer(level, level) + np.outer(slope, slope))
-        return self.noise(rows) / math.sqrt(max(count, 1.0)), shared
+        sizes, shares = SCALES["run"]
+        run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
+        return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
 
     @property
     def run_sizes(self) -> tuple[Sequence[float], Sequence[float]]:
@@ -293,11 +290,9 @@ class RecordProblem(Problem):
 
         What other runs than the one that was made differ has its prior.
         """
-        joint = self.model.balance.pieces[0].record.joint
-        sizes, prior = SCALES["run of a joint" if joint else "run"]
-        return (SCALES["run"][0], self.posterior.scale("run").tolist()) if self.runs > 1 else (
-            sizes, prior
-        )  # fmt: skip
+        if self.runs > 1:
+            return SCALES["run"][0], self.posterior.scale("run").tolist()
+        return SCALES["run of a joint" if self.model.balance.pieces[0].record.joint else "run"]
 
     # ---- laws -------------------------------------------------------------------------------
 
