@@ -551,7 +551,8 @@ class TableProblem(Problem):
         """Return drawn curves alone (k, n): midway unless stated, in the mean of the runs."""
         x, group = self.model.random(rows)
         x = x * (group != "run")
-        return self._law(rows, draws) + np.vstack([draw.random.T @ x.T for draw in draws])
+        beside = np.vstack([draw.random.T @ x.T for draw in draws])
+        return np.asarray(self._law(rows, draws) + beside)
 
     def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
         """Return what friction is in draws (k, n): early, midway or late, in any or a new run."""
