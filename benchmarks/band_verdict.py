@@ -15,11 +15,13 @@ from stickslip.identify import BandVerdict
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_signals import records_of
-from stickslip.identify.problems.tables import readings_of
+from stickslip.identify.problems.records import RecordProblem
+from stickslip.identify.problems.tables import TableProblem, readings_of
 from stickslip.identify.projection import PLACES, Target
+from stickslip.identify.propose import widths_of_another
 
 MOST_MOTIONS = 4
-"""Further free motions that are made at most."""
+"""Further free motions or records that are made at most."""
 ROUTES = {"tables": None}
 """Routes of kinds; all others are judged by their force balance."""
 
@@ -173,24 +175,36 @@ class Judged:
 
     @property
     def expected(self) -> float:
-        """Width of the band that is expected after the advised readings, over today's."""
+        """Width that is expected after what is advised, over today's."""
         further = self._further()
-        if further is None:
-            return float(self.verdict.shrinks)
-        return further[self._motions(further) - 1]
+        return further[self._count(further) - 1] if further else float(self.verdict.shrinks)
 
-    def _further(self) -> Sequence[float] | None:
-        """Return expected widths after further free motions."""
+    def _further(self) -> Sequence[float]:
+        """Return expected widths after further records or free motions; none of tables."""
         judgement = self.verdict.judgement
-        if not isinstance(judgement.problem, FreeMotionProblem):
-            return None
-        share = judgement.problem.start_of(judgement.draws)
-        return judgement.problem.further(judgement.draws, share)
+        problem = judgement.problem
+        if isinstance(problem, FreeMotionProblem):
+            return problem.further(judgement.draws, problem.start_of(judgement.draws))
+        if isinstance(problem, RecordProblem):
+            return widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)
+        return ()
 
     @staticmethod
-    def _motions(shrinks: Sequence[float]) -> int:
-        """Return how many motions are made: those that halve the band, if these are few."""
+    def _count(shrinks: Sequence[float]) -> int:
+        """Return how many are made: those that halve the band, if these are few."""
         return min(next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), 1), MOST_MOTIONS)
+
+    def doubtful(self, points: Points) -> Any:
+        """Return the band that what is advised is to narrow: of records, that of another one."""
+        new = isinstance(self.verdict.judgement.problem, RecordProblem)
+        rows = self.verdict.judgement.problem.at(points.velocity, points.load, points.inputs)
+        return self.verdict.judgement.band(rows, new=True) if new else self.band(points)
+
+    @property
+    def made(self) -> int:
+        """Number of readings of a table, or of records, that were made."""
+        problem = self.verdict.judgement.problem
+        return problem.table.total if isinstance(problem, TableProblem) else problem.runs
 
     @property
     def halves(self) -> int | None:
@@ -199,15 +213,17 @@ class Judged:
         return halves if halves is not None and halves > len(self.verdict.places) else None
 
     def advised(self, count: int | None = None) -> Points | None:
-        """Return where readings are proposed, or more; of free motions the shares of the start."""
+        """Return where readings are proposed, or more; of motions the shares of the start."""
         verdict, problem = self.verdict, self.verdict.judgement.problem
+        if further := self._further():
+            share = 1.0
+            if isinstance(problem, FreeMotionProblem):
+                share = problem.start_of(verdict.judgement.draws)
+            return Points(velocity=np.full(self._count(further), share))
         at = np.arange(len(verdict.places))
         if count is not None:
             at = np.resize(at, count)
         places = np.array(verdict.places)[at]
-        if (further := self._further()) is not None:
-            share = problem.start_of(self.verdict.judgement.draws)
-            return Points(velocity=np.full(self._motions(further), share))
         if not len(places):
             return None
         known = {name: np.array(x)[at] for name, x in verdict.conditions.items()}
@@ -251,6 +267,15 @@ class Travelled(Judged):
     def predicted(self, points: Points) -> Array | None:
         """Return travels [m] by the named law at settings (n,)."""
         return np.asarray(self.verdict.judgement.named_travels(points.velocity))
+
+    @override
+    def doubtful(self, points: Points) -> Any:
+        return self.band(points)
+
+    @property
+    @override
+    def made(self) -> int:
+        return len(self.rig.measurement.trials)
 
     @property
     @override

@@ -178,25 +178,29 @@ def _intervals(rig: Rig, verdict: Judged) -> list[dict[str, Any]]:
 
 
 def _advised(rig: Rig, verdict: Judged, seed: int) -> dict[str, Any]:
-    """Return whether the advised readings shrink the band by half, or leave one family."""
+    """Return whether the advised readings shrink the band by half, or leave one family.
+
+    Twice: of what is advised, and of as many readings as are stated to halve it.
+    """
     assert rig.more is not None
     assert rig.asked is not None
     places = verdict.advised()
     if places is None:
         return {"advised": False}
-    before, result = verdict.band(rig.asked), dict[str, Any]()
+    before, result = verdict.doubtful(rig.asked), dict[str, Any]()
     enough = verdict.halves and verdict.advised(verdict.halves)
     for which, some in (("advice", places), ("enough", enough)):
         if some is None:
             continue
+        result |= {"followed": False, "used": len(some) / verdict.made}
         try:
             after = judged(rig.more(some, seed))
         except Exception:  # counted as advice that did not help
             result[which] = False
             continue
-        now = after.band(rig.asked)
+        now = after.doubtful(rig.asked)
         shrink = float(np.mean(now.high - now.low) / np.mean(before.high - before.low))
-        result[which] = shrink <= 0.5 or len(after.set) == 1
+        result[which] = result["followed"] = shrink <= 0.5 or len(after.set) == 1
         if which == "advice":
             result |= {"asked": len(some), "expected": verdict.expected, "shrink": shrink}
         else:

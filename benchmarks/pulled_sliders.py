@@ -295,7 +295,7 @@ def _rehearsal(
         trials = (record, replace(another, overrides=overrides))
         after = select(rig.told, None, Measurement(trials=trials))
     except StickslipError as error:
-        return {"advice": False, "after": str(error)}
+        return {"advice": False, "followed": False, "after": str(error)}
     assert isinstance(after, SimulatedVerdict)
     kept = rig.truth in (after.closest.name, *after.rivals) or rig.truth not in INSIDE
     lost = not kept and after.best is not None and _off(rig, law, after) > NEAR
@@ -304,13 +304,18 @@ def _rehearsal(
 
 def _came_to(
     verdict: SimulatedVerdict, after: SimulatedVerdict, paths: Sequence[str], expected: float, *,
-    kept: bool,
+    kept: bool, used: float = 1.0,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return what a further record that was advised came to, if the true law is `kept`."""
+    """Return what a further record that was advised came to, if the true law is `kept`.
+
+    It is `used` times as long as those that were made.
+    """
     shrink = math.exp(_widths(after, paths) - _widths(verdict, paths)) if paths else math.inf
     fewer = len(after.rivals) < len(verdict.rivals)
     return {
         "advice": shrink <= 0.5 or (fewer and kept),
+        "followed": shrink <= 0.5 or (fewer and kept),
+        "used": used,
         "shrink": shrink,
         "expected": expected,
         "asked": 1,
@@ -446,13 +451,14 @@ def stepped(seed: int, number: int, *, rehearsed: bool = False) -> dict[str, Any
             record = _stepped_record(law, made.stiffness, longer, further, noise, random)
             after = select(made.given, None, record)
         except StickslipError as error:
-            row |= {"advice": False, "after": str(error)}
+            row |= {"advice": False, "followed": False, "after": str(error)}
         else:
             assert isinstance(after, SimulatedVerdict)
             kept = truth in (after.closest.name, *after.rivals)
             drawn = [{path for fit in x.fits for path in fit.draws} for x in (verdict, after)]
             paths = [x.path for x in closest.fit.estimates if x.path in drawn[0] & drawn[1]]
-            row |= _came_to(verdict, after, paths, speeds[0].expected_width, kept=kept)
+            used = float(np.sum(ways) / (places[-1] - places[0]))
+            row |= _came_to(verdict, after, paths, speeds[0].expected_width, kept=kept, used=used)
     return _rated(
         row, verdict.best.name if verdict.best else "", rival,
         hedged="is closest, but" in verdict.sentence, error=error,

@@ -136,13 +136,22 @@ def drawn(number: int, seed: int) -> Rig:
     if known and one.fall:
         parameters |= {STATIC: level * (1.0 + surplus), FALL: fall}
     scale = noise * float(np.mean(np.abs(steady(asked))))
-    return Rig(
-        kind="maps", truth=name, inside=inside, measurement=record(random),
+    first = record(random)
+
+    def more(places: Points, number: int) -> Rig:
+        """Return the record with others like it, one for each place."""
+        then = np.random.default_rng([63, seed, number])
+        trials = (first, *(record(then) for _ in range(len(places))))
+        return result.with_(measurement=Measurement(trials=trials), second=None, more=None)
+
+    result = Rig(
+        kind="maps", truth=name, inside=inside, measurement=first,
         family=frozenset(one.terms.split()) if one.terms else None,
         faults=frozenset(ALLOWED.get(one.fault, ())), curves=(steady,),
         noise=lambda p: np.full(len(p), scale), asked=asked, beyond=beyond,
-        parameters=parameters, second=record(random),
+        parameters=parameters, second=record(random), more=more,
     )  # fmt: skip
+    return result
 
 
 def _with(random: Random, one: Map, p: Points) -> Points:

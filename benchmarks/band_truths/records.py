@@ -206,10 +206,10 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
     family = frozenset(NAMES.get(item, item) for item in truth.kinds.split())
 
     def more(places: Points, number: int) -> Rig:
-        """Return the record with another one of steady motion at the places."""
+        """Return the record with others like it, one for each place."""
         then = np.random.default_rng([seed, number])
-        made = record(truth, 2 * number + 1, SECONDS, places.velocity.tolist())
-        trials = (result.measurement, _measured(wrong.change(made, then)))
+        others = [record(again, 100 * number + k, SECONDS) for k in range(len(places))]
+        trials = (result.measurement, *(_measured(wrong.change(x, then)) for x in others))
         return result.with_(measurement=Measurement(trials=trials), second=None, more=None)
 
     result = Rig(

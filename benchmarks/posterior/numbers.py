@@ -49,7 +49,10 @@ HELD = (0.93, 0.99)
 """Share of truths that bands of 95 % are to hold."""
 IN_DOUBT, TRIED = 5, 4
 """Verdicts in doubt of each kind, and measurements that are made up for each of them at most."""
-SHOWN = ("kind", "number", "truth", "named", "advised", "advice", "asked", "expected", "shrink")
+SHOWN = (
+    "kind", "number", "truth", "named", "advised", "advice", "asked", "expected", "shrink",
+    "followed", "used", "halved",
+)  # fmt: skip
 """What is printed of each."""
 CLASSES = 14
 CODE, CONSTANTS = 21_500, 180
@@ -195,9 +198,13 @@ def _advice(kind: str, rows: Rows) -> Iterator[Number]:
     if numbers:
         came, expected = _middle(own, "shrink"), _middle(own, "expected")
         count += f"; {np.median(numbers):.0f} readings in the median, width {came:.2f}"
-        count += f" (expected {expected:.2f}); as many as are said to halve it do so or decide:"
-        count += f" {_mean(rows, 'enough'):.2f} of {sum('enough' in row for row in rows)}"
+        count += f" (expected {expected:.2f})"
     yield least(f"{kind}: advice decides or halves", 0.7, _mean(own, "advice"), count)
+    some = sum("enough" in row for row in rows)
+    count = f", {some} with more than were made: {_mean(rows, 'enough'):.2f}"
+    what = f"{kind}: as many as are stated decide or halve"
+    yield least(what, 0.7, _mean(own, "followed"), count)
+    yield most(f"{kind}: readings of these over those made, median", 1.0, _middle(own, "used"))
 
 
 def maps(asked: Asked) -> Iterator[Number]:

@@ -1,10 +1,11 @@
 """What readings are expected to leave of the width of the quantities of interest."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip.identify.propose import propose, width_after
+from stickslip.identify.propose import propose, width_after, widths_of_another
 
 
 @given(seed=st.integers(0, 10_000), count=st.integers(1, 12), laws=st.integers(1, 3))
@@ -23,3 +24,40 @@ def test_a_band_without_width_has_no_readings_to_propose():
     proposal = propose(np.ones((50, 3)), np.ones((50, 2)), 0.1)
     assert proposal.widths == (1.0,)
     assert not proposal.places
+
+
+def test_repeats_of_a_block_and_readings_of_a_run_leave_what_they_share():
+    level = np.random.default_rng(0).normal(size=(600, 1))
+    places = np.repeat(level, 3, axis=1)
+    alone = propose(level, places, 0.5, taken=9, enough=0.0)
+    block = propose(level, places, 0.5, taken=9, enough=0.0, shared=np.eye(3))
+    run = propose(level, places, 0.5, taken=9, enough=0.0, shared=np.ones((3, 3)))
+    # other places are other blocks, and are read before any is read again
+    assert sorted(block.places[:3]) == [0, 1, 2]
+    assert alone.shrinks < block.shrinks < run.shrinks
+    assert run.shrinks == pytest.approx(np.sqrt(0.5), abs=0.02)
+
+
+@given(
+    shares=st.lists(st.floats(0.05, 1.0), min_size=3, max_size=3), known=st.floats(0.0, 0.1),
+    runs=st.integers(1, 5),
+)  # fmt: skip
+def test_more_runs_are_never_expected_to_widen_what_another_one_shows(shares, known, runs):
+    prior = [x / sum(shares) for x in shares]
+    widths = widths_of_another((0.005, 0.02, 0.08), prior, known, runs)
+    assert max(widths) <= 1.02
+    assert widths[-1] < widths[0] + 0.01
+
+
+def test_what_another_run_is_expected_to_show_is_what_drawn_runs_come_to():
+    random, sizes, prior = np.random.default_rng(3), np.array([0.005, 0.02, 0.08]), [0.4, 0.5, 0.1]
+    today = np.quantile(np.abs(random.choice(sizes, 40_000, p=prior) * random.normal(size=40_000)),
+                        0.95)  # fmt: skip
+    came = []
+    for true in random.choice(sizes, 300, p=prior):
+        square = np.sum((true * random.normal(size=4)) ** 2)  # level and slope of two more runs
+        weights = prior * sizes**-4 * np.exp(-0.5 * square / sizes**2)
+        chosen = random.choice(sizes, 2_000, p=weights / weights.sum())
+        came.append(np.quantile(np.abs(chosen * random.normal(size=2_000)), 0.95))
+    expected = widths_of_another(sizes.tolist(), prior, 0.0, 1)[1]
+    assert expected == pytest.approx(np.mean(came) / today, abs=0.06)

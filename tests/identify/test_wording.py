@@ -48,6 +48,8 @@ def test_few_places_are_listed_and_many_are_counted():
     assert "halve" not in said
     more = advice_sentence(Proposal(places=(0,), shrinks=0.7, halves=12), ["1 m/s"], READINGS)
     assert more.endswith("70 % as wide; about 12 in all, chosen so, would halve it.")
+    never = advice_sentence(Proposal(places=(0,), shrinks=0.7), ["1 m/s"], READINGS)
+    assert never.endswith("even 300, chosen so, are not expected to halve it.")
     assert advice_sentence(proposal, ["1 m/s", "1 m/s", "2 m/s"], WORDS).startswith(
         "Move steadily at 1 m/s (2 times) and 2 m/s: "
     )

@@ -45,6 +45,7 @@ from stickslip.identify.verdict import (
 )
 from stickslip.identify.wording import (
     NO_FRICTION,
+    NO_READINGS,
     RADIUS_SENTENCE,
     UNIT_LOAD_SENTENCE,
     Words,
@@ -386,6 +387,8 @@ def ladder_verdict(
             texts[k] = f"{text} at {joined(said)}"
         texts = [text for _, text in sorted(zip(places, texts, strict=True))]
         said_next.append(advice_sentence(proposal, texts, words))
+    elif words.measured == "readings":
+        said_next.append(NO_READINGS)
     said_next += advice
     # where a law describes friction, an interval that holds possible values raises no doubt
     sure = judgement.named.distance < NO_LAW

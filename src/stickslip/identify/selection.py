@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -32,7 +33,13 @@ from stickslip.identify.problems.record_signals import NotToldError, Record, rec
 from stickslip.identify.problems.records import LOAD, RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import WORTH, Proposal, propose, within_band
+from stickslip.identify.propose import (
+    WORTH,
+    Proposal,
+    propose,
+    widths_of_another,
+    within_band,
+)
 from stickslip.identify.refinement import Refined, refined
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
@@ -108,18 +115,25 @@ def select_table(
         speed_unit=measurement.unit("velocity"),
     )
     offered = problem.offered()
-    typical = within_band(problem.steady(offered, judgement.draws))
-    # new readings do not take off by what runs differ, and what may drift
-    spreads = [np.var(x, axis=0) for x in (within_band(judgement.curves(offered)), typical)]
-    grown = problem.model.frame.grown(offered)  # friction is as well known at each load, about
+    # friction is asked for, and read, early, midway and late: new readings are in random order
+    times, n = (0.0, 0.5, 1.0), len(offered.velocity)
+    rows = [replace(offered, order=np.full(n, time)) for time in times]
+    steady = np.hstack([within_band(problem.steady(at, judgement.draws)) for at in rows])
+    curves = np.hstack([within_band(judgement.curves(at)) for at in rows])
+    # friction is as well known at each load, about
+    grown = np.tile(problem.model.frame.grown(offered), len(times))
+    # what runs differ, and ends that may be outliers, no reading takes off
+    rest = np.maximum(np.var(curves, axis=0) - np.var(steady, axis=0), 0.0) / grown**2
+    noise, shared = problem.errors(offered)
     proposal = propose(
-        typical / grown,
-        typical,
-        problem.noise(offered),
+        steady / grown,
+        steady,
+        np.tile(noise, len(times)),
         problem.table.total,
-        np.maximum(spreads[0] - spreads[1], 0.0) / grown**2,
+        rest,
+        shared=np.tile(shared, (len(times), len(times))),
     )
-    chosen = offered.where(np.array(proposal.places, dtype=np.intp))
+    chosen = offered.where(np.array(proposal.places, dtype=np.intp) % n)
     conditions = ({LOAD: chosen.load} if problem.model.frame.loaded else {}) | {**chosen.inputs}
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     ordered_by = problem.model.ordered_by
@@ -378,7 +392,8 @@ def record_verdict(
     if begun := [record.began for record in problem.records if record.began is not None]:
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
-    rows, next_, places = problem.asked(), list[str](), tuple[float, ...]()
+    rows, next_ = problem.asked(), list[str]()
+    places, widths = tuple[float, ...](), tuple[float, ...]()
     if isinstance(problem, RecordProblem):
         offered = problem.offered()
         proposal = propose(
@@ -388,14 +403,15 @@ def record_verdict(
             taken=STRETCHES_TO_MAKE,
         )
         places = tuple(float(offered.velocity[k]) for k in proposal.places)
+        widths = widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)
     else:
         share = problem.start_of(judgement.draws)
-        widths = problem.further(judgement.draws, share)
-        proposal = Proposal(places=(), shrinks=widths[0])
-        next_ += [motions_sentence(widths, share)] * (widths[0] < WORTH)
-    if problem.runs < 2 and second is None:
+        further = problem.further(judgement.draws, share)
+        proposal = Proposal(places=(), shrinks=further[0])
+        next_ += [motions_sentence(further, share)] * (further[0] < WORTH)
+    if second is None and (problem.runs < 2 or (widths and widths[0] < WORTH)):
         bands = judgement.band(rows), judgement.band(rows, new=True)
-        next_.append(again_sentence(*bands, words.force_unit))
+        next_.append(again_sentence(*bands, widths, problem.runs, words.force_unit))
     return ladder_verdict(
         judgement,
         mechanism,

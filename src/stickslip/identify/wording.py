@@ -12,7 +12,7 @@ from stickslip.identify.candidates import MOST, in_sentence
 from stickslip.identify.fits import Estimate
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.posterior import Array
-from stickslip.identify.propose import Proposal
+from stickslip.identify.propose import COUNTED, Proposal
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import (
     at_worst,
@@ -153,6 +153,12 @@ SCALED = (
 )
 
 
+NO_READINGS = (
+    "Further readings of these runs are not expected to narrow the band by a twentieth: measure"
+    " another run or specimen, as a further trial."
+)
+
+
 def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> str:
     """Return what to measure next, at places in the order of the speeds, and what it gains.
 
@@ -162,9 +168,11 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> 
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
-    if words.measured == "readings" and (proposal.halves or 0) > len(places):
-        expected += f"; about {proposal.halves} in all, chosen so, would halve it"
     reads = words.measured == "readings"
+    if reads and (proposal.halves or 0) > len(places):
+        expected += f"; about {proposal.halves} in all, chosen so, would halve it"
+    elif reads and proposal.halves is None and proposal.shrinks > 0.5:
+        expected += f"; even {COUNTED}, chosen so, are not expected to halve it"
     many = "{} readings" if reads else "{} times"
     if len(counts) <= MOST:
         named = [p if n == 1 else f"{p} ({many.format(n)})" for p, n in counts.items()]
@@ -194,12 +202,27 @@ def motions_sentence(shrinks: Sequence[float], share: float) -> str:
     )
 
 
-def again_sentence(own: PredictionBand, other: PredictionBand, unit: str) -> str:
-    """Return what a second record would tell, by the bands of this one and of another run."""
+def again_sentence(
+    own: PredictionBand, other: PredictionBand, shrinks: Sequence[float], runs: int, unit: str
+) -> str:
+    """Return what another record would tell, by the bands of those made and of another run.
+
+    `shrinks` are expected widths of the last after one, two ... more, over today's, if known.
+    """
     mine, new = widths_text([own, other], unit)
+    what = "this record" if runs < 2 else f"these {runs} runs"
+    result = (
+        f"Record it again, on another day, as a further trial (or --validate): friction of {what}"
+        f" is known to ± {mine} and that of another one, which may differ as runs usually do, to"
+        f" ± {new}."
+    )
+    if not shrinks:
+        return result
+    enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
+    many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
     return (
-        f"Record it again, on another day (--validate): friction of this record is known to ±"
-        f" {mine} and that of another one, which may differ as runs usually do, to ± {new}."
+        f"{result} With it, the latter is expected to be {percent(shrinks[0])} as wide; {many}"
+        " halve it."
     )
 
 

@@ -47,7 +47,7 @@ from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.problems.records import ASKED, PLACES, parts_of
 from stickslip.identify.projection import Rung, Shaped
-from stickslip.identify.propose import propose
+from stickslip.identify.propose import AGAIN, propose
 from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
 from stickslip.quantities import vary
 
@@ -55,8 +55,6 @@ FOLLOWED = 100
 """Draws by which another motion is run."""
 STARTS = (1.0, 0.5, 0.25)
 """Shares of a start from which a further motion may begin: slower ones tell slower speeds."""
-AGAIN = 8
-"""Further motions that are weighed at most."""
 
 
 @dataclass(frozen=True, kw_only=True)

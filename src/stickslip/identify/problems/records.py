@@ -284,6 +284,16 @@ class RecordProblem(Problem):
         run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
         return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
 
+    @property
+    def run_sizes(self) -> tuple[Sequence[float], Sequence[float]]:
+        """By how much runs differ, over friction, with the probabilities: those of a few are known.
+
+        What other runs than the one that was made differ has its prior.
+        """
+        if self.runs > 1:
+            return SCALES["run"][0], self.posterior.scale("run").tolist()
+        return SCALES["run of a joint" if self.model.balance.pieces[0].record.joint else "run"]
+
     # ---- laws -------------------------------------------------------------------------------
 
     def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:

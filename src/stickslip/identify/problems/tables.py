@@ -555,10 +555,11 @@ class TableProblem(Problem):
         return break_column(name, places, rows, self.model.frame)
 
     def steady(self, rows: Rows, draws: Sequence[Draws]) -> Array:
-        """Return drawn curves alone (k, n): midway, in the mean of the runs."""
+        """Return drawn curves alone (k, n): midway unless stated, in the mean of the runs."""
         x, group = self.model.random(rows)
-        x = x * ~np.isin(group, ("drift", "run"))
-        return self._law(rows, draws) + np.vstack([draw.random.T @ x.T for draw in draws])
+        x = x * (group != "run")
+        beside = np.vstack([draw.random.T @ x.T for draw in draws])
+        return np.asarray(self._law(rows, draws) + beside)
 
     def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
         """Return what friction is in draws (k, n): early, midway or late, in any or a new run."""
@@ -789,16 +790,23 @@ class TableProblem(Problem):
         side = 1.0 if (self.table.rows.velocity > 0.0).any() else -1.0
         return self.at(side * np.geomspace(frame.slowest, frame.fastest, POINTS))
 
-    def noise(self, rows: Rows) -> Array:
-        """Return the standard deviation of a reading of another block and run at rows (n,)."""
-        result = np.zeros(len(rows.velocity))
+    def errors(self, rows: Rows) -> tuple[Array, Array]:
+        """Return the deviation of a reading of another run (n,), and what readings share (n, n).
+
+        Readings at one row are a block, whose error they share, as all share that of the run: a
+        covariance.
+        """
+        count = len(rows.velocity)
+        own, shared = np.zeros(count), np.zeros((count, count))
+        along = self.model.reference(rows) * rows.direction * (self.model.frame.runs > 1)
         for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
             if p > 1e-3:
-                own = self.model.sigma(node) * self.model.growth(rows, node)
-                shared = BETA[node[3]] * self.model.repeats * self.model.sigma(node)
-                run = RUNS[node[6]] * self.model.reference(rows) * (self.model.frame.runs > 1)
-                result += p * (own**2 + shared**2 + run**2)
-        return np.sqrt(result + float(np.median(self.table.stated)) ** 2)
+                sigma = self.model.sigma(node)
+                own += p * (sigma * self.model.growth(rows, node)) ** 2
+                block = (BETA[node[3]] * self.model.repeats * sigma) ** 2
+                run = RUNS[node[6]] * along
+                shared += p * (block * np.eye(count) + np.outer(run, run))
+        return np.sqrt(own + float(np.median(self.table.stated)) ** 2), shared
 
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of the readings about a law [N], outliers as they count."""
