@@ -184,9 +184,9 @@ and within them the deviation is 1.05."""
 BELOW = 0.06
 """Level by which friction may differ for each e-fold of speed that was not resolved: half of what
 shows a bristle is slower than the speed of its length."""
-ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
+ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 40
 """Rounds, those with a length that follows the level, and nodes of each."""
-NODES = 160
+NODES = 320
 """Nodes of the posterior."""
 THIRDS = 5
 """Times that shapes are refined by thirds of a step ..."""
