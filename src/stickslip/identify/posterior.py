@@ -29,8 +29,9 @@ together only, one of them negative, no margin shows it. Random columns whose co
 be negative, such as a dead zone, are treated like columns of laws, scaled by their prior deviation.
 One Cholesky factor serves all laws of a node.
 
-1. A *node* is a value of each scale. Nodes are visited best first from where the problem begins,
-   until the best that is open is `DEPTH` below the best that was met, or `most` were visited.
+1. A *node* is a value of each scale. Nodes are visited from where the problem begins, first those
+   that are expected to be best by what the same step along a scale gained elsewhere, until none is
+   expected within `DEPTH` of the best that was met, or `most` were visited.
 2. The weights :math:`p(\text{law, node} \mid y)` follow by normalising, and are the only ones:
    shares of laws are sums of them, bands and intervals are quantiles of draws by them.
 3. Draws take a node and a structure by weight, and coefficients from their normal distribution,
@@ -179,6 +180,34 @@ def neighbours(scales: Sequence[Scale], node: Node) -> Iterator[tuple[Step, Node
                 yield (at, own, other), (*node[:at], other, *node[at + 1 :])
 
 
+class Gains:
+    """What steps along scales gained where they were last made."""
+
+    def __init__(self, scales: Sequence[Scale]) -> None:
+        self._ordered = [scale.ordered for scale in scales]
+        self._gains: dict[Step, float] = {}
+
+    def learn(self, step: Step, gain: float) -> None:
+        """Take what a step gained: its reverse loses it, and the next may gain as much."""
+        at, first, last = step
+        self._gains[step], self._gains[at, last, first] = gain, -gain
+        if self._ordered[at]:
+            self._gains.setdefault((at, last, 2 * last - first), gain)
+
+    def loss(self, step: Step, lacking: float) -> float:
+        """Return how far below the best a step is expected to end from a node that lacks so much.
+
+        Examples
+        --------
+        >>> gains = Gains([Scale(name="a", values=(1.0, 2.0, 3.0), prior=(1 / 3,) * 3)])
+        >>> gains.learn((0, 0, 1), 2.0)
+        >>> gains.loss((0, 1, 2), 0.5), gains.loss((0, 1, 0), 0.5)
+        (-1.5, 2.5)
+        """
+        loss = lacking - self._gains.get(step, 0.0)
+        return loss if lacking > 0.0 or loss < 0.0 else SURELY * loss
+
+
 def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") -> Array:
     """Return logarithms of the probability (s,) that coefficients (s, d) are not negative.
 
@@ -287,6 +316,7 @@ class Posterior:
         self._given = [k for k, item in enumerate(model.scales) if not item.judged]
         self._seen: dict[Node, Array] = {}
         self._values: dict[Node, float] = {}
+        self._best: dict[Node, float] = {}
         self._visit(begin, most)
         self.nodes = tuple(self._seen)
         table = np.array([self._seen[node] for node in self.nodes])
@@ -344,53 +374,41 @@ class Posterior:
     def _visit(self, begin: Sequence[Node], most: int) -> None:
         """Visit nodes best first: each is compared with the best of the same data.
 
-        A step is expected to gain what it gained elsewhere, or what the step before it along its
-        scale did; of the best node all are tried.
+        A step is expected to gain what it gained elsewhere; of the best node all are tried.
         """
-        gains, best = dict[Step, float](), dict[Node, float]()
-        queue = list[tuple[float, Node, Step, Node]]()
-
-        def lack(node: Node) -> float:
-            return best[self._data(node)] - self.value(node)
-
-        def expected(parent: Node, step: Step) -> float:
-            lacking = lack(parent)
-            loss = lacking - gains.get(step, 0.0)
-            return loss if lacking > 0.0 or loss < 0.0 else SURELY * loss
-
-        def visit(node: Node) -> None:
-            data = self._data(node)
-            best[data] = max(self.value(node), best.get(data, -math.inf))
-
-        def open_from(parent: Node) -> None:
-            if lack(parent) > DEPTH:
-                return
-            for step, node in neighbours(self.model.scales, parent):
-                if node not in self._seen:
-                    heapq.heappush(queue, (expected(parent, step), node, step, parent))
-
         begin = list(dict.fromkeys(begin))
+        gains, most = Gains(self.model.scales), most + len(begin)
+        queue = list[tuple[float, Node, Step, Node]]()
+        opened = begin
         for node in begin:
-            visit(node)
-        for node in begin:
-            open_from(node)
-        most += len(begin)
-        while queue and len(self._seen) < most:
+            self._met(node)
+        while len(self._seen) < most:
+            for parent in opened:
+                if (lacking := self._lacking(parent)) <= DEPTH:
+                    for step, node in neighbours(self.model.scales, parent):
+                        heapq.heappush(queue, (gains.loss(step, lacking), node, step, parent))
+            if not queue:
+                return
             before, node, step, parent = heapq.heappop(queue)
-            loss = expected(parent, step)
+            opened, loss = [], gains.loss(step, self._lacking(parent))
             if node in self._seen or loss > DEPTH:
                 continue
             if loss > before:
                 heapq.heappush(queue, (loss, node, step, parent))
                 continue
-            visit(node)
+            self._met(node)
+            opened = [node]
             if step[0] not in self._given:
-                at, first, last = step
-                gain = self.value(node) - self.value(parent)
-                gains[step], gains[at, last, first] = gain, -gain
-                if self.model.scales[at].ordered:
-                    gains.setdefault((at, last, 2 * last - first), gain)
-            open_from(node)
+                gains.learn(step, self.value(node) - self.value(parent))
+
+    def _met(self, node: Node) -> None:
+        """Compare a node with the best of the same data."""
+        data = self._data(node)
+        self._best[data] = max(self.value(node), self._best.get(data, -math.inf))
+
+    def _lacking(self, node: Node) -> float:
+        """Return by how much a node that was visited is below the best of the same data."""
+        return self._best[self._data(node)] - self.value(node)
 
     def _data(self, node: Node) -> Node:
         """Return the values of the scales that make other data."""
