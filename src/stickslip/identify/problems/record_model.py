@@ -184,9 +184,9 @@ and within them the deviation is 1.05."""
 BELOW = 0.06
 """Level by which friction may differ for each e-fold of speed that was not resolved: half of what
 shows a bristle is slower than the speed of its length."""
-ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 40
+ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
 """Rounds, those with a length that follows the level, and nodes of each."""
-NODES = 320
+NODES = 160
 """Nodes of the posterior."""
 THIRDS = 5
 """Times that shapes are refined by thirds of a step ..."""
