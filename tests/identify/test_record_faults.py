@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 from stickslip import (
     Axis,
@@ -23,6 +24,7 @@ from stickslip.errors import InputError
 from stickslip.identify.bands import Array
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.problems.record_columns import Balance, Memory
+from stickslip.identify.problems.record_model import RecordModel
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
     BalanceRows,
@@ -425,6 +427,16 @@ def test_a_drive_that_saturates_is_found_with_its_limit(limit: float) -> None:
     band = judgement.reading_band(rows)
     assert np.mean((band.low <= rows.response) & (rows.response <= band.high)) > 0.9
     assert "limit" not in [one.term for one in judged(moved(law, 1)).findings]
+
+
+def test_a_limit_that_takes_nothing_but_noise_is_none() -> None:
+    """The force of a slow axis is nearly square, and noise alone is above its plateau."""
+    t = np.arange(3000) / 250.0
+    v = 2e-3 * np.sin(0.5 * math.pi * t) * (1.0 + 0.3 * np.sin(0.14 * math.pi * t))
+    force = 30.0 * np.sign(v) + 500.0 * v + 50.0 * np.gradient(v, t)
+    force += np.random.default_rng(2).normal(0.0, 0.3, len(t))
+    record = Record(time=t, position=cumulative_trapezoid(v, t, initial=0.0), force=force)
+    assert [acting.limit for acting in RecordModel([record]).actings] == [math.inf]
 
 
 def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:

@@ -33,7 +33,7 @@ from stickslip.identify.problems.record_rows import (
     checked,
     pieces_of,
 )
-from stickslip.identify.problems.record_signals import Record, bristle
+from stickslip.identify.problems.record_signals import Record, bristle, noise_of
 from stickslip.identify.vocabulary import DRY, PARTS
 from stickslip.maths import Scalar
 
@@ -654,9 +654,18 @@ class Balance:
         return self.rows(which).seen([piece.above(limit) for piece in self.pieces], late=late)
 
     def excess(self, limit: float) -> float:
-        """Return the mean of forces above a limit, less it [N]."""
+        """Return by how much forces are above a limit in the mean, with their noise [N].
+
+        A limit within the noise takes nothing but noise from them, which is no better for it.
+        """
         force = np.abs(np.concatenate([piece.given.force for piece in self.pieces]))
-        return float(np.mean(force[force > limit])) - limit if np.any(force > limit) else 0.0
+        above = force[force > limit]
+        return math.hypot(float(np.mean(above)) - limit, self._force_noise) if len(above) else 0.0
+
+    @cached_property
+    def _force_noise(self) -> float:
+        """Standard deviation of the noise of recorded forces [N]."""
+        return max(noise_of(piece.given.force) for piece in self.pieces)
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""

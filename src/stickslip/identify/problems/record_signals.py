@@ -374,17 +374,16 @@ class Filter:
         first, last = ends[0][:1], ends[1][-1:]
         share = np.linspace(0.0, 1.0, rest + 2)[1:-1].reshape(-1, *(1,) * (x.ndim - 1))
         whole = np.concatenate([ends[0], x, ends[1], last + share * (first - last)])
-        spectrum = fft.rfft(whole, axis=0)
-        f = fft.rfftfreq(size, self.step)
-        pass_ = (2j * np.pi * f) ** slope / (1.0 + (f / (wider * self.band)) ** 8)
-        pass_ = pass_ * np.exp(-2j * np.pi * f * late)
-        spectrum *= pass_.reshape(-1, *(1,) * (x.ndim - 1))
-        if full:
-            return np.asarray(fft.irfft(spectrum, size, axis=0)[pad : pad + self.count])
         # rows start at the first sample: the spectrum is cut after it is turned by the pad
-        turn = np.exp(2j * np.pi * f * pad * self.step).reshape(-1, *(1,) * (x.ndim - 1))
-        few = (spectrum * turn)[: rows // 2 + 1]
-        return np.asarray(fft.irfft(few, rows, axis=0) / self.every)[: self.rows]
+        count, late = (size, late) if full else (rows, late - pad * self.step)
+        f = fft.rfftfreq(size, self.step)[: count // 2 + 1]
+        pass_ = (2j * np.pi * f) ** slope / (1.0 + (f / (wider * self.band)) ** 8)
+        if late:
+            pass_ = pass_ * np.exp(-2j * np.pi * f * late)
+        pass_ = pass_ * (count / size)
+        kept = fft.rfft(whole, axis=0)[: len(f)] * pass_.reshape(-1, *(1,) * (x.ndim - 1))
+        result = fft.irfft(kept, count, axis=0, overwrite_x=True)
+        return np.asarray(result[pad : pad + self.count] if full else result[: self.rows])
 
     @property
     def rows(self) -> int:
