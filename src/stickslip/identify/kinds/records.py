@@ -1,6 +1,7 @@
 """Records in time, and measured friction."""
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
@@ -8,12 +9,13 @@ from typing import Any, cast
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.friction import LuGre
+from stickslip.friction import FrictionLaw, LuGre
 from stickslip.identify import (
     BandVerdict,
     Fit,
     LawFit,
     NotToldError,
+    RunsOf,
     fitted_law,
     importance,
     ladder_rows,
@@ -184,6 +186,10 @@ class RecordKind(BandKind):
             except NotToldError:  # which runs under what was recorded may tell
                 if request.route is not None or "friction" in request.measurement.quantities():
                     raise
+        return self._by_runs(request)
+
+    def _by_runs(self, request: Request) -> RecordFit[Any]:
+        """Return the fit of one law by simulated segments."""
         self._refuse_signs(request)
         begin, late = self._begun(request)
         given = request.arguments("law", "settings")
@@ -229,9 +235,41 @@ class RecordKind(BandKind):
         return {}, None
 
     def select(self, request: Request) -> BandVerdict:
-        return self._select(request, request.parameters(None), request.laws)
+        runs = partial(self._runs_of, request)
+        return self._select(request, request.parameters(None), request.laws, runs)
 
-    def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
+    def _runs_of(self, request: Request, named: type[FrictionLaw] | None) -> RecordFit[Any] | None:
+        """Return the fit of the law that a selection names, where `fit` simulates segments.
+
+        None where it compares forces, and where no run follows the records. A law that is compared
+        alone, or that has the named type, is fitted as it was given.
+        """
+        laws = request.laws or ()
+        given: list[Any] = [*(laws.values() if isinstance(laws, Mapping) else laws)]
+        law: Any = given[0] if len(given) == 1 else named
+        for item in given:
+            owner: Any = self.owner(item)
+            if named is not None and named in (owner, type(owner)):
+                law = item
+        if law is None:
+            return None
+        law, vary = self.law_and_parameters(law, request.vary, request.fixed or ())
+        fitted: Any = self.owner(law)
+        watch = request.progress and partial(request.progress, fitted.name)
+        alone = replace(request, law=law, laws=None, vary=vary, progress=watch)
+        if self._route(alone) != SHOOTING:
+            return None
+        with suppress(InputError, ConvergenceError):
+            return self._by_runs(alone)
+        return None
+
+    def _select(
+        self,
+        request: Request,
+        chosen: Parameters[Any],
+        laws: Any,
+        runs: RunsOf | None = None,
+    ) -> BandVerdict:
         refuse_overrides(request.measurement, chosen.unknown)
         return select_record(
             chosen.mechanism,
@@ -242,6 +280,7 @@ class RecordKind(BandKind):
             hold=request.settings.hold if request.settings else None,
             validate=request.validate,
             tolerance=request.tolerance,
+            runs=runs,
         )
 
     def summary(
