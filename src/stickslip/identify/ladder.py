@@ -43,7 +43,6 @@ from stickslip.identify.verdict import (
     by_runs,
     estimates_of,
     law_fit,
-    over_laws,
     told_apart,
     unphysical_of,
 )
@@ -330,7 +329,7 @@ def ladder_verdict(
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words.
 
-    Parameters of the named law are those of its `runs`, where these are given.
+    Parameters of a law that is compared alone are those of its `runs`, where these are given.
     """
     if "offset" not in mechanism.__dataclass_fields__ and not judgement.problem.fitted:
         judgement = replace(judgement, offset=True)
@@ -347,11 +346,11 @@ def ladder_verdict(
     first = candidates[0]
     assert first.fit is not None
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
-    fitted = _fit_by_runs(judgement, runs)
+    fitted = runs() if runs is not None and judgement.named.structure else None
     if fitted is not None:
         first = replace(first, fit=by_runs(first.fit, fitted))
         candidates = (first, *candidates[1:])
-        every = over_laws(fitted, every if len(judgement.set) > 1 else ())
+        every = fitted.estimates
     assert first.fit is not None
     phrase = phrase_of(judgement, judgement.named)
     both = zip(first.fit.estimates, every, strict=True)
@@ -429,14 +428,6 @@ def ladder_verdict(
         intervals=every,
         runs=fitted,
     )
-
-
-def _fit_by_runs(judgement: Judgement, runs: RunsOf | None) -> RecordFit[Any] | None:
-    """Return the fit of the named law by runs; None of no friction, and of a measured curve."""
-    if runs is None or not judgement.named.structure:
-        return None
-    _, _, law = judgement.handed_over(judgement.named)
-    return runs(None if law is None else type(law))
 
 
 def _runs_sentence(fit: RecordFit[Any]) -> str:

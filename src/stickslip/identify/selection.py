@@ -269,7 +269,7 @@ def select_record(
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
     samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
-    Parameters of the named law are those of its `runs`, where these are given.
+    Parameters of a law that is compared alone are those of its `runs`, where these are given.
     """
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)

@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     from stickslip.show.display import Drawing, Target
 
 
-RunsOf: TypeAlias = Callable[[type[FrictionLaw] | None], "RecordFit[Any] | None"]
-"""Fits the named law, if it is one of `stickslip.friction`, by runs of the mechanism."""
+RunsOf: TypeAlias = Callable[[], "RecordFit[Any] | None"]
+"""Fits the law that is compared alone by runs of the mechanism, where these fit it."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -208,8 +208,8 @@ class BandVerdict(Verdict[LawCandidate]):
     conditions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Loads [N] and inputs of the contact [SI] at these, by name, where several were measured."""
     runs: RecordFit[Any] | None = field(default=None, repr=False)
-    """Fit of the named law by runs, which tell its parameters better than a balance does; None
-    where the balance tells them."""
+    """Fit of a law that is compared alone by runs, which tell its parameters better than a balance
+    does; None where the balance tells them."""
 
     @property
     def route(self) -> str:
@@ -677,20 +677,6 @@ def by_runs(fit: LawFit, runs: RecordFit[Any]) -> LawFit:
         correlation=runs.inference.correlation,
         remarks=runs.remarks,
         lacking=(),
-    )
-
-
-def over_laws(runs: RecordFit[Any], over_all: Sequence[Estimate]) -> tuple[Estimate, ...]:
-    """Return estimates by runs whose intervals hold those over laws that are as probable."""
-    others = {estimate.path: estimate for estimate in over_all}
-    return tuple(
-        replace(
-            estimate,
-            low=min(estimate.low, other.low),
-            high=max(estimate.high, other.high),
-        )
-        for estimate in runs.estimates
-        for other in (others.get(estimate.path, estimate),)
     )
 
 

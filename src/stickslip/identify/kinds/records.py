@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.friction import FrictionLaw, LuGre
+from stickslip.friction import LuGre
 from stickslip.identify import (
     BandVerdict,
     Fit,
@@ -235,25 +235,19 @@ class RecordKind(BandKind):
         return {}, None
 
     def select(self, request: Request) -> BandVerdict:
-        runs = partial(self._runs_of, request)
+        runs = partial(self._runs_alone, request)
         return self._select(request, request.parameters(None), request.laws, runs)
 
-    def _runs_of(self, request: Request, named: type[FrictionLaw] | None) -> RecordFit[Any] | None:
-        """Return the fit of the law that a selection names, where `fit` simulates segments.
+    def _runs_alone(self, request: Request) -> RecordFit[Any] | None:
+        """Return the fit of a law that is compared alone, where `fit` simulates segments.
 
-        None where it compares forces, and where no run follows the records. A law that is compared
-        alone, or that has the named type, is fitted as it was given.
+        None where it compares forces, where several laws are compared, and where no run follows.
         """
         laws = request.laws or ()
         given: list[Any] = [*(laws.values() if isinstance(laws, Mapping) else laws)]
-        law: Any = given[0] if len(given) == 1 else named
-        for item in given:
-            owner: Any = self.owner(item)
-            if named is not None and named in (owner, type(owner)):
-                law = item
-        if law is None:
+        if len(given) != 1:
             return None
-        law, vary = self.law_and_parameters(law, request.vary, request.fixed or ())
+        law, vary = self.law_and_parameters(given[0], request.vary, request.fixed or ())
         fitted: Any = self.owner(law)
         watch = request.progress and partial(request.progress, fitted.name)
         alone = replace(request, law=law, laws=None, vary=vary, progress=watch)
