@@ -13,8 +13,7 @@ where :math:`\theta_0` is what was given and :math:`\tau` is `PRIOR`.
 
 1. Steps of Levenberg and Marquardt along the sensitivities of the engine lead there.
 2. The deviation :math:`\sigma` of a reading, and the share :math:`\kappa` of readings that count as
-   independent (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times. All
-   rounds but the last end where a step gains little.
+   independent (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times.
 3. The curvature there is the precision of :math:`\theta`, about which the balance is then judged.
 
 Where this leaves a parameter nearly as open as it was, runs tell no more than a balance does.
@@ -29,7 +28,6 @@ import numpy as np
 from stickslip.data import Measurement
 from stickslip.friction import BamM4
 from stickslip.identify.fits import (
-    SETTLED,
     FreeParameters,
     Hold,
     Parameters,
@@ -55,9 +53,6 @@ TOLD = 0.5
 """Deviation after the runs over that before, beyond which they tell next to nothing."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
-COARSE = 0.01
-"""Share by which a step lowers the cost where a round ends, but for the last: the next, in which
-the prior weighs otherwise, goes on from there."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -177,10 +172,10 @@ def refined(
     sizes = np.full(len(free), math.inf)
     sizes[[k for k in looked if free.items[k].log]] = PRIOR
     best, share = problem.linearise(free.start), 1.0
-    for later in reversed(range(ROUNDS)):
+    for _ in range(ROUNDS):
         deviation = best.rms / math.sqrt(share)
         prior = _WithPrior(runs=problem, given=given, sizes=sizes, deviation=deviation)
-        end, _ = improve(prior, best.values, settled=COARSE if later else SETTLED)
+        end, _ = improve(prior, best.values)
         best = problem.linearise(end.values, end)
         share = min(
             worth(best.slopes / best.rms, best.residual, prior.precision(end.values)), KAPPA
@@ -188,8 +183,8 @@ def refined(
     table = end.slopes / deviation
     every: Array = np.linalg.pinv(table.T @ table, hermitian=True).astype(float)
     covariance = every[np.ix_(looked, looked)]
-    share_left = np.sqrt(np.diag(prior.precision(end.values)) * np.diag(every))
-    if np.any(share_left > TOLD) or not is_positive(covariance):
+    left = np.sqrt(np.diag(prior.precision(end.values)) * np.diag(every))
+    if np.any(left > TOLD) or not is_positive(covariance):
         return None
     values = {free.paths[k]: float(end.values[k]) for k in looked}
     return Refined(values=values, covariance=covariance)

@@ -215,12 +215,10 @@ def improve(
     near: ResidualJacobian | None = None,
     counter: Callable[[ResidualJacobian], None] | None = None,
     rounds: int = ROUNDS,
-    settled: float = SETTLED,
 ) -> tuple[ResidualJacobian, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
-    A descent that ended at these values, `near`, is continued. It ends where a step lowers the cost
-    by less than a share, `settled`.
+    A descent that ended at these values, `near`, is continued.
     """
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
@@ -235,7 +233,7 @@ def improve(
         for _ in range(rounds):
             table = here.slopes @ free_parameters.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
-            done = promised <= settled * here.cost
+            done = promised <= SETTLED * here.cost
             trial = at if done else np.clip(at + step, low, high)
             there = problem.linearise(free_parameters.values(trial), here)
             if counter is not None:
@@ -246,7 +244,7 @@ def improve(
                 damping, growth = damping * _eased(gained, promised), GROWTH
             elif not done:
                 damping, growth = damping * growth, growth * GROWTH
-            if done and not gained > settled * here.cost:
+            if done and not gained > SETTLED * here.cost:
                 break  # nor did initial states, which follow one step behind, gain anything
     except _StoppedError:
         return here, True
