@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 from tests.support import Generated, decade, examples
 
 from stickslip import Coulomb, EventDriven, FixedStep, PendulumCart, ensemble, simulate
@@ -524,3 +525,75 @@ def test_a_limit_is_named_with_its_numbers_where_a_run_raises():
     margins = simulate(enough, ROUGH, t_end=1.0).certificate.margins
     # 1.258 N m of 3: the margin ahead falls from 1 + .48/3, its largest, to 1 - 1.258/3
     assert margins["motor limit forward"] == pytest.approx(0.5, abs=0.01)
+
+
+STIFF, SHAKEN, PUSH = 1.5, 7.0, 1e-4
+"""Ratio of the eigenfrequency to that of the drive, frequency of the drive [rad/s], torque."""
+
+
+def pressed_cart(phase=0.0, restitution=0.0):
+    """Return an upright pendulum at its stop, where only the torque of a sine acts."""
+    held = replace(cart_with(cart_mass=0.5, ball_mass=0.1, length=0.3), upper_stop=0.0)
+    stiffness = 0.1 * 0.3**2 * (STIFF * SHAKEN) ** 2 + 0.1 * held.gravity * 0.3
+    drive = Sine(amplitude=PUSH, frequency=SHAKEN / (2.0 * math.pi), phase=phase)
+    return replace(
+        held, pendulum=Torque(drive=drive), pivot_stiffness=stiffness, restitution=restitution
+    )
+
+
+def test_a_pendulum_leaves_its_stop_as_the_torque_turns_and_flies_as_the_closed_form_says():
+    # At the stop the spring and the weight have no torque, so that at each release all forces are
+    # 0 and their rate decides. The cart rests; sin(theta) is theta to 1e-6.
+    period = 2.0 * math.pi / SHAKEN
+    run = simulate(pressed_cart(), LAW, t_end=6.3 * period)
+    leaves = [event.t for event in run.events if event.reason == "theta leaves stop"]
+    hits = [event.t for event in run.events if event.reason == "theta hits stop"]
+    np.testing.assert_allclose(leaves, (np.arange(6) + 0.5) * period, rtol=1e-12)
+
+    def flight(s):
+        share = PUSH / (0.1 * 0.3**2) / (SHAKEN**2 * (STIFF**2 - 1.0))
+        return -share * (np.sin(SHAKEN * s) - np.sin(STIFF * SHAKEN * s) / STIFF)
+
+    landing = brentq(flight, 0.5 * period, 0.75 * period, xtol=1e-15)
+    np.testing.assert_allclose(hits, np.array(leaves)[:6] + landing, rtol=1e-6)
+    flying = (run.t > leaves[2]) & (run.t < hits[2])
+    expected = flight(run.t[flying] - leaves[2])
+    np.testing.assert_allclose(run["theta"][flying], expected, atol=1e-6 * np.abs(expected).max())
+    assert run.certificate.certified
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_a_run_that_begins_as_a_press_ends_goes_on_as_one_that_comes_there(restitution):
+    period = 2.0 * math.pi / SHAKEN
+    before = simulate(pressed_cart(restitution=restitution), LAW, t_end=4.0 * period)
+    after = simulate(pressed_cart(phase=math.pi, restitution=restitution), LAW, t_end=3.5 * period)
+    first, second = ([(e.t, e.reason) for e in run.events] for run in (before, after))
+    assert [reason for _, reason in second if "leaves" in reason]
+    shifted = [(t - 0.5 * period, reason) for t, reason in first if t > 0.6 * period]
+    rest = [(t, reason) for t, reason in second if t > 0.1 * period]
+    assert [reason for _, reason in shifted] == [reason for _, reason in rest]
+    np.testing.assert_allclose([t for t, _ in shifted], [t for t, _ in rest], rtol=1e-9)
+    np.testing.assert_allclose(before["theta"][-1], after["theta"][-1], atol=1e-9 * PUSH / 0.1)
+
+
+@EVERY
+@given(
+    hangs=st.booleans(),
+    above=st.booleans(),
+    frequency=decade(-0.3, 0.3),
+    torque=decade(-1.5, -0.3),
+    phase=st.sampled_from([0.0, math.pi]) | st.floats(0.0, 6.0),
+    restitution=st.sampled_from([0.0, 0.3, 0.5]),
+)
+def test_no_run_ends_at_a_stop_where_all_forces_vanish_together(
+    hangs, above, frequency, torque, phase, restitution
+):
+    place = math.pi if hangs else 0.0
+    drive = Sine(amplitude=torque, frequency=frequency, phase=phase)
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Torque(drive=drive),
+        pivot_stiffness=4.0, pivot_angle=place, pivot_damping=0.01, restitution=restitution,
+        **{"upper_stop" if above else "lower_stop": place},
+    )  # fmt: skip
+    run = simulate(cart, LAW, t_end=8.0 / frequency, y0={"theta": place}, throw=False)
+    assert run.status in (Status.END_TIME, Status.LIFT_OFF)

@@ -1,6 +1,7 @@
 """Figures of campaigns show what was found, and where the direction turns."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import Sine
 from stickslip.show.plots import draw_basins, draw_orbits, draw_velocity_map, standalone_svg
+from stickslip.show.plots.sweep_maps import _motions
 from stickslip.show.plots.theme import SLIP_BACK, house_style
 from stickslip.study.sweep import Attractor, Basins, VelocityMap, orbit_diagram
 
@@ -142,3 +144,23 @@ def test_a_state_at_the_start_of_a_cycle_is_drawn_on_request(branches):
     assert axes.get_ylabel() == "xi at the start of a cycle, mm"
     with pytest.raises(InputError, match="show must be one of x, xi, v, xi_dot, got 'y'"):
         draw_orbits(branches, "y")
+
+
+@pytest.mark.parametrize("edge", [0, -1])
+@pytest.mark.parametrize("along", [0, 1])
+def test_numbers_of_stable_motions_lie_within_the_axes(edge, along):
+    count = np.ones((20, 20), dtype=int)
+    count[(edge, slice(None)) if along == 0 else (slice(None), edge)] = 2
+    values = np.linspace(14.0, 18.0, 20)
+    chart = SimpleNamespace(axes=(values, values), velocities={}, count=count)
+    with house_style():
+        figure = Figure(figsize=(4, 3), dpi=72)
+        axes = figure.add_subplot()
+        _motions(figure, axes, chart)
+        figure.canvas.draw()
+    box = axes.get_window_extent().padded(0.01)  # pixels, for rounding
+    assert {text.get_text() for text in axes.texts} == {"1", "2"}
+    for text in axes.texts:
+        own = text.get_window_extent()
+        assert box.x0 <= own.x0 < own.x1 <= box.x1
+        assert box.y0 <= own.y0 < own.y1 <= box.y1

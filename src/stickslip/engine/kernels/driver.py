@@ -680,7 +680,8 @@ def begin(table: Vector, t_end: float, w: Vector, iw: IntVector, events: Vector)
         take_changes(w, iw, events)
         w[layout.RHYTHM] = math.inf  # no event has been met that could shorten a series
     else:
-        mode_transitions.initial_mode(w, iw)
+        iw[layout.FLAGS] = 0
+        mode_transitions.set_mode(w, iw)
         mode_transitions.settle(w, iw, events)
     give_sizes(t_end, w, iw)
     for i in range(n_guards):

@@ -7,7 +7,8 @@ A guard g is a condition of the mode, which holds while g >= 0. In smooth and st
    polynomial through the rest, and so is a point that is no multiple of a part: where they differ,
    samples do not show the course of the guards, and the step is taken shorter (`coarseness`).
 2. A guard that begins at zero is armed once it has been positive. One that is armed and negative at
-   a sample has a bracket; one that never becomes positive and ends negative falls at once.
+   a sample has a bracket; one that never becomes positive and ends negative falls at once. What
+   leaves rest where forces balance has the rounding of that balance to spare (`note_spare`).
 3. One that may fall and rise again between samples, which a parabola through three of them tells
    with room to spare, is searched for its minimum by golden section; a negative value there gives
    a bracket (`turns`, `dip`).
@@ -37,7 +38,7 @@ from stickslip.engine.kernels.equations import (
     size_along,
     slip_rate_along,
 )
-from stickslip.engine.kernels.mode_transitions import UNMOVED
+from stickslip.engine.kernels.mode_transitions import UNMOVED, wall_coordinate, wall_side
 from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, first_fall, interpolate
 from stickslip.engine.kernels.steppers import wave_at
 
@@ -117,22 +118,27 @@ def itp_point(
 
 
 def direction_from_rest(i: int, w: Vector, iw: IntVector) -> int:
-    """Return the direction in which what friction can hold slips from rest in a step, or 0."""
+    """Return the direction in which what a level or a stop held moves from rest in a step, or 0."""
     if iw[layout.N_CONTACTS] > 0:
-        mode = iw[iw[layout.MODES] + i] if iw[iw[layout.RIGID] + i] else 0
+        mode = iw[iw[layout.MODES] + i]
+        mode = mode if mode == layout.FREE or iw[iw[layout.RIGID] + i] else 0
         rate = slip_rate_along(i, iw[layout.Y], w, iw)
     else:
-        own = iw[layout.N_COORDINATES] + i == iw[layout.SLIP]
+        own = iw[layout.N_COORDINATES] + i == iw[layout.SLIP] and abs(iw[layout.MODE]) == 1
         mode = iw[layout.MODE] if own and not iw[layout.HAS_BRISTLES] else 0
         rate = w[iw[layout.Y] + iw[layout.SLIP]]
+    for wall in range(iw[layout.N_WALLS] if mode != 0 and rate == 0.0 else 0):
+        place = w[iw[layout.WALLS] + wall * iw[layout.WALL_COLUMNS]]
+        if wall_coordinate(wall, iw) == i and w[iw[layout.Y] + i] == place:
+            return -wall_side(wall, iw)
     return mode if abs(mode) == 1 and rate == 0.0 else 0
 
 
 def note_spare(w: Vector, iw: IntVector) -> None:
-    """Write how much of the acceleration of what slips from rest may be rounding.
+    """Write how much of the acceleration of what moves from rest may be rounding.
 
-    As it breaks away forces balance, and it is their growth that tells that it goes on. What is
-    left of the balance is the rounding of forces and of the time.
+    As it breaks away, or leaves its stop, forces balance, and it is their growth that tells that
+    it goes on. What is left of the balance is the rounding of forces and of the time.
     """
     w[layout.SPARE] = 0.0
     if iw[layout.STEPPER] == layout.EXACT:
@@ -168,18 +174,20 @@ def size_of_slip(i: int, w: Vector, iw: IntVector) -> float:
 
 
 def forget_spare(w: Vector, iw: IntVector) -> None:
-    """Take for 0 what rounding leaves of a speed against the slip, at the end of a step in Y1."""
+    """Take for 0 what rounding leaves of a motion against the slip, at the end of a step in Y1."""
     rates = iw[layout.Y1] + iw[layout.N_COORDINATES]
     for i in range(iw[layout.N_COORDINATES]):
         speed = direction_from_rest(i, w, iw) * w[rates + i]
         if -w[layout.SPARE] * w[layout.LENGTH] <= speed < 0.0:
             w[rates + i] = 0.0
+            w[iw[layout.Y1] + i] = w[iw[layout.Y] + i]
 
 
 def guard_values(t: float, ahead: float, w: Vector, iw: IntVector, at: int, to: int) -> None:
     """Evaluate the guards a time ahead of the start of a step, with what rounding may decide.
 
-    That is the quiet zone of bristle laws, and the speed that what begins to slip has by rounding.
+    That is the quiet zone of bristle laws, and the speed or the way that what begins to move has by
+    rounding.
     """
     guards(t, w, iw, at, to)
     if ahead * w[layout.SPARE] > 0.0:
@@ -187,6 +195,9 @@ def guard_values(t: float, ahead: float, w: Vector, iw: IntVector, at: int, to: 
             if direction_from_rest(i, w, iw) != 0:
                 speed = 2 * i if iw[layout.N_CONTACTS] > 0 else layout.STOP
                 w[to + speed] += ahead * w[layout.SPARE]
+        for wall in range(iw[layout.N_WALLS]):
+            if direction_from_rest(wall_coordinate(wall, iw), w, iw) == -wall_side(wall, iw):
+                w[to + iw[layout.FIRST_WALL] + wall] += 0.5 * ahead * ahead * w[layout.SPARE]
     if not iw[layout.HAS_BRISTLES]:
         return
     if iw[layout.N_CONTACTS] > 0:
@@ -248,7 +259,8 @@ def bisect(
 
 
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, iw: IntVector) -> float:
-    """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
+    """Return the fraction just past a fall between, if the minimum there is negative; else 2."""
+    begin = low
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
     f_a = guard_at(guard, a, t, h, w, iw)
@@ -256,10 +268,8 @@ def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, iw: 
     # 0.618^40 is 4e-9 of the bracket; closer than the root of the rounding, 1.5e-8, values of a
     # smooth function about its minimum do not differ.
     for _ in range(40):
-        if f_a < 0.0:
-            return a
-        if f_b < 0.0:
-            return b
+        if f_a < 0.0 or f_b < 0.0:
+            return bisect(guard, begin, a if f_a < 0.0 else b, t, h, w, iw)
         if f_a < f_b:
             high = b
             b = a
@@ -272,7 +282,7 @@ def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, iw: 
             f_a = f_b
             b = low + GOLDEN * (high - low)
             f_b = guard_at(guard, b, t, h, w, iw)
-    return -1.0
+    return 2.0
 
 
 def turns(edge: float, near: float, far: float) -> bool:
@@ -315,22 +325,17 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, iw: IntV
         if armed and value < 0.0:
             return min(first, bisect(guard, low, s / layout.SAMPLES, t, h, w, iw))
         if armed and s > 1:
+            x = 2.0
             if s == 2 and turns(earlier, before, value):
                 x = dip(guard, 0.0, 1.0 / layout.SAMPLES, t, h, w, iw)
-                if x >= 0.0:
-                    return min(first, bisect(guard, 0.0, x, t, h, w, iw))
             # A minimum lies near `before`. The parabola through the three values falls below zero
             # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
-                low = (s - 2) / layout.SAMPLES
-                x = dip(guard, low, s / layout.SAMPLES, t, h, w, iw)
-                if x >= 0.0:
-                    return min(first, bisect(guard, low, x, t, h, w, iw))
+                x = min(x, dip(guard, (s - 2) / layout.SAMPLES, s / layout.SAMPLES, t, h, w, iw))
             if s == layout.SAMPLES and turns(value, before, earlier):
-                low = (s - 1) / layout.SAMPLES
-                x = dip(guard, low, 1.0, t, h, w, iw)
-                if x >= 0.0:
-                    return min(first, bisect(guard, low, x, t, h, w, iw))
+                x = min(x, dip(guard, low, 1.0, t, h, w, iw))
+            if x < 2.0:
+                return min(first, x)
         if value < 0.0 and guard >= first_wall:  # a bounce too short to be seen
             return -1.0
         armed = armed or value > 0.0

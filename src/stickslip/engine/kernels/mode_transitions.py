@@ -252,23 +252,16 @@ def direction_of_break(guard: int, flags: int, w: Vector, iw: IntVector) -> int:
     return direction(flags, w, iw)
 
 
-def initial_mode(w: Vector, iw: IntVector) -> None:
-    """Set mode and flags for a state."""
-    iw[layout.FLAGS] = 0
-    set_mode(w, iw)
-
-
 def set_mode(w: Vector, iw: IntVector) -> None:
     """Set mode and flags for a state, from flags that held before."""
     rate = iw[layout.Y] + iw[layout.SLIP]
-    flags = set_flags(w[layout.TIME], w, iw, iw[layout.Y], iw[layout.FLAGS], 0)
-    iw[layout.FLAGS] = flags
+    iw[layout.FLAGS] = set_flags(w[layout.TIME], w, iw, iw[layout.Y], iw[layout.FLAGS], 0)
     if w[rate] > 0.0:
         iw[layout.MODE] = 1
     elif w[rate] < 0.0:
         iw[layout.MODE] = -1
     else:
-        iw[layout.MODE] = mode_from_rest(flags, w, iw)
+        iw[layout.MODE] = mode_from_rest(iw[layout.FLAGS], w, iw)
 
 
 def turn_switch(switch: int, w: Vector, iw: IntVector) -> None:

@@ -432,8 +432,7 @@ def _shown(result: OrbitDiagram | Branch, show: str | None) -> tuple[str, bool]:
 
 
 def _unit_shown(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> str:
-    unit = result.units.get(name, "1")
-    return f"{unit}/s" if velocity else unit
+    return result.units.get(name, "1") + ("/s" if velocity else "")
 
 
 def _heights(branch: Branch, name: str, *, velocity: bool) -> Any:
@@ -455,8 +454,7 @@ def _settled(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> tup
     if velocity:
         return result.values, result.velocities[name], result.chaotic
     points = result.samples[:, :, result.states.index(name)]
-    columns = (np.repeat(column, points.shape[1]) for column in (result.values, result.chaotic))
-    values, chaotic = columns
+    values, chaotic = (np.repeat(x, points.shape[1]) for x in (result.values, result.chaotic))
     return values, points.ravel(), chaotic
 
 
@@ -547,7 +545,10 @@ def _motions(figure: Figure, axes: Axes, result: OrbitChart) -> None:
         bar.outline.set_visible(False)
     for number in np.unique(result.count).tolist():
         for i, j in _middles(result.count == number):
-            axes.text(xs[i], ys[j], str(number), color=INK, ha="center", va="center")
+            # at an edge half of a number in the middle of its cell would lie on the axis
+            ha = {0: "left", len(xs) - 1: "right"}.get(i, "center")
+            va = {0: "bottom", len(ys) - 1: "top"}.get(j, "center")
+            axes.text(xs[i], ys[j], str(number), color=INK, ha=ha, va=va)
     axes.plot([], [], linestyle="none", label="numbers: stable motions")
 
 
