@@ -401,7 +401,7 @@ def ladder_verdict(
             said += [inputs_text(values, turning=measurement.turning)] if values else []
             texts[k] = f"{text} at {joined(said)}"
         texts = [text for _, text in sorted(zip(places, texts, strict=True))]
-        said_next.append(advice_sentence(proposal, texts, words))
+        said_next.append(advice_sentence(proposal, texts))
     elif words.measured == "readings":
         said_next.append(NO_READINGS)
     said_next += advice

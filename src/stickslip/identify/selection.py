@@ -55,9 +55,6 @@ from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import quantity
 
-STRETCHES_TO_MAKE = 6
-"""Stretches of steady motion that are proposed at most."""
-
 
 def checked(
     mechanism: Mechanism,
@@ -396,18 +393,10 @@ def record_verdict(
     if begun := [record.began for record in problem.records if record.began is not None]:
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
-    rows, next_ = problem.asked(), list[str]()
-    places, widths = tuple[float, ...](), tuple[float, ...]()
+    rows, next_, widths = problem.asked(), list[str](), tuple[float, ...]()
     if isinstance(problem, RecordProblem):
-        offered = problem.offered()
-        proposal = propose(
-            judgement.curves(rows),
-            judgement.curves(offered),
-            problem.noise_of_stretch(offered),
-            taken=STRETCHES_TO_MAKE,
-        )
-        places = tuple(float(offered.velocity[k]) for k in proposal.places)
         widths = widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)
+        proposal = Proposal(places=(), shrinks=widths[0])
     else:
         share = problem.start_of(judgement.draws)
         further = problem.further(judgement.draws, share)
@@ -423,7 +412,7 @@ def record_verdict(
         words,
         checks=checks,
         proposal=proposal,
-        places=places,
+        places=(),
         advice=next_,
         largest_speed=float(np.max(np.abs(rows.velocity))),
         route=route,

@@ -159,30 +159,24 @@ NO_READINGS = (
 )
 
 
-def advice_sentence(proposal: Proposal, places: Sequence[str], words: Words) -> str:
-    """Return what to measure next, at places in the order of the speeds, and what it gains.
-
-    Of records it is steady motion, as long as a twentieth of the record each time.
-    """
+def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
+    """Return what to measure next, at places in the order of the speeds, and what it gains."""
     counts: dict[str, int] = {}
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
-    reads = words.measured == "readings"
-    if reads and (proposal.halves or 0) > len(places):
+    if (proposal.halves or 0) > len(places):
         expected += f"; about {proposal.halves} in all, chosen so, would halve it"
-    elif reads and proposal.halves is None and proposal.shrinks > 0.5:
+    elif proposal.halves is None and proposal.shrinks > 0.5:
         expected += f"; even {COUNTED}, chosen so, are not expected to halve it"
-    many = "{} readings" if reads else "{} times"
     if len(counts) <= MOST:
-        named = [p if n == 1 else f"{p} ({many.format(n)})" for p, n in counts.items()]
-        return f"{'Measure' if reads else 'Move steadily'} at {joined(named)}: {expected}."
+        named = [p if n == 1 else f"{p} ({n} readings)" for p, n in counts.items()]
+        return f"Measure at {joined(named)}: {expected}."
     most = sorted(counts, key=lambda place: -counts[place])[:MOST]
     named = [f"{place} ({counts[place]})" for place in counts if place in most]
     first, *_, last = counts
-    said = f"Take {len(places)} readings" if reads else f"Move steadily {len(places)} times"
     what = "settings" if " at " in first else "velocities"
-    said += f" at {len(counts)} {what} from {first} to {last}"
+    said = f"Take {len(places)} readings at {len(counts)} {what} from {first} to {last}"
     if len(places) > len(counts):
         said += f", the most at {joined(named)}"
     return f"{said} (all are in verdict.json): {expected}."

@@ -55,7 +55,7 @@ from stickslip.identify.problems.record_curves import (
     steady_column,
     steady_curves,
 )
-from stickslip.identify.problems.record_model import SCALES, STRETCHES, RecordModel, laws_of
+from stickslip.identify.problems.record_model import SCALES, RecordModel, laws_of
 from stickslip.identify.problems.record_rows import MIDDLE, SHORT
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.projection import TOLERANCE, Rung, Shaped
@@ -70,9 +70,6 @@ from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
-OFFERED, FARTHER = 8, (0.3, 0.6, 1.5, 2.0)
-"""Speeds of each direction at which a stretch of steady motion may be proposed, and those beyond
-them over the slowest and the fastest."""
 DRAWN = 400
 """Rows that a figure shows."""
 LOAD = "load"
@@ -261,28 +258,6 @@ class RecordProblem(Problem):
         side = 1.0 if (v > 0.0).any() else -1.0
         moved = side * v[side * v > 0.0]
         return self.at(side * np.geomspace(moved.min(), moved.max(), POINTS))
-
-    def offered(self) -> SteadyRows:
-        """Return the stretches of steady motion that may be proposed: about the resolved speeds."""
-        v = resolved_speeds(self.model, OFFERED)
-        sides = [v[v * side > 0.0] for side in (-1.0, 1.0)]
-        ends = [
-            factor * side[np.argmax(np.abs(side)) if factor > 1.0 else np.argmin(np.abs(side))]
-            for side in sides
-            if len(side)
-            for factor in FARTHER
-        ]
-        return self.at(np.sort(np.concatenate([v, ends])))
-
-    def noise_of_stretch(self, rows: SteadyRows) -> Array:
-        """Return the deviation of the mean of a stretch of another run at rows (n,).
-
-        It is as long as a twentieth of the record.
-        """
-        count = self.model.kappas[MIDDLE] * self.model.balance.rows(MIDDLE).count / STRETCHES
-        sizes, shares = SCALES["run"]
-        run = self.size * math.sqrt(float(np.dot(np.square(sizes), shares)))
-        return np.hypot(self.noise(rows) / math.sqrt(max(count, 1.0)), run)
 
     @property
     def run_sizes(self) -> tuple[Sequence[float], Sequence[float]]:
