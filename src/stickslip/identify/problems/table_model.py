@@ -957,14 +957,16 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
     structures, priors = structures_of(frame, grid, known)
     posterior = Posterior(model, structures, priors, begin=model.begin(), most=0)
     structures, priors = _refined(posterior, priors, grid, frame)
-    for turn in range(1, FINER):  # as finely as the readings tell shapes
+    part = 1.0 / 9.0
+    for _ in range(1, FINER):  # as finely as the readings tell shapes
         posterior = Posterior(model, structures, priors, begin=[posterior.best], most=0)
-        again = _finer_still(posterior, priors, grid, frame, 3.0 ** -(turn + 1))
+        again = _finer_still(posterior, priors, grid, frame, part)
         if len(again[0]) == len(structures):
             break
         structures, priors = again
+        part /= 3.0
     begin, far = [posterior.best], np.zeros(len(weights))
-    for turn in range(TURNS):
+    for turn in range(TURNS + FINER):
         if turn:
             model = TableModel(readings, frame, weights, reference)
         posterior = Posterior(model, structures, priors, begin=begin, most=MOST if turn else FIRST)
@@ -972,6 +974,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
             kept = [k for some in _near(posterior, LOST) for k in some]
             structures = [structures[k] for k in kept]
             structures, priors = _with_breaks(structures, priors[kept], readings.rows, frame)
+        again = _finer_still(posterior, priors, grid, frame, part) if turn else (structures, priors)
         begin, before = [posterior.best], weights
         best = posterior.nodes.index(posterior.best)
         structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
@@ -981,8 +984,12 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
         reference = Reference(
             frame, LawCurve(frame, structure, posterior.estimate(posterior.best, structure)[0])
         )
-        if turn and np.allclose(before, weights, atol=0.15):
+        settled = turn + 1 >= TURNS or bool(turn and np.allclose(before, weights, atol=0.15))
+        finer_still = len(again[0]) > len(structures)  # where the noise is less than it was taken
+        if turn + 1 == TURNS + FINER or (settled and not finer_still):
             break
+        structures, priors = again
+        part *= 1.0 / 3.0 if finer_still else 1.0
     return TableFit(model, posterior, far, priors)
 
 
