@@ -298,7 +298,7 @@ class Kind:
     made: Callable[[rigs.Random, int, int, float], Case]
     count: int
     compared: int
-    """Rigs for which `select` is asked the same; none of servos, of whose law a value is held."""
+    """Rigs for which `select` is asked the same; none of servos, which runs fit."""
     seconds: float
     """Processor time that a fit may take [s]."""
 

@@ -6,18 +6,8 @@ import numpy as np
 import pytest
 from benchmarks import servos
 
-from stickslip import (
-    Axis,
-    BamM3,
-    BamM4,
-    CoulombViscous,
-    Measurement,
-    RecordSettings,
-    fit,
-    select,
-)
+from stickslip import Axis, BamM4, CoulombViscous, Measurement, RecordSettings, fit, select
 from stickslip.identify.refinement import refined
-from stickslip.mechanisms import PositionLoop
 
 HELD = RecordSettings(hold="zero")
 
@@ -59,29 +49,6 @@ def test_select_judges_a_servo_of_unknown_constants(servo, record):
     assert true.low < law.kinetic_coefficient < true.high
     assert any("Runs of the mechanism" in one for one in verdict.words.cannot_tell)
     assert not any("distinguished from viscous" in one for one in verdict.words.cannot_tell)
-
-
-@pytest.mark.parametrize("driven", ["voltage", "reference"])
-def test_select_of_one_law_states_what_its_fit_does(servo, driven, monkeypatch):
-    gear = BamM3(kinetic_coefficient=0.02, transmitted_coefficient=0.1, viscous_coefficient=0.02)
-    monkeypatch.setattr(servos, "DURATION", 6.0)
-    record = servos.recorded(replace(servo, law=gear))
-    if driven == "reference":
-        record = replace(record, voltage=None)
-    loop = PositionLoop(gain=servo.gain)
-    rig = guessed(servo)
-    rig = replace(rig, drive=replace(rig.drive, loop=loop)) if driven == "reference" else rig
-    vary = ["friction.*", *servos.VARIED]
-    alone = fit(rig, BamM3, record, vary=vary)
-    verdict = select(rig, [BamM3], record, vary=vary)
-    assert verdict.closest.fit.estimates == alone.estimates
-    assert verdict.law == alone.law
-    assert verdict.mechanism == alone.mechanism
-    stated = {x.path: (x.value, x.low, x.high, x.low_any, x.high_any) for x in verdict.parameters}
-    assert stated == {x.path: (x.value, x.low, x.high, x.low, x.high) for x in alone.estimates}
-    for estimate in alone.estimates:
-        said = f"${estimate.quantity.symbol}$ = ", f": {estimate.range} if "
-        assert any(all(part in line for part in said) for line in verdict.words.settles)
 
 
 @pytest.mark.slow

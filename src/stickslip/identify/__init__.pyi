@@ -59,7 +59,6 @@ from stickslip.identify.thresholds import THRESHOLDS as THRESHOLDS
 from stickslip.identify.verdict import BandVerdict as BandVerdict
 from stickslip.identify.verdict import LawCandidate as LawCandidate
 from stickslip.identify.verdict import LawFit as LawFit
-from stickslip.identify.verdict import RunsOf as RunsOf
 from stickslip.identify.verdict import importance as importance
 from stickslip.identify.wording import parameter_sentence as parameter_sentence
 

@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ from stickslip.identify.candidates import (
     in_sentence,
     score_text,
 )
-from stickslip.identify.fits import VARIES, RecordFit, inputs_text, measured_loads, unvaried
+from stickslip.identify.fits import VARIES, inputs_text, measured_loads, unvaried
 from stickslip.identify.judgement import NO_LAW, Finding, Judgement
 from stickslip.identify.laws import TITLES
 from stickslip.identify.problems.records import LOAD
@@ -38,9 +37,7 @@ from stickslip.identify.verdict import (
     BandVerdict,
     LawCandidate,
     LawFit,
-    RunsOf,
     at_usual_inputs,
-    by_runs,
     estimates_of,
     law_fit,
     told_apart,
@@ -327,12 +324,8 @@ def ladder_verdict(
     second: Measurement | None = None,
     foreseen: Foreseen | None = None,
     remarks: Sequence[str] = (),
-    runs: RunsOf | None = None,
 ) -> BandVerdict:
-    """Return the verdict of a judgement, in words.
-
-    Parameters of a law that is compared alone are those of its `runs`, where these are given.
-    """
+    """Return the verdict of a judgement, in words."""
     if "offset" not in mechanism.__dataclass_fields__ and not judgement.problem.fitted:
         judgement = replace(judgement, offset=True)
     rows = judgement.problem.asked()
@@ -348,12 +341,6 @@ def ladder_verdict(
     first = candidates[0]
     assert first.fit is not None
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
-    fitted = runs() if runs is not None and judgement.named.structure else None
-    if fitted is not None:
-        first = replace(first, fit=by_runs(first.fit, fitted))
-        candidates = (first, *candidates[1:])
-        every = fitted.estimates
-    assert first.fit is not None
     phrase = phrase_of(judgement, judgement.named)
     both = zip(first.fit.estimates, every, strict=True)
     said = [parameter_sentence(own, other, phrase) for own, other in both]
@@ -371,10 +358,8 @@ def ladder_verdict(
         f" (root mean square), {percent(first.left / judgement.problem.size)} of friction.",
         *filter(None, (simpler_sentence(judgement),)),
         *said,
-        *([] if fitted is None else [_runs_sentence(fitted)]),
     ]
-    doubts = [] if fitted is None else [*fitted.sentences]
-    doubts += [finding_sentence(finding) for finding in judgement.findings if finding.asserted]
+    doubts = [finding_sentence(finding) for finding in judgement.findings if finding.asserted]
     doubts += judgement.problem.untold()
     doubts += untold_of_law(judgement, first.fit)
     if far := judgement.outliers:
@@ -436,14 +421,4 @@ def ladder_verdict(
         places=tuple(places),
         conditions={**conditions},
         intervals=every,
-        runs=fitted,
-    )
-
-
-def _runs_sentence(fit: RecordFit[Any]) -> str:
-    """Return what runs of a law leave of the motion."""
-    left = quantity(fit.rms, fit.measurement.unit(fit.problem.quantity), 2)
-    return (
-        f"Values of the parameters are those of runs of the mechanism with the law, which leave"
-        f" {left} of the {fit.problem.quantity} (root mean square)."
     )

@@ -41,7 +41,7 @@ from stickslip.identify.propose import (
     within_band,
 )
 from stickslip.identify.refinement import Refined, refined
-from stickslip.identify.verdict import BandVerdict, RunsOf
+from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     ORDERED,
     SCALED,
@@ -274,13 +274,11 @@ def select_record(
     hold: Hold | None = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
-    runs: RunsOf | None = None,
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is over all candidate laws.
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
     samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
-    Parameters of a law that is compared alone are those of its `runs`, where these are given.
     """
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)
@@ -293,11 +291,11 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    motor = refined(mechanism, measurement, vary, hold=hold)
-    if motor is None:
+    runs = refined(mechanism, measurement, vary, hold=hold)
+    if runs is None:
         rig = settled(mechanism, measurement, vary, offset=offset)
     else:
-        rig, made = motor.on(mechanism), partial(_known_by_runs, motor, made)
+        rig, made = runs.on(mechanism), partial(_known_by_runs, runs, made)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     asked = laws_for(laws, records, load_of(rig))
@@ -319,8 +317,7 @@ def select_record(
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),
-        remarks=[*map(str, checks.of("outliers")), *([motor.sentence] if motor else [])],
-        runs=runs,
+        remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
     )
 
 
@@ -368,7 +365,6 @@ def record_verdict(
     other: Measurement | None,
     again: Callable[[Measurement], Sequence[Record]],
     remarks: Iterable[str] = (),
-    runs: RunsOf | None = None,
 ) -> BandVerdict:
     """Return the verdict on records of one coordinate, with what a second measurement says of it.
 
@@ -420,7 +416,6 @@ def record_verdict(
         second=second,
         foreseen=None if other is None else foreseer(other),
         remarks=said,
-        runs=runs,
     )
 
 

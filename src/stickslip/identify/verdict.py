@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
-    RecordFit,
     as_informed,
     as_loaded,
     estimates_for,
@@ -49,10 +48,6 @@ from stickslip.show.formatting import Scale, interval, joined, number, quantity,
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
     from stickslip.show.display import Drawing, Target
-
-
-RunsOf: TypeAlias = Callable[[], "RecordFit[Any] | None"]
-"""Fits the law that is compared alone by runs of the mechanism, where these fit it."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -207,9 +202,6 @@ class BandVerdict(Verdict[LawCandidate]):
     """Velocities that are proposed [m/s] or [rad/s]."""
     conditions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Loads [N] and inputs of the contact [SI] at these, by name, where several were measured."""
-    runs: RecordFit[Any] | None = field(default=None, repr=False)
-    """Fit of a law that is compared alone by runs, which tell its parameters better than a balance
-    does; None where the balance tells them."""
 
     @property
     def route(self) -> str:
@@ -308,19 +300,7 @@ class BandVerdict(Verdict[LawCandidate]):
     @property
     def parameters(self) -> tuple[Interval, ...]:
         """Intervals of the parameters: under the named law, and over the laws of the set."""
-        if self.runs is None:
-            return self.judgement.intervals
-        return tuple(
-            Interval(
-                path=named.path,
-                value=named.value,
-                low=named.low,
-                high=named.high,
-                low_any=over_all.low,
-                high_any=over_all.high,
-            )
-            for named, over_all in self.stated
-        )
+        return self.judgement.intervals
 
     @property
     def ladder(self) -> tuple["LawCandidate", ...]:
@@ -664,19 +644,6 @@ def law_fit(
         structure=structure,
         largest_speed=largest_speed,
         correlation=correlation,
-    )
-
-
-def by_runs(fit: LawFit, runs: RecordFit[Any]) -> LawFit:
-    """Return the fit of a law with the values and intervals that runs give its parameters."""
-    return replace(
-        fit,
-        law=runs.law,
-        mechanism=runs.mechanism,
-        estimates=runs.estimates,
-        correlation=runs.inference.correlation,
-        remarks=runs.remarks,
-        lacking=(),
     )
 
 

@@ -1,7 +1,6 @@
 """Records in time, and measured friction."""
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
@@ -15,7 +14,6 @@ from stickslip.identify import (
     Fit,
     LawFit,
     NotToldError,
-    RunsOf,
     fitted_law,
     importance,
     ladder_rows,
@@ -186,10 +184,6 @@ class RecordKind(BandKind):
             except NotToldError:  # which runs under what was recorded may tell
                 if request.route is not None or "friction" in request.measurement.quantities():
                     raise
-        return self._by_runs(request)
-
-    def _by_runs(self, request: Request) -> RecordFit[Any]:
-        """Return the fit of one law by simulated segments."""
         self._refuse_signs(request)
         begin, late = self._begun(request)
         given = request.arguments("law", "settings")
@@ -235,35 +229,9 @@ class RecordKind(BandKind):
         return {}, None
 
     def select(self, request: Request) -> BandVerdict:
-        runs = partial(self._runs_alone, request)
-        return self._select(request, request.parameters(None), request.laws, runs)
+        return self._select(request, request.parameters(None), request.laws)
 
-    def _runs_alone(self, request: Request) -> RecordFit[Any] | None:
-        """Return the fit of a law that is compared alone, where `fit` simulates segments.
-
-        None where it compares forces, where several laws are compared, and where no run follows.
-        """
-        laws = request.laws or ()
-        given: list[Any] = [*(laws.values() if isinstance(laws, Mapping) else laws)]
-        if len(given) != 1:
-            return None
-        law, vary = self.law_and_parameters(given[0], request.vary, request.fixed or ())
-        fitted: Any = self.owner(law)
-        watch = request.progress and partial(request.progress, fitted.name)
-        alone = replace(request, law=law, laws=None, vary=vary, progress=watch)
-        if self._route(alone) != SHOOTING:
-            return None
-        with suppress(InputError, ConvergenceError):
-            return self._by_runs(alone)
-        return None
-
-    def _select(
-        self,
-        request: Request,
-        chosen: Parameters[Any],
-        laws: Any,
-        runs: RunsOf | None = None,
-    ) -> BandVerdict:
+    def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         refuse_overrides(request.measurement, chosen.unknown)
         return select_record(
             chosen.mechanism,
@@ -274,7 +242,6 @@ class RecordKind(BandKind):
             hold=request.settings.hold if request.settings else None,
             validate=request.validate,
             tolerance=request.tolerance,
-            runs=runs,
         )
 
     def summary(
