@@ -1,5 +1,6 @@
 """The posterior against closed forms: weights, draws and nodes of small linear models."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -210,6 +211,24 @@ def test_a_visit_reaches_a_maximum_that_is_far_in_many_scales() -> None:
     assert posterior.best == (3,) * 14
     for k in range(14):
         assert posterior.scale(str(k))[3] > 0.5
+
+
+class Ridge(Far):
+    """Two scales, of which the data tell the difference alone."""
+
+    scales = tuple(Scale(name=x, values=tuple(range(12)), prior=(1 / 12,) * 12) for x in "ab")
+
+    def prior(self, node: Node) -> float:
+        a, b = node
+        return -1.5 * (a - b) ** 2 - 0.02 * (a - 6) ** 2
+
+
+def test_a_visit_follows_scales_that_are_told_together() -> None:
+    model, every = Ridge(), list(itertools.product(range(12), repeat=2))
+    total = np.logaddexp.reduce([model.prior(node) for node in every])
+    posterior = Posterior(model, [()], np.zeros(1), begin=[(6, 6)], most=60)
+    visited = np.logaddexp.reduce([model.prior(node) for node in posterior.nodes])
+    assert math.exp(visited - total) > 0.98
 
 
 def test_sweeps_invert_small_matrices() -> None:

@@ -381,7 +381,7 @@ class Posterior:
         queue = list[tuple[float, Node, Step, Node]]()
         opened = begin
         for node in begin:
-            self._met(node)
+            self._compare(node)
         while len(self._seen) < most:
             for parent in opened:
                 if (lacking := self._lacking(parent)) <= DEPTH:
@@ -391,24 +391,27 @@ class Posterior:
                 return
             before, node, step, parent = heapq.heappop(queue)
             opened, loss = [], gains.loss(step, self._lacking(parent))
-            if node in self._seen or loss > DEPTH:
+            # what a step gained elsewhere orders the queue; where scales are correlated, it may
+            # gain here
+            if node in self._seen or self._lacking(parent) > DEPTH:
                 continue
             if loss > before:
                 heapq.heappush(queue, (loss, node, step, parent))
                 continue
-            self._met(node)
+            self._compare(node)
             opened = [node]
             if step[0] not in self._given:
                 gains.learn(step, self.value(node) - self.value(parent))
 
-    def _met(self, node: Node) -> None:
+    def _compare(self, node: Node) -> None:
         """Compare a node with the best of the same data."""
         data = self._data(node)
         self._best[data] = max(self.value(node), self._best.get(data, -math.inf))
 
     def _lacking(self, node: Node) -> float:
         """Return by how much a node that was visited is below the best of the same data."""
-        return self._best[self._data(node)] - self.value(node)
+        best = self._best[self._data(node)]
+        return 0.0 if self.value(node) == best else best - self.value(node)
 
     def _data(self, node: Node) -> Node:
         """Return the values of the scales that make other data."""
