@@ -439,6 +439,20 @@ def test_a_limit_that_takes_nothing_but_noise_is_none() -> None:
     assert [acting.limit for acting in RecordModel([record]).actings] == [math.inf]
 
 
+def test_jumps_of_a_command_hide_no_limit() -> None:
+    random, step = np.random.default_rng(4), 1e-3
+    command = np.repeat(random.uniform(-12.0, 12.0, 300), 20)
+    v = np.zeros(len(command))
+    for k in range(1, len(v)):
+        acting = float(np.clip(command[k - 1], -8.5, 8.5))
+        v[k] = v[k - 1] + step * (acting - 2.0 * math.tanh(v[k - 1] / 1e-3) - 10.0 * v[k - 1])
+    t = step * np.arange(len(v))
+    position = cumulative_trapezoid(v, t, initial=0.0)
+    record = Record(time=t, position=position, force=command)
+    limits = [acting.limit for acting in RecordModel([record]).actings]
+    assert any(abs(limit - 8.5) < 0.3 for limit in limits), limits
+
+
 def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:
     judgement = judged(driven(inertia=40.0, zone=3.0))
     assert judgement.named.family == ("level", "viscous")

@@ -347,15 +347,12 @@ def ladder_verdict(
     other = judgement.band(rows, new=True) if judgement.problem.runs > 1 else None
     lede = band_sentence(rows.velocity, band, words, offset="offset" in judgement.beside)
     if other is not None:
-        lede = " ".join(
-            filter(
-                None,
-                (lede, specimen_sentence(band, other, judgement.problem.runs, words.force_unit)),
-            )
-        )
+        more = specimen_sentence(band, other, judgement.problem.runs, words.force_unit)
+        lede = " ".join(filter(None, (lede, more)))
+    left = first.left / judgement.problem.size
     settles = [
         f"The law leaves {quantity(first.left, words.force_unit, 2)} of the {words.measured}"
-        f" (root mean square), {percent(first.left / judgement.problem.size)} of friction.",
+        f" (root mean square)" + (f", {percent(left)} of friction." if left <= 1.0 else "."),
         *filter(None, (simpler_sentence(judgement),)),
         *said,
     ]
@@ -392,7 +389,8 @@ def ladder_verdict(
     said_next += advice
     # where a law describes friction, an interval that holds possible values raises no doubt
     sure = judgement.named.distance < NO_LAW
-    unphysical = unphysical_of(judgement, mechanism, sure=sure)
+    composed, intervals = judgement.composition, judgement.intervals
+    unphysical = unphysical_of(composed, mechanism, intervals, sure=sure)
     return BandVerdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,

@@ -42,6 +42,8 @@ class Proposal:
     """Expected width of the band after them, over today's."""
     halves: int | None = None
     """Readings, chosen so, by which the band is expected to halve; None if too many."""
+    least: float = 0.0
+    """Expected width after as many readings as are counted, over today's."""
     widths: tuple[float, ...] = ()
     """Expected widths after the first, the second ... of as many as may be taken, over today's."""
 
@@ -129,7 +131,11 @@ def propose(
         return Proposal(places=(), shrinks=1.0, widths=widths)
     halves = next((k for k, x in enumerate(shrinks) if x <= HALVED), None)
     return Proposal(
-        places=tuple(chosen[:some]), shrinks=shrinks[some], halves=halves, widths=widths
+        places=tuple(chosen[:some]),
+        shrinks=shrinks[some],
+        halves=halves,
+        least=shrinks[-1],
+        widths=widths,
     )
 
 
@@ -187,7 +193,8 @@ def widths_of_another(
     >>> round(widths_of_another((0.02,), (1.0,), 0.0, 1)[3], 2)  # nothing is to be learned
     1.0
     """
-    s, p = np.array(sizes), np.array(shares)
+    p = np.array(shares)
+    s, p = np.array(sizes)[p > 0.0], p[p > 0.0]
 
     def width(weights: Array, count: int) -> float:
         """Return the end of the interval of a sum of normal distributions."""

@@ -43,6 +43,7 @@ from stickslip.identify.propose import (
 from stickslip.identify.refinement import Refined, refined
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
+    NO_RECORDS,
     ORDERED,
     SCALED,
     Words,
@@ -401,6 +402,8 @@ def record_verdict(
     if second is None and (problem.runs < 2 or (widths and widths[0] < WORTH)):
         bands = judgement.band(rows), judgement.band(rows, new=True)
         next_.append(again_sentence(*bands, widths, problem.runs, words.force_unit))
+    elif second is None and widths:
+        next_.append(NO_RECORDS)
     return ladder_verdict(
         judgement,
         mechanism,

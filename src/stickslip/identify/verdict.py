@@ -615,7 +615,8 @@ def law_fit(
     rig = vary(mechanism, "mechanism", values) if values else mechanism
     rig, loaded = as_loaded(rig, measurement)
     rig, of_inputs = as_informed(law, rig, measurement)
-    said = (*unphysical_of(judgement, mechanism), loaded, *of_inputs)
+    intervals = judgement.intervals if named else ()
+    said = (*unphysical_of(composed, mechanism, intervals), loaded, *of_inputs)
     remarks = [remark for remark in said if remark]
     if named:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
@@ -647,19 +648,33 @@ def law_fit(
     )
 
 
-def unphysical_of(judgement: Judgement, mechanism: Mechanism, *, sure: bool = False) -> list[str]:
+def unphysical_of(
+    composed: Composition,
+    mechanism: Mechanism,
+    intervals: Sequence[Interval],
+    *,
+    sure: bool = False,
+) -> list[str]:
     """Return what to say of parameters of a mechanism that came out where they cannot be.
 
     If that is `sure`, no value of the interval can be.
     """
     known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    ends = {item.path: (item.low, item.high) for item in intervals}
     return [
-        unphysical_sentence(known[item.path], item.value, impossible=impossible)
-        for item in judgement.intervals
-        if item.path in known and not known[item.path].allows(item.value)
-        for impossible in [not any(map(known[item.path].allows, (item.low, item.high)))]
+        unphysical_sentence(known[path], x, impossible=impossible)
+        for path, value in composed.rig.items()
+        for x in [float(value[0])]
+        if path in known and not known[path].allows(x)
+        for impossible in [not _holds_possible(known[path], *ends.get(path, (x, x)))]
         if impossible or not sure
     ]
+
+
+def _holds_possible(known: Quantity, low: float, high: float) -> bool:
+    """Whether an interval holds values that a quantity may have."""
+    least = known.low if known.above is None else max(known.low, known.above)
+    return high > least and low < known.high
 
 
 def _usual_quantity(name: str) -> Quantity:
@@ -708,7 +723,7 @@ def estimates_of(
         reason = ("no reading tells it from the others", "the speeds measured do not bound it", "")[
             ends
         ]
-        outside = one.path.startswith("mechanism.") and not (own.allows(low) or own.allows(high))
+        outside = one.path.startswith("mechanism.") and not _holds_possible(own, low, high)
         if outside and math.isfinite(high - low):
             reason = f"it lies where it cannot be, {interval(low, high)}"
             low, high, least = -math.inf, math.inf, -math.inf

@@ -159,6 +159,12 @@ NO_READINGS = (
 )
 
 
+NO_RECORDS = (
+    "Further records are not expected to narrow the band of another run by a twentieth: these runs"
+    " tell by how much runs differ."
+)
+
+
 def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     """Return what to measure next, at places in the order of the speeds, and what it gains."""
     counts: dict[str, int] = {}
@@ -167,7 +173,7 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
     if (proposal.halves or 0) > len(places):
         expected += f"; about {proposal.halves} in all, chosen so, would halve it"
-    elif proposal.halves is None and proposal.shrinks > 0.5:
+    elif proposal.halves is None and proposal.least > 0.5:
         expected += f"; even {COUNTED}, chosen so, are not expected to halve it"
     if len(counts) <= MOST:
         named = [p if n == 1 else f"{p} ({n} readings)" for p, n in counts.items()]

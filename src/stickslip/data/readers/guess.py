@@ -1524,13 +1524,10 @@ def _temperature_unit(name: str, stated: str | None) -> str | None:
 def _has_degrees(name: str, stated: str | None) -> bool:
     """Whether a column is in degrees, in the header or in its name: T_oil (degC), Tmp °C.
 
-    K at the end of a name may be a letter: it is a unit in brackets alone.
+    K is the gain of a controller as well.
     """
     spelt = [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
-    sure = [m["unit"] for style in SURE_STYLES if (m := style.fullmatch(name))]
-    return any(unit in KELVINS for unit in (stated, *sure)) or any(
-        unit in KELVINS and unit != "K" for unit in spelt
-    )
+    return any(unit in KELVINS and unit != "K" for unit in (stated, *spelt))
 
 
 def _has_one_value(part: QuantityTable, name: str) -> bool:

@@ -19,6 +19,7 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.signal import lfilter
 
+from stickslip.data.differentiation import QUARTILE
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
 from stickslip.identify.posterior import Array, Column
@@ -33,7 +34,7 @@ from stickslip.identify.problems.record_rows import (
     checked,
     pieces_of,
 )
-from stickslip.identify.problems.record_signals import Record, bristle, noise_of
+from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.vocabulary import DRY, PARTS
 from stickslip.maths import Scalar
 
@@ -664,8 +665,13 @@ class Balance:
 
     @cached_property
     def _force_noise(self) -> float:
-        """Standard deviation of the noise of recorded forces [N]."""
-        return max(noise_of(piece.given.force) for piece in self.pieces)
+        """Standard deviation of the noise of recorded forces [N], not of jumps of a command.
+
+        From the median of third differences, whose weights have a sum of squares of 20.
+        """
+        third = [np.abs(np.diff(piece.given.force, 3)) for piece in self.pieces]
+        middle = max(float(np.median(x)) if len(x) else 0.0 for x in third)
+        return middle / (QUARTILE * math.sqrt(20.0))
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""
