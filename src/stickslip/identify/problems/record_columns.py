@@ -19,7 +19,6 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.signal import lfilter
 
-from stickslip.data.differentiation import QUARTILE
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
 from stickslip.identify.posterior import Array, Column
@@ -671,7 +670,7 @@ class Balance:
         """
         third = [np.abs(np.diff(piece.given.force, 3)) for piece in self.pieces]
         middle = max(float(np.median(x)) if len(x) else 0.0 for x in third)
-        return middle / (QUARTILE * math.sqrt(20.0))
+        return middle / (0.6745 * math.sqrt(20.0))  # the median of a normal distribution's size
 
     def plain(self) -> Array:
         """Return columns of level, viscous friction, a constant and what is looked for (n, p)."""
