@@ -88,11 +88,11 @@ def propose(
     >>> v = np.array([[0.0, 0.5, 1.0]])
     >>> propose(level + 5.0 * slope * v, level + 5.0 * slope * v, np.full(3, 0.1)).places[0]
     2
-    >>> propose(level, level, np.ones(1), taken=1).halves  # 1 / (1 + 4) of the variance
-    4
+    >>> propose(level, level, np.ones(1), taken=1).halves  # 1 / (1 + 6) of the variance
+    6
     >>> twice = np.repeat(level[:, None], 2, axis=2)  # a place where it is read twice
     >>> propose(level, twice, 1.0, taken=1).halves
-    2
+    3
     >>> propose(level, level, 0.1, shared=np.ones((1, 1))).shrinks > 0.7  # repeats of one block
     True
     """
