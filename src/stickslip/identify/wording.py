@@ -161,7 +161,7 @@ NO_READINGS = (
 
 NO_RECORDS = (
     "Further records are not expected to narrow the band of another run by a twentieth: these runs"
-    " tell by how much runs differ."
+    " already show by how much runs differ."
 )
 
 

@@ -132,8 +132,8 @@ NEAR_LOAD = 0.05
 """... and of loads."""
 CELL, CELL_GROWTH, WIDEST = 0.02, 1.3, 0.4
 """Width of cells in logarithms, the factor by which they grow until they are few, and its end: a
-mean over more is not friction at the mean speed (of 112 runs, with up to 3: error 13.7 N, not 8.6).
-"""
+mean over more is not friction at the mean speed (error on other steps of the traction machine, by
+`benchmarks.real_records`: 16.5 N with up to 3, 12.2 N with .4)."""
 LEAST = 0.03
 """Least size of friction, over its root mean square, with which something grows."""
 FEW_SPEEDS = 3
@@ -985,11 +985,11 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
             frame, LawCurve(frame, structure, posterior.estimate(posterior.best, structure)[0])
         )
         settled = turn + 1 >= TURNS or bool(turn and np.allclose(before, weights, atol=0.15))
-        finer_still = len(again[0]) > len(structures)  # where the noise is less than it was taken
-        if turn + 1 == TURNS + FINER or (settled and not finer_still):
+        coarse = len(again[0]) > len(structures)  # the noise is less than it was taken
+        if turn + 1 == TURNS + FINER or (settled and not coarse):
             break
-        structures, priors = again
-        part *= 1.0 / 3.0 if finer_still else 1.0
+        if coarse:
+            structures, priors, part = *again, part / 3.0
     return TableFit(model, posterior, far, priors)
 
 

@@ -797,16 +797,16 @@ class TableProblem(Problem):
         covariance.
         """
         count = len(rows.velocity)
-        own, shared = np.zeros(count), np.zeros((count, count))
+        noise, shared = np.zeros(count), np.zeros((count, count))
         along = self.model.reference(rows) * rows.direction * (self.model.frame.runs > 1)
         for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
             if p > 1e-3:
                 sigma = self.model.sigma(node)
-                own += p * (sigma * self.model.growth(rows, node)) ** 2
+                noise += p * (sigma * self.model.growth(rows, node)) ** 2
                 block = (BETA[node[3]] * self.model.repeats * sigma) ** 2
                 run = RUNS[node[6]] * along
                 shared += p * (block * np.eye(count) + np.outer(run, run))
-        return np.sqrt(own + float(np.median(self.table.stated)) ** 2), shared
+        return np.sqrt(noise + float(np.median(self.table.stated)) ** 2), shared
 
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of the readings about a law [N], outliers as they count."""
