@@ -191,16 +191,32 @@ def test_neighbours_step_along_ordered_scales_and_jump_along_others() -> None:
         Scale(name="a", values=(1.0, 2.0, 3.0, 4.0), prior=(0.25,) * 4),
         Scale(name="b", values=(0.0, 1.0, 2.0), prior=(0.4, 0.3, 0.3), ordered=False),
     )
-    assert [*neighbours(scales, (0, 0))] == [(1, 0), (0, 1), (0, 2)]
+    assert [node for _, node in neighbours(scales, (0, 0))] == [(1, 0), (0, 1), (0, 2)]
 
 
-class Ridge(Model):
-    """Two scales, of which the data tell the difference alone."""
+class Far(Model):
+    """Fourteen scales, of which all have most of their prior three steps from the first value."""
 
-    scales = tuple(Scale(name=x, values=tuple(range(12)), prior=(1 / 12,) * 12) for x in "ab")
+    scales = tuple(
+        Scale(name=str(k), values=tuple(range(6)), prior=(0.01, 0.03, 0.16, 0.6, 0.16, 0.04))
+        for k in range(14)
+    )
 
     def system(self, node: Node, columns: object) -> System:
         return System(gram=np.ones((1, 1)), deviations=np.zeros(0), volume=0.0, sizes=np.zeros(0))
+
+
+def test_a_visit_reaches_a_maximum_that_is_far_in_many_scales() -> None:
+    posterior = Posterior(Far(), [()], np.zeros(1), begin=[(0,) * 14], most=120)
+    assert posterior.best == (3,) * 14
+    for k in range(14):
+        assert posterior.scale(str(k))[3] > 0.5
+
+
+class Ridge(Far):
+    """Two scales, of which the data tell the difference alone."""
+
+    scales = tuple(Scale(name=x, values=tuple(range(12)), prior=(1 / 12,) * 12) for x in "ab")
 
     def prior(self, node: Node) -> float:
         a, b = node

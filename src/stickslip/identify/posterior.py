@@ -29,8 +29,9 @@ together only, one of them negative, no margin shows it. Random columns whose co
 be negative, such as a dead zone, are treated like columns of laws, scaled by their prior deviation.
 One Cholesky factor serves all laws of a node.
 
-1. A *node* is a value of each scale. Nodes are visited best first from where the problem begins,
-   until the best that is open is `DEPTH` below the best that was met, or `most` were visited.
+1. A *node* is a value of each scale. Nodes are visited from where the problem begins, first those
+   that are expected to be best by what the same step along a scale gained elsewhere, until none is
+   expected within `DEPTH` of the best that was met, or `most` were visited.
 2. The weights :math:`p(\text{law, node} \mid y)` follow by normalising, and are the only ones:
    shares of laws are sums of them, bands and intervals are quantiles of draws by them.
 3. Draws take a node and a structure by weight, and coefficients from their normal distribution,
@@ -55,6 +56,8 @@ Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
 Node: TypeAlias = tuple[int, ...]
 """Index of the value of each scale."""
+Step: TypeAlias = tuple[int, int, int]
+"""Number of a scale, and the indices of the values from and to which it is changed."""
 Column: TypeAlias = tuple[str, tuple[float, ...]]
 """Name of a term of a law and its shape."""
 Structure: TypeAlias = tuple[Column, ...]
@@ -71,6 +74,9 @@ COEFFICIENT = 1.5
 than what it leaves after another part is taken off."""
 DEPTH = 4.5
 """Logarithm of the weight below the best from which nodes are not opened: 1 % of it."""
+SURELY = 1e-3
+"""Part of an expected loss that counts where a step is tried from the best node: whether that is a
+maximum is seen before others are opened."""
 TINY = 1e-300
 AT_BOUND = -6.0
 """Deviations below 0 from which a coefficient is at 0: what is left of its variance, a thirtieth,
@@ -162,13 +168,44 @@ def family_of(structure: Structure) -> Family:
     return tuple(name for name, _ in structure)
 
 
-def neighbours(scales: Sequence[Scale], node: Node) -> Iterator[Node]:
-    """Yield the nodes that differ in one scale: by one step where its values are ordered."""
+def neighbours(scales: Sequence[Scale], node: Node) -> Iterator[tuple[Step, Node]]:
+    """Yield steps to nodes that differ in one scale, with these.
+
+    They are the next where values of the scale are ordered.
+    """
     for at, (scale, own) in enumerate(zip(scales, node, strict=True)):
         steps = (own - 1, own + 1) if scale.ordered else range(len(scale.values))
         for other in steps:
             if 0 <= other < len(scale.values) and other != own:
-                yield (*node[:at], other, *node[at + 1 :])
+                yield (at, own, other), (*node[:at], other, *node[at + 1 :])
+
+
+class Gains:
+    """What steps along scales gained where they were last made."""
+
+    def __init__(self, scales: Sequence[Scale]) -> None:
+        self._ordered = [scale.ordered for scale in scales]
+        self._gains: dict[Step, float] = {}
+
+    def learn(self, step: Step, gain: float) -> None:
+        """Take what a step gained: its reverse loses it, and the next may gain as much."""
+        at, first, last = step
+        self._gains[step], self._gains[at, last, first] = gain, -gain
+        if self._ordered[at]:
+            self._gains.setdefault((at, last, 2 * last - first), gain)
+
+    def loss(self, step: Step, lacking: float) -> float:
+        """Return how far below the best a step is expected to end from a node that lacks so much.
+
+        Examples
+        --------
+        >>> gains = Gains([Scale(name="a", values=(1.0, 2.0, 3.0), prior=(1 / 3,) * 3)])
+        >>> gains.learn((0, 0, 1), 2.0)
+        >>> gains.loss((0, 1, 2), 0.5), gains.loss((0, 1, 0), 0.5)
+        (-1.5, 2.5)
+        """
+        loss = lacking - self._gains.get(step, 0.0)
+        return loss if lacking > 0.0 or loss < 0.0 else SURELY * loss
 
 
 def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") -> Array:
@@ -278,6 +315,8 @@ class Posterior:
         self._batches: dict[int, tuple[Batch, ...]] = {}
         self._given = [k for k, item in enumerate(model.scales) if not item.judged]
         self._seen: dict[Node, Array] = {}
+        self._values: dict[Node, float] = {}
+        self._best: dict[Node, float] = {}
         self._visit(begin, most)
         self.nodes = tuple(self._seen)
         table = np.array([self._seen[node] for node in self.nodes])
@@ -333,26 +372,46 @@ class Posterior:
         return {item: known[item[0]] for item in structure if item[0] in known}
 
     def _visit(self, begin: Sequence[Node], most: int) -> None:
-        """Visit nodes best first: each is compared with the best of the same data."""
-        inside, queue = set[Node](), list[tuple[float, Node]]()
-        best: dict[Node, float] = {}
+        """Visit nodes best first: each is compared with the best of the same data.
 
-        def push(node: Node) -> None:
-            inside.add(node)
-            value, data = self.value(node), self._data(node)
-            best[data] = max(value, best.get(data, -math.inf))
-            heapq.heappush(queue, (best[data] - value, node))
-
-        for node in dict.fromkeys(begin):
-            push(node)
-        most += len(inside)
-        while queue and len(self._seen) < most:
-            _, node = heapq.heappop(queue)
-            if self.value(node) < best[self._data(node)] - DEPTH:
+        A step is expected to gain what it gained elsewhere; of the best node all are tried.
+        """
+        begin = list(dict.fromkeys(begin))
+        gains, most = Gains(self.model.scales), most + len(begin)
+        queue = list[tuple[float, Node, Step, Node]]()
+        opened = begin
+        for node in begin:
+            self._compare(node)
+        while len(self._seen) < most:
+            for parent in opened:
+                if (lacking := self._lacking(parent)) <= DEPTH:
+                    for step, node in neighbours(self.model.scales, parent):
+                        heapq.heappush(queue, (gains.loss(step, lacking), node, step, parent))
+            if not queue:
+                return
+            before, node, step, parent = heapq.heappop(queue)
+            opened, loss = [], gains.loss(step, self._lacking(parent))
+            # what a step gained elsewhere orders the queue; where scales are correlated, it may
+            # gain here
+            if node in self._seen or self._lacking(parent) > DEPTH:
                 continue
-            for other in neighbours(self.model.scales, node):
-                if other not in inside:
-                    push(other)
+            if loss > before:
+                heapq.heappush(queue, (loss, node, step, parent))
+                continue
+            self._compare(node)
+            opened = [node]
+            if step[0] not in self._given:
+                gains.learn(step, self.value(node) - self.value(parent))
+
+    def _compare(self, node: Node) -> None:
+        """Compare a node with the best of the same data."""
+        data = self._data(node)
+        self._best[data] = max(self.value(node), self._best.get(data, -math.inf))
+
+    def _lacking(self, node: Node) -> float:
+        """Return by how much a node that was visited is below the best of the same data."""
+        best = self._best[self._data(node)]
+        return 0.0 if self.value(node) == best else best - self.value(node)
 
     def _data(self, node: Node) -> Node:
         """Return the values of the scales that make other data."""
@@ -362,7 +421,8 @@ class Posterior:
         """Return the logarithm of the weight of a node, which is not normalised."""
         if node not in self._seen:
             self._seen[node] = self._structures_at(node)
-        return float(logsumexp(self._seen[node]))
+            self._values[node] = float(logsumexp(self._seen[node]))
+        return self._values[node]
 
     def _structures_at(self, node: Node) -> Array:
         """Return the logarithms of the weights of structures at a node (s,)."""

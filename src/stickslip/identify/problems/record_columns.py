@@ -55,8 +55,6 @@ TOGETHER = 10
 stays as large."""
 COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
-STRAIGHT = 4.0
-"""Size of a force in proportion to the position, over that of one which changes with it."""
 COURSE = 5
 """Columns of a drift: a line and cosines."""
 RELAXING = (0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
@@ -759,12 +757,10 @@ class Balance:
     def forces(self, position: Array) -> Array:
         """Return the basis of a force that changes with the place (n, p).
 
-        What is in proportion to it, as springs and weights are, is larger than what bends them.
+        The last is in proportion to it, if a spring may act: it has a size of its own.
         """
         places = self.frame.places(position, self.waves[0])
-        return (
-            np.column_stack([places, STRAIGHT * self.spring(position)]) if self.pulled else places
-        )
+        return np.column_stack([places, self.spring(position)]) if self.pulled else places
 
     def spring(self, position: Array) -> Array:
         """Return the position from the middle of its range, over half of that (n,)."""

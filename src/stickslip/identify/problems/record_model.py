@@ -83,6 +83,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.045, 0.005)),
     "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
     "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
+    "spring": ((0.0005, 0.1, 1.0), (0.8, 0.1, 0.1)),
     "relaxing": ((0.0005, 0.03, 0.2, 1.0), (0.94, 0.03, 0.02, 0.01)),
     "stretch": (
         (0.0005, 0.003, 0.01, 0.03, 0.08, 0.2, 0.5),
@@ -102,23 +103,22 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
-force by place; of springs that relax; of the level and viscous friction of a twentieth of the
-record; of the pulse of a turn; of bristles of other lengths; the delay in samples; the dead zone of
-a drive; the change with
-an e-fold of the load that is not in proportion, and with an input by its standard deviation; level
-and viscous friction of another run, and of one of a joint, in which is what its rigid body misses
-(first parts of records of two arms: .02 to .2 from run to run); noise over what the last round
-left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
-that are given, over these, of which the last are wrong units. They say what a careful experimenter
-would expect."""
+force by place, of a spring alone; of springs that relax; of the level and viscous friction of a
+twentieth of the record; of the pulse of a turn; of bristles of other lengths; the delay in samples;
+the dead zone of a drive; the change with an e-fold of the load that is not in proportion, and with
+an input by its standard deviation; level and viscous friction of another run, and of one of a
+joint, in which is what its rigid body misses (first parts of records of two arms: .02 to .2 from
+run to run); noise over what the last round left, which a fit that follows the noise makes too
+small; errors of the inertia and of the forces that are given, over these, of which the last are
+wrong units. They say what a careful experimenter would expect."""
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""
 PARTS_OF = {FORCE: "push"}
 """Scales of what changes with an input, where that is no friction."""
 USUAL: dict[str, int] = {
-    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "relaxing": 0,
-    "stretch": 3,
+    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
+    "relaxing": 0, "stretch": 3,
     "turn": 3, "others": 1, "delay": 0, "zone": 0, "load": 1, "input": 1, "push": 0, "run": 1,
     "noise": 1, "given": 1,
 }  # fmt: skip
@@ -238,7 +238,7 @@ BESIDE_LEVELS = ("power", "saturating", "tanh")
 """Flows that fall off, and so may stand for a level, and a level as smooth as with bristles."""
 FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, not distinguished from a damping that is looked for."""
-ALONG = ("drift", "place", "force", "relaxing", "stretch", "run")
+ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
 PUSHED = {"push": 2, "input": 2}
 """Where an input moves a constant force and friction by much."""
@@ -398,6 +398,7 @@ class RecordModel(Model):
         balance = self.balance
         acts = {
             "sides": len(self.frame.sides) > 1,
+            "spring": balance.pulled,
             "turn": balance.turned,
             "relaxing": not balance.measured,
             "zone": balance.opposed,
@@ -582,6 +583,8 @@ class RecordModel(Model):
                 part, times, _ = name.partition("*")
                 scale = SHARED.get(name, name) if not times else PARTS_OF.get(part, "input")
                 result[at] = max(self.at(node, scale), LEAST) * size
+                if name == "force" and self.balance.pulled:
+                    result[np.flatnonzero(at)[-1]] = self.at(node, "spring") * size
         return result
 
     # ---- which bristles

@@ -731,7 +731,9 @@ class RecordProblem(Problem):
         interval, what is out of it on one side counts twice.
         """
         model, rows = self.model, self.model.balance.rows(MIDDLE)
-        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in SCALES[name][0]]].sum()
+        of = (name, "spring") if name == "force" and "spring" in model.names else (name,)
+        nodes = zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True)
+        likely = sum(w for node, w in nodes if any(model.at(node, x) >= NEGLIGIBLE for x in of))
         frame, waves = model.frame, model.balance.waves
         course = frame.course(rows.time)
         columns = {
