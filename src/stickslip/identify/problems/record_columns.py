@@ -605,17 +605,24 @@ class Balance:
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.
 
-        They are inertia, viscous friction, level, a constant and what is looked for.
+        They are inertia, viscous friction, level, a constant, a spring that is not given and does
+        not push away, and what is looked for.
         """
         rows = self.rows(MIDDLE)
         states = zip(self.states(memory), self.pieces, strict=True)
         level = rows.seen([state * self.load(p) for state, p in states])
+        spring = rows.seen([self.spring(p.record.position) for p in self.pieces])
         x = np.column_stack(
-            [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)]
+            [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count), spring]
             + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
-        return np.asarray(np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size)
+        for kept in ((1.0, 0.0) if self.pulled else (0.0,)):
+            x[:, 4] *= kept
+            c = np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size
+            if c[4] >= 0.0:
+                break
+        return np.asarray(c)
 
     @property
     def _looked_for(self) -> list[str]:
@@ -627,12 +634,13 @@ class Balance:
 
         That which was recorded has its noise, with which it would explain itself.
         """
-        inertia, slope, level, constant, *sizes = self._from._plainly(memory).tolist()
+        inertia, slope, level, constant, spring, *sizes = self._from._plainly(memory).tolist()
         every = []
         for piece, state in zip(self.pieces, self.states(memory), strict=True):
             record, acceleration = piece.record, piece.acceleration
             result = inertia * acceleration + slope * piece.velocity / self.frame.top + constant
             result = result + level * state * self.load(piece)
+            result = result + spring * self.spring(record.position)
             for path, size in zip(self._from._looked_for, sizes, strict=True):
                 one = record.unknown[path]
                 result = result + size * (one.inertia * acceleration - one.force)
@@ -757,10 +765,18 @@ class Balance:
     def forces(self, position: Array) -> Array:
         """Return the basis of a force that changes with the place (n, p).
 
-        The last is in proportion to it, if a spring may act: it has a size of its own.
+        If a spring may act, the last is in proportion to the place, with a size of its own, and the
+        cosines have no part of it: of a controller, whose force falls with the position, they
+        would make a spring of negative stiffness.
         """
         places = self.frame.places(position, self.waves[0])
-        return np.column_stack([places, self.spring(position)]) if self.pulled else places
+        if not self.pulled:
+            return places
+        spring = self.spring(position)
+        order = np.arange(1, COSINES + 1)
+        line = -12.0 * (order % 2) / (math.pi * order) ** 2 / np.hypot(1.0, order / CURVED)
+        places[:, :COSINES] -= np.outer(spring, line)
+        return np.column_stack([places, spring])
 
     def spring(self, position: Array) -> Array:
         """Return the position from the middle of its range, over half of that (n,)."""

@@ -204,7 +204,7 @@ ALWAYS: tuple[Family, ...] = ((), ("level", "stribeck", "viscous"))
 TINY = 1e-300
 ROUNDING = 1e-8
 """Share of the covariance of the curve that keeps its root positive."""
-EXACT = 1e-6
+EXACT = 1e-5
 """Noise of rows at least, over the root mean square of the response: numbers and filters round."""
 RIDGE = 1e-12
 """Share of its own square that each column has as noise of its own: as much as rounding may make
@@ -446,11 +446,19 @@ class RecordModel(Model):
         )
 
     def _positive(self, node: Node) -> tuple[int, ...]:
-        """Return the columns whose coefficients are not negative: dead zones that are no noise."""
-        groups = self.design(*self.key(node)).groups
-        if "zone" not in groups or self.at(node, "zone") == SCALES["zone"][0][0]:
-            return ()
-        return tuple(np.flatnonzero(groups == "zone").tolist())
+        """Return the columns whose coefficients are not negative: dead zones and springs.
+
+        Where they are no more than noise, they may have either sign.
+        """
+        places = self.design(*self.key(node)).places
+        of = {"zone": ("zone", slice(None)), "spring": ("force", slice(-1, None))}
+        of["relaxing"] = ("relaxing", slice(None))
+        return tuple(
+            k
+            for name, (group, part) in of.items()
+            if name in self.names and self.at(node, name) > SCALES[name][0][0]
+            for k in range(places[group].start, places[group].stop)[part]
+        )
 
     def _volume(self, node: Node) -> float:
         """Return the sum over the rows of the logarithm of the density of what is left none of.
@@ -584,8 +592,13 @@ class RecordModel(Model):
                 scale = SHARED.get(name, name) if not times else PARTS_OF.get(part, "input")
                 result[at] = max(self.at(node, scale), LEAST) * size
                 if name == "force" and self.balance.pulled:
-                    result[np.flatnonzero(at)[-1]] = self.at(node, "spring") * size
+                    result[np.flatnonzero(at)[-1]] = self._of_spring(node, of_force)
         return result
+
+    def _of_spring(self, node: Node, of_force: float) -> float:
+        """Return the size of a spring, which may be all of the force; if it is none, of friction."""
+        value = self.at(node, "spring")
+        return value * (self.size if value == SCALES["spring"][0][0] else of_force)
 
     # ---- which bristles
     def _choose_band(self) -> None:
