@@ -32,15 +32,21 @@ One Cholesky factor serves all laws of a node.
 1. A *node* is a value of each scale. Nodes are visited from where the problem begins, first those
    that are expected to be best by what the same step along a scale gained elsewhere, until none is
    expected within `DEPTH` of the best that was met, or `most` were visited.
-2. The weights :math:`p(\text{law, node} \mid y)` follow by normalising, and are the only ones:
+2. Of many scales of which the measurement says little, the likeliest nodes are a small part of all,
+   and each has the likeliest sizes alone. The others are drawn: with the values of each scale in
+   proportion to their weights at the best node and those of the other scales there, as many of each
+   as that says (Latin hypercube), and count by their weight over the probability of the draw
+   (importance sampling; Ionides, 2008, for the largest). Nodes that were visited count as they are.
+3. The weights :math:`p(\text{law, node} \mid y)` follow by normalising, and are the only ones:
    shares of laws are sums of them, bands and intervals are quantiles of draws by them.
-3. Draws take a node and a structure by weight, and coefficients from their normal distribution,
+4. Draws take a node and a structure by weight, and coefficients from their normal distribution,
    those that are physics first.
 """
 
 import heapq
 import math
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -298,6 +304,8 @@ class Posterior:
         Nodes from which the visit begins.
     most : int
         Nodes that are visited at most.
+    drawn : int
+        Nodes that are drawn beside these.
     """
 
     def __init__(
@@ -308,6 +316,7 @@ class Posterior:
         *,
         begin: Sequence[Node],
         most: int,
+        drawn: int = 0,
     ) -> None:
         self.model, self.structures = model, tuple(structures)
         self._priors = np.asarray(priors, dtype=float)
@@ -317,9 +326,13 @@ class Posterior:
         self._seen: dict[Node, Array] = {}
         self._values: dict[Node, float] = {}
         self._best: dict[Node, float] = {}
+        self._stands: dict[Node, float] = {}
         self._visit(begin, most)
+        if drawn:
+            self._draw_nodes(drawn)
         self.nodes = tuple(self._seen)
-        table = np.array([self._seen[node] for node in self.nodes])
+        stands = np.array([self._stands.get(node, 0.0) for node in self.nodes])
+        table = np.array([self._seen[node] for node in self.nodes]) + stands[:, None]
         of = [self._data(node) for node in self.nodes]
         total = {item: logsumexp(table[[own == item for own in of]]) for item in set(of)}
         self.evidence = float(logsumexp(list(total.values())) - math.log(len(total)))
@@ -403,6 +416,53 @@ class Posterior:
             if step[0] not in self._given:
                 gains.learn(step, self.value(node) - self.value(parent))
 
+    def _draw_nodes(self, count: int) -> None:
+        """Draw nodes beside those visited, of each data as many, and find for how many they stand."""
+        visited = [*self._seen]
+        values = np.array([self.value(node) for node in visited])
+        data = [self._data(node) for node in visited]
+        first = [k for k, of in enumerate(data) if of == data[0]]
+        centre = visited[max(first, key=lambda k: values[k])]
+        about = [self._about(centre, at) for at in range(len(centre))]
+        visited, groups = [*self._seen], [*dict.fromkeys(data)]
+        each, rng = max(count // len(groups), 1), np.random.default_rng(len(visited))
+        for of in groups:
+            columns = []
+            for at, p in enumerate(about):
+                if at in self._given:
+                    columns.append(np.full(each, of[self._given.index(at)]))
+                else:
+                    columns.append(rng.permutation(np.repeat(np.arange(len(p)), allotted(p, each))))
+            drawn = Counter(zip(*(column.tolist() for column in columns), strict=True))
+            for node in visited:
+                drawn.pop(node, None)
+            if not drawn:
+                continue
+            for node, times in drawn.items():
+                likely = sum(math.log(p[k]) for p, k in zip(about, node, strict=True))
+                self._stands[node] = math.log(times / each) - likely
+            weights = np.array([self.value(node) + self._stands[node] for node in drawn])
+            most = logsumexp(weights) - 0.5 * math.log(each)
+            for node, more in zip(drawn, np.maximum(weights - most, 0.0).tolist(), strict=True):
+                self._stands[node] -= more
+
+    def _about(self, centre: Node, at: int) -> Array:
+        """Return the weights of the values of a scale beside those of a node for others, in sum 1.
+
+        Of ordered values those beyond a value of little weight have none.
+        """
+        scale = self.model.scales[at]
+        result = np.full(len(scale.values), -math.inf)
+        if at in self._given:
+            return np.ones(len(result))
+        ways = [range(centre[at], len(result)), range(centre[at] - 1, -1, -1)]
+        for way in ways if scale.ordered else [range(len(result))]:
+            for k in way:
+                result[k] = self.value((*centre[:at], k, *centre[at + 1 :]))
+                if scale.ordered and result[k] < self.value(centre) - DEPTH:
+                    break
+        return np.asarray(np.exp(result - logsumexp(result)))
+
     def _compare(self, node: Node) -> None:
         """Compare a node with the best of the same data."""
         data = self._data(node)
@@ -463,8 +523,9 @@ class Posterior:
 
     @property
     def best(self) -> Node:
-        """The node with the largest weight."""
-        return self.nodes[int(np.argmax(self.weights.sum(axis=1)))]
+        """The node with the largest weight of its own."""
+        stands = np.array([self._stands.get(node, 0.0) for node in self.nodes])
+        return self.nodes[int(np.argmax(self.weights.sum(axis=1) * np.exp(-stands)))]
 
     def law_at(self, node: Node) -> Structure:
         """Return the law with the largest weight at a node."""

@@ -617,7 +617,7 @@ class Balance:
             + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
-        for kept in ((1.0, 0.0) if self.pulled else (0.0,)):
+        for kept in (1.0, 0.0) if self.pulled else (0.0,):
             x[:, 4] *= kept
             c = np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size
             if c[4] >= 0.0:

@@ -186,8 +186,8 @@ BELOW = 0.06
 shows a bristle is slower than the speed of its length."""
 ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
 """Rounds, those with a length that follows the level, and nodes of each."""
-NODES = 160
-"""Nodes of the posterior."""
+NODES, DRAWN = 100, 150
+"""Nodes of the posterior that are visited, and that are drawn."""
 THIRDS = 5
 """Times that shapes are refined by thirds of a step ..."""
 RESOLVING, LEAST_SHARE = 4.0, 0.02
@@ -361,7 +361,9 @@ class RecordModel(Model):
 
     def posterior(self) -> Posterior:
         """Return the posterior of the records."""
-        return Posterior(self, self.structures, self.priors, begin=self.start, most=NODES)
+        return Posterior(
+            self, self.structures, self.priors, begin=self.start, most=NODES, drawn=DRAWN
+        )
 
     # ---- what is compared
     @property
