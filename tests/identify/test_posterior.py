@@ -231,6 +231,41 @@ def test_a_visit_follows_scales_that_are_told_together() -> None:
     assert math.exp(visited - total) > 0.98
 
 
+class Beside(Far):
+    """Nine scales of which the data tell nothing but that two are seldom large together."""
+
+    scales = tuple(
+        Scale(name=str(k), values=tuple(range(4)), prior=(0.5, 0.25, 0.15, 0.1)) for k in range(9)
+    )
+
+    def prior(self, node: Node) -> float:
+        return super().prior(node) - 0.5 * node[0] * node[1]
+
+
+def test_drawn_nodes_stand_for_those_that_were_not_visited() -> None:
+    every = np.array([*itertools.product(range(4), repeat=2)])
+    likely = np.log([0.5, 0.25, 0.15, 0.1])
+    weights = np.exp(likely[every].sum(axis=1) - 0.5 * every[:, 0] * every[:, 1])
+    two = np.bincount(every[:, 0], weights=weights) / weights.sum()
+    alone, both = (
+        Posterior(Beside(), [()], np.zeros(1), begin=[(0,) * 9], most=60, drawn=drawn)
+        for drawn in (0, 200)
+    )
+    assert both.best == (0,) * 9
+    assert both.weights.sum() == pytest.approx(1.0)
+    for k in range(9):
+        true = two if k < 2 else np.exp(likely)
+        assert alone.scale(str(k))[0] > true[0] + 0.2  # what is likeliest changes nothing
+        np.testing.assert_allclose(both.scale(str(k)), true, atol=0.08)
+
+
+def test_no_node_is_drawn_where_those_visited_have_all_weight() -> None:
+    posterior = Posterior(Ridge(), [()], np.zeros(1), begin=[(6, 6)], most=144, drawn=100)
+    assert len(posterior.nodes) <= 144
+    without = Posterior(Ridge(), [()], np.zeros(1), begin=[(6, 6)], most=144)
+    np.testing.assert_allclose(posterior.scale("a"), without.scale("a"), atol=0.02)
+
+
 def test_sweeps_invert_small_matrices() -> None:
     random = np.random.default_rng(0)
     roots = random.normal(size=(7, 3, 5))

@@ -417,34 +417,26 @@ class Posterior:
                 gains.learn(step, self.value(node) - self.value(parent))
 
     def _draw_nodes(self, count: int) -> None:
-        """Draw nodes beside those visited, of each data as many, and find for how many they stand."""
-        visited = [*self._seen]
-        values = np.array([self.value(node) for node in visited])
-        data = [self._data(node) for node in visited]
-        first = [k for k, of in enumerate(data) if of == data[0]]
-        centre = visited[max(first, key=lambda k: values[k])]
+        """Draw nodes beside those visited, and find for how many each stands."""
+        centre = min(self._seen, key=self._lacking)
         about = [self._about(centre, at) for at in range(len(centre))]
-        visited, groups = [*self._seen], [*dict.fromkeys(data)]
-        each, rng = max(count // len(groups), 1), np.random.default_rng(len(visited))
-        for of in groups:
-            columns = []
-            for at, p in enumerate(about):
-                if at in self._given:
-                    columns.append(np.full(each, of[self._given.index(at)]))
-                else:
-                    columns.append(rng.permutation(np.repeat(np.arange(len(p)), allotted(p, each))))
-            drawn = Counter(zip(*(column.tolist() for column in columns), strict=True))
-            for node in visited:
-                drawn.pop(node, None)
-            if not drawn:
-                continue
-            for node, times in drawn.items():
+        visited, rng = {*self._seen}, np.random.default_rng(count)
+        columns = [
+            rng.permutation(np.repeat(np.arange(len(p)), allotted(p, count))).tolist()
+            for p in about
+        ]
+        drawn: dict[Node, dict[Node, float]] = {}
+        for node, times in Counter(zip(*columns, strict=True)).items():
+            if node not in visited:
+                self._compare(node)
                 likely = sum(math.log(p[k]) for p, k in zip(about, node, strict=True))
-                self._stands[node] = math.log(times / each) - likely
-            weights = np.array([self.value(node) + self._stands[node] for node in drawn])
-            most = logsumexp(weights) - 0.5 * math.log(each)
-            for node, more in zip(drawn, np.maximum(weights - most, 0.0).tolist(), strict=True):
-                self._stands[node] -= more
+                self._stands[node] = math.log(times / count) - likely
+                value = self.value(node) + self._stands[node]
+                drawn.setdefault(self._data(node), {})[node] = value
+        for same in drawn.values():
+            most = float(logsumexp([*same.values()])) - 0.5 * math.log(count)
+            for node, value in same.items():
+                self._stands[node] -= max(value - most, 0.0)
 
     def _about(self, centre: Node, at: int) -> Array:
         """Return the weights of the values of a scale beside those of a node for others, in sum 1.
@@ -454,7 +446,7 @@ class Posterior:
         scale = self.model.scales[at]
         result = np.full(len(scale.values), -math.inf)
         if at in self._given:
-            return np.ones(len(result))
+            return np.full(len(result), 1.0 / len(result))
         ways = [range(centre[at], len(result)), range(centre[at] - 1, -1, -1)]
         for way in ways if scale.ordered else [range(len(result))]:
             for k in way:

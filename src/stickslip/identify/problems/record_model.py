@@ -103,7 +103,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
-force by place, of a spring alone; of springs that relax; of the level and viscous friction of a
+force by place, of a spring, over the force; of springs that relax; of the level and viscous friction of a
 twentieth of the record; of the pulse of a turn; of bristles of other lengths; the delay in samples;
 the dead zone of a drive; the change with an e-fold of the load that is not in proportion, and with
 an input by its standard deviation; level and viscous friction of another run, and of one of a
@@ -598,7 +598,7 @@ class RecordModel(Model):
         return result
 
     def _of_spring(self, node: Node, of_force: float) -> float:
-        """Return the size of a spring, which may be all of the force; if it is none, of friction."""
+        """Return the size of a spring: a share of the force, or of the friction if it is none."""
         value = self.at(node, "spring")
         return value * (self.size if value == SCALES["spring"][0][0] else of_force)
 
