@@ -1025,7 +1025,9 @@ def _finer_still(
     of: dict[Family, list[int]] = {}
     for k, structure in enumerate(posterior.structures):
         of.setdefault(family_of(structure), []).append(k)
-    for places in of.values():
+    for some in of.values():
+        # a point of the prior, such as the proportion to the load, is no step
+        places = [k for k in some if len(finer(posterior.structures[k], grid, frame, part)) > 1]
         own = shares[places]
         if own.sum() < LEAST_SHARE or own.sum() ** 2 > RESOLVED * np.sum(own**2):
             continue
@@ -1033,9 +1035,8 @@ def _finer_still(
         enough = int(np.searchsorted(np.cumsum(own[order]), 0.99 * own.sum())) + 1
         for k in np.array(places)[order[:enough]]:
             many = finer(posterior.structures[k], grid, frame, part)
-            if len(many) > 1:
-                prior = result[posterior.structures[k]] - math.log(len(many))
-                result |= dict.fromkeys(many, prior)
+            prior = result[posterior.structures[k]] - math.log(len(many))
+            result |= dict.fromkeys(many, prior)
     return [*result], np.array([*result.values()])
 
 
