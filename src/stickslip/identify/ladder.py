@@ -344,7 +344,11 @@ def ladder_verdict(
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     phrase = phrase_of(judgement, judgement.named)
     both = zip(first.fit.estimates, every, strict=True)
-    said = [parameter_sentence(own, other, phrase) for own, other in both]
+    said = [
+        parameter_sentence(own, other, phrase)
+        for own, other in both
+        if judgement.is_explained or not own.path.startswith("friction.")  # else it does not hold
+    ]
     other = judgement.band(rows, new=True) if judgement.problem.runs > 1 else None
     lede = band_sentence(rows.velocity, band, words, offset="offset" in judgement.beside)
     if other is not None:
