@@ -142,7 +142,7 @@ FEW_SPEEDS = 3
 """Speeds of a direction from which it may differ from the other."""
 ONE_WAY = 0.1
 """Part of the largest speed that a direction has at least, to differ from the other."""
-SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run")
+SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run", "run part")
 """Scales of every table, in the order of the entries of a node; one for each input follows."""
 
 
@@ -640,6 +640,7 @@ class TableModel(Model):
             replace(of("sides", four, SIDES_PRIOR, frame.both), ordered=False),
             Scale(name="drift", values=DRIFTS, prior=drift),
             of("run", RUNS, RUNS_PRIOR, frame.runs > 1),
+            replace(of("run part", (0.0, 1.0), (0.5, 0.5), frame.runs > 1), ordered=False),
             *(
                 Scale(
                     name=name,
@@ -668,7 +669,7 @@ class TableModel(Model):
         """Return nodes over the range of the noise and of what no law says."""
         noise = np.array(self.scales[0].values)
         spread = np.ptp(np.log(self.reference(self.readings.rows))) > 0.5
-        more = (1 if self.frame.runs > 1 else 0, *(3 for _ in self.frame.means))
+        more = (1 if self.frame.runs > 1 else 0, 0, *(3 for _ in self.frame.means))
         result = []
         for sigma in (0.002, 0.006, 0.02, 0.06, 0.2, 0.6, 1.2):
             at = int(np.argmin(np.abs(np.log(noise / sigma))))
@@ -725,14 +726,18 @@ class TableModel(Model):
         return np.hstack(parts), np.array(names)
 
     def run_parts(self, rows: Rows) -> Array:
-        """Return what differs from run to run (n, 2), equally likely: all friction, and a level.
+        """Return what may differ from run to run (n, 2): all friction, or a level.
 
         A mounting or a seal changes the level alone: with friction in proportion alone, what that
         left was a drift, and laws of two days lay 8 % beside their mean.
         """
         level = self.frame.size * self.frame.grown(rows)
         both = np.column_stack([self.reference(rows), level]) * rows.direction[:, None]
-        return np.asarray(math.sqrt(0.5) * both)
+        return np.asarray(both)
+
+    def run_deviations(self, node: Node) -> Array:
+        """Return the deviations (2,) of what may differ from run to run: only one part does."""
+        return RUNS[node[6]] * np.where(np.arange(2) == node[7], 1.0, 1e-6)
 
     def deviations(self, node: Node) -> Array:
         """Return prior deviations of the random coefficients (m,) at a node."""
@@ -743,7 +748,6 @@ class TableModel(Model):
             "offset": APART if "offset" in named else ALIKE,
             "viscous_direction": APART if "viscous_direction" in named else ALIKE,
             "drift": DRIFTS[node[5]],
-            "run": RUNS[node[6]],
             "bend": 1.0,
             "delta": tau,
             "sides": max(0.2 * tau, apart),
@@ -752,7 +756,10 @@ class TableModel(Model):
             for part, change in (("level", INPUT[own % 2]), ("viscous", INPUT[own // 2])):
                 sizes[f"{part}*{name}"] = change
                 sizes[f"{part} bend*{name}"] = change / INPUT[-1]
-        return np.array([sizes[name] for name in self.groups])
+        of_runs = self.groups == "run"
+        result = np.array([sizes.get(name, 0.0) for name in self.groups])
+        result[of_runs] = np.repeat(self.run_deviations(node), int(of_runs.sum()) // 2)
+        return result
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         """Return the normal equations of a node: blocks by Woodbury's identity."""

@@ -54,7 +54,6 @@ from stickslip.identify.problems.table_model import (
     MOST_ROWS,
     NEAR,
     RHO,
-    RUNS,
     SCALES,
     SIDES,
     Frame,
@@ -577,7 +576,9 @@ class TableProblem(Problem):
             effects = random[group == "run"].reshape(2, self.model.frame.runs, count)
             which = rng.integers(self.model.frame.runs, size=count)
             # one of the runs that were measured, or another one: draws have a deviation each
-            other = of_each(draws, lambda x: RUNS[x.node[6]]) * rng.normal(size=(2, count))
+            sizes = [self.model.run_deviations(x.node) for x in draws]
+            each = np.repeat(sizes, [x.random.shape[1] for x in draws], axis=0).T
+            other = each * rng.normal(size=(2, count))
             is_new = new or np.all(rows.run == -2)
             effect = other if is_new else effects[:, which, np.arange(count)]
             curves += effect.T @ self.model.run_parts(rows).T
@@ -803,13 +804,13 @@ class TableProblem(Problem):
         count = len(rows.velocity)
         noise, shared = np.zeros(count), np.zeros((count, count))
         along = self.model.run_parts(rows) * (self.model.frame.runs > 1)
-        of_runs = along @ along.T
         for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
             if p > 1e-3:
                 sigma = self.model.sigma(node)
                 noise += p * (sigma * self.model.growth(rows, node)) ** 2
                 block = (BETA[node[3]] * self.model.repeats * sigma) ** 2
-                shared += p * (block * np.eye(count) + RUNS[node[6]] ** 2 * of_runs)
+                run = along * self.model.run_deviations(node)
+                shared += p * (block * np.eye(count) + run @ run.T)
         return np.sqrt(noise + float(np.median(self.table.stated)) ** 2), shared
 
     def scatter(self, rung: Rung) -> float:
