@@ -179,6 +179,24 @@ def test_a_point_beside_decimal_commas_that_may_part_thousands_is_refused(write)
 
 
 @pytest.mark.parametrize(
+    ("text", "got"),
+    [
+        ("velocity;friction\n0.01;1,592\n0.02;1,700\n", "'1,592' may be 1592 or 1.592"),
+        ("velocity;friction;n\n0,01;1,5;1.592\n0,02;1,7;1.700\n", ""),
+        ("velocity;friction;n\n0.01;1.5;1,592\n0.02;1.7;1,700\n", ""),
+    ],
+    ids=["read", "points that nobody reads", "commas that nobody reads"],
+)
+def test_a_mark_that_may_part_thousands_matters_where_it_is_read(write, text, got):
+    file = write(text, "data.csv")
+    if got:
+        with pytest.raises(InputError, match=f"'friction', line 2: .*{got}: write all numbers"):
+            load_measurement(file)
+    else:
+        np.testing.assert_array_equal(load_measurement(file).friction, [1.5, 1.7])
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("#Kinovea Trajectory data export\n#T X Y\n", "has no rows"),

@@ -6,7 +6,8 @@ from benchmarks.posterior.study import AXIS, of_joint, repeated, specimens
 
 from stickslip import Measurement, select
 from stickslip.identify.judgement import Judgement
-from stickslip.identify.problems.table_model import Frame, Readings, Rows, fitted, order_of
+from stickslip.identify.posterior import COEFFICIENT
+from stickslip.identify.problems.table_model import BETA, Frame, Readings, Rows, fitted, order_of
 from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.projection import Projector
 
@@ -325,3 +326,41 @@ def test_cells_of_many_runs_keep_the_speed():
     fit = fitted(readings)
     places = TableProblem(readings, fit).places()
     assert len(places.velocity) <= 250
+
+
+def test_days_that_differ_by_a_level_are_no_drift():
+    v, random = np.linspace(0.1, 0.5, 5), np.random.default_rng(8)
+    days = [
+        Measurement(velocity=v, friction=more + 90.0 + 270.0 * v + random.normal(size=5))
+        for more in (0.0, 40.0)
+    ]
+    found = Judgement(TableProblem.of(AXIS, Measurement(trials=tuple(days))))
+    assert [item.term for item in found.findings if item.asserted] == ["run"]
+    law = found.curve_of(found.named, found.problem.at(v))
+    np.testing.assert_allclose(law, 110.0 + 270.0 * v, rtol=0.04)
+
+
+def test_proportion_to_the_load_is_refined_no_further():
+    load, v = np.repeat([6.0, 20.0, 60.0], 6), np.tile(np.geomspace(0.01, 0.5, 6), 3)
+    noise = 0.02 * np.random.default_rng(2).normal(size=18)
+    read = (0.25 * load + 4.0 * v) * (1.0 + noise)
+    fit = TableProblem.of(AXIS, Measurement(velocity=v, friction=read, load=load)).fit
+    assert len(fit.posterior.structures) < 400  # thousands where a point counts as a step
+
+
+def test_a_reading_left_out_is_compared_with_what_all_others_say():
+    v = np.repeat(np.geomspace(0.01, 1.0, 6), 2)
+    read = stribeck(v) * (1.0 + 0.02 * np.random.default_rng(4).normal(size=12))
+    problem = TableProblem.of(AXIS, Measurement(velocity=v, friction=read))
+    model, node = problem.model, problem.posterior.best
+    structure = problem.posterior.law_at(node)
+    laws = problem.design(structure, problem.table.rows)
+    laws = laws * model.frame.size / np.sqrt(np.mean(laws**2, axis=0)) * COEFFICIENT
+    x = np.hstack([model.random(problem.table.rows)[0] * model.deviations(node), laws])
+    sigma = model.sigma(node)
+    own = (model.growth(problem.table.rows, node) * sigma) ** 2
+    shared = (BETA[node[3]] * sigma) ** 2 * (model.block[:, None] == model.block)
+    inverse = np.linalg.inv(x @ x.T + np.diag(own) + shared)
+    far = np.abs(inverse @ read) / np.sqrt(np.diag(inverse))
+    assert np.all(model.weights == 1.0)
+    np.testing.assert_allclose(model.left_out(node, structure), far, rtol=1e-6)

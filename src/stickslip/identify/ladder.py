@@ -57,6 +57,7 @@ from stickslip.identify.wording import (
     parameter_sentence,
     relative,
     second_sentence,
+    share_text,
     third_load_sentence,
     widths_text,
 )
@@ -114,10 +115,10 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
     What is less than the tolerance is said to be within it.
     """
     within = max(rung.distance, judgement.tolerance)
-    said = f"{percent(within)} of friction"
+    said = f"{share_text(within)} of friction"
     if rung.worst > 1.5 * within:
         at = quantity(abs(judgement.speed_of(rung)), words.speed_unit, 2)
-        said += f" (worst {percent(rung.worst)} at {at})"
+        said += f" (worst {share_text(rung.worst)} at {at})"
     return said
 
 
@@ -227,8 +228,8 @@ def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int, uni
 
 def ladder_texts(one: LawCandidate, unit: str) -> tuple[str, str]:
     """Return within which share of friction a law stays, and where it is worst, for tables."""
-    within, worst = (percent(x) if x <= 1.0 else "over 100 %" for x in (one.distance, one.worst))
-    return within, f"{worst} at {quantity(one.worst_at, unit, 2)}"
+    worst_at = quantity(one.worst_at, unit, 2)
+    return share_text(one.distance), f"{share_text(one.worst)} at {worst_at}"
 
 
 def probability_text(share: float) -> str:
@@ -343,7 +344,11 @@ def ladder_verdict(
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     phrase = phrase_of(judgement, judgement.named)
     both = zip(first.fit.estimates, every, strict=True)
-    said = [parameter_sentence(own, other, phrase) for own, other in both]
+    said = [
+        parameter_sentence(own, other, phrase)
+        for own, other in both
+        if judgement.is_explained or not own.path.startswith("friction.")  # else it does not hold
+    ]
     other = judgement.band(rows, new=True) if judgement.problem.runs > 1 else None
     lede = band_sentence(rows.velocity, band, words, offset="offset" in judgement.beside)
     if other is not None:

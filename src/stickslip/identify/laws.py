@@ -301,6 +301,7 @@ class _Composer:
             self.levels.append("logarithmic")
             self.values["logarithmic_coefficient"] = self.first("logarithmic")
             self.shape("logarithmic", "reference_velocity")
+            self.fixed.add("reference_velocity")
         if "gear" in self.terms:
             self.levels.append("weight[transmitted]")
             self.used["transmitted"] = self.means["transmitted"]

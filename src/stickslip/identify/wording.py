@@ -68,6 +68,17 @@ def relative(band: PredictionBand) -> Array:
     return np.asarray(0.5 * (band.high - band.low) / np.maximum(size, least))
 
 
+def share_text(share: float) -> str:
+    """Return by which share of friction a law is off.
+
+    Examples
+    --------
+    >>> share_text(0.5), share_text(3.0)
+    ('50 %', 'over 100 %')
+    """
+    return percent(share) if share <= 1.0 else "over 100 %"
+
+
 def widths_text(bands: Sequence[PredictionBand], unit: str) -> list[str]:
     """Return half the width of bands: a share of friction, or a force if one is above 100 %."""
     shares = [float(np.median(relative(item))) for item in bands]
@@ -114,7 +125,7 @@ def band_sentence(
     said = f"{over}, {what} is known to ± {percent(middle)}"
     if share[worst] > 1.5 * middle:
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
-        said += at_worst(percent(float(share[worst])), at)
+        said += at_worst(share_text(float(share[worst])), at)
     return f"{said} (95 % band over all candidate laws)."
 
 

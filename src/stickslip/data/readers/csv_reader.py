@@ -856,6 +856,8 @@ _GROUPED: Final = re.compile(
     re.VERBOSE,
 )
 """A number whose thousands are separated by a mark; 1,592 alone may be one with decimals."""
+_LONE: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
+"""A number with one mark, which may be decimal or part thousands."""
 
 
 def ambiguous(file: str | Path, name: str) -> InputError:
@@ -875,7 +877,10 @@ def read_text(path: Path, layout: Layout | None = None) -> tables.FileTable:
         raise InputError(
             f"{path}: is a {dialect.title}, which is read without a layout: leave it out."
         )
-    return read_as(path, text, data, layout or _layout(path, text, encoding))
+    if layout is not None:
+        return read_as(path, text, data, layout)
+    layout, doubted = _layout(path, text, encoding)
+    return read_as(path, text, data, layout, doubted=doubted)
 
 
 def _text_in(path: Path, data: bytes, layout: Layout) -> str:
@@ -888,8 +893,11 @@ def _text_in(path: Path, data: bytes, layout: Layout) -> str:
         ) from None
 
 
-def _layout(path: Path, text: str, encoding: str) -> Layout:
-    """Return how a text holds its table; a number whose mark may be either is refused, or text."""
+def _layout(path: Path, text: str, encoding: str) -> tuple[Layout, bool]:
+    """Return how a text holds its table, and whether a mark may be decimal or part thousands.
+
+    Numbers with such a mark stay text, which is refused where it is read.
+    """
     lines = upper_lines(text)
     start = next((i for i, line in enumerate(lines) if is_content(line)), None)
     if start is None:
@@ -926,14 +934,9 @@ def _layout(path: Path, text: str, encoding: str) -> Layout:
             preface=start,
         )
     _check_single_table(path, lines, layout)
-    if assumed and layout.thousands:
-        mark, usual = layout.thousands, "comma" if layout.decimal == "," else "point"
-        raise InputError(
-            f"{path}: {shown(assumed)} may be {assumed.replace(mark, '')} or"
-            f" {assumed.replace(mark, '.')}: other numbers have a decimal {usual}. Write all"
-            " numbers with one decimal mark, or give a layout, which says what parts thousands."
-        )
-    return replace(layout, decimal=".") if assumed else layout
+    if not assumed:
+        return layout, False
+    return replace(layout, decimal=layout.decimal if layout.thousands else ".", thousands=""), True
 
 
 def _check_head(path: Path, lines: Sequence[str], text: Text) -> None:
@@ -977,8 +980,13 @@ def _check_single_table(path: Path, lines: Sequence[str], layout: Layout) -> Non
             )
 
 
-def read_as(path: Path, text: str, data: bytes, layout: Layout) -> tables.FileTable:
-    """Return the table of a text, and the bytes of that, which holds it in a known way."""
+def read_as(
+    path: Path, text: str, data: bytes, layout: Layout, *, doubted: bool = False
+) -> tables.FileTable:
+    """Return the table of a text, and the bytes of that, which holds it in a known way.
+
+    Texts are numbers that may have thousands where it is `doubted`.
+    """
     lines = upper_lines(text, layout.preface)
     if len(lines) < 1 + layout.units_row:
         raise InputError(f"{path}: has no rows below the {layout.preface} lines of its preface.")
@@ -996,7 +1004,8 @@ def read_as(path: Path, text: str, data: bytes, layout: Layout) -> tables.FileTa
         data = text.replace(layout.thousands, "").encode(layout.encoding)
         layout = replace(layout, thousands="")
     rates = stated_rates(above, layout)
-    return replace(_parsed(path, data, names, sample, layout), rates=rates)
+    table = _parsed(path, data, names, sample, layout, doubted=doubted)
+    return replace(table, rates=rates)
 
 
 def _with_unit(path: Path, name: str, unit: str) -> str:
@@ -1011,7 +1020,13 @@ def _with_unit(path: Path, name: str, unit: str) -> str:
 
 
 def _parsed(
-    path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
+    path: Path,
+    data: bytes,
+    names: Sequence[str],
+    sample: Sequence[str],
+    layout: Layout,
+    *,
+    doubted: bool,
 ) -> tables.FileTable:
     """Return the table below a header."""
     check_columns(str(path), len(names))
@@ -1059,7 +1074,8 @@ def _parsed(
         ) from None
     more = int(table[own[len(names) :]].notna().any(axis=1).sum())
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
-    table = _without_doubts(_with_points(table.dropna(how="all"), layout), layout)
+    table = table.dropna(how="all")
+    table = _without_doubts(table if doubted else _with_points(table, layout), layout)
     lost = tables.further_cells(more, len(names))
     if cut := _cut_number(data, layout):
         table = table.iloc[:-1]
@@ -1067,7 +1083,7 @@ def _parsed(
             f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
             " it: the last row is left out."
         )
-    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost))
+    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost), doubted=doubted)
 
 
 def _with_points(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
@@ -1181,6 +1197,17 @@ def culprit(cells: Sequence[object]) -> int:
     return 0
 
 
+def is_doubted(cell: object) -> bool:
+    """Return whether the mark of a number may be decimal or part thousands.
+
+    Examples
+    --------
+    >>> is_doubted("1,592"), is_doubted("1.5"), is_doubted("0.592")
+    (True, False, False)
+    """
+    return isinstance(cell, str) and _LONE.fullmatch(cell.strip()) is not None
+
+
 def grouped(cell: object) -> str:
     """Return the cure, after a blank, of a number with a mark between thousands; else nothing.
 
@@ -1188,11 +1215,20 @@ def grouped(cell: object) -> str:
     --------
     >>> grouped("1.592,0"), grouped("12 000"), grouped("broken")
     (" Write numbers ... separator, here '1592,0'.", " Write ...12000'.", '')
+    >>> grouped("1,592")[:32]
+    " '1,592' may be 1592 or 1.592: w"
     """
-    result = _GROUPED.fullmatch(cell) if isinstance(cell, str) else None
+    text = cell.strip() if isinstance(cell, str) else ""
+    if is_doubted(text):
+        whole, part = (re.sub("[.,]", mark, text) for mark in ("", "."))
+        return (
+            f" {text!r} may be {whole} or {part}: write all numbers with one decimal mark, or give"
+            " a layout, which says what parts thousands."
+        )
+    result = _GROUPED.fullmatch(text)
     if result is None:
         return ""
-    plain = result[0].strip().replace(result["mark"] or result["comma"], "")
+    plain = text.replace(result["mark"] or result["comma"], "")
     return f" Write numbers without a thousands separator, here {plain!r}."
 
 

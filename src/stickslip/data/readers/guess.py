@@ -1515,19 +1515,20 @@ def _is_full(frame: QuantityTable, name: str) -> bool:
     return bool(np.isfinite(pd.to_numeric(column, errors="coerce")).all())
 
 
+def _spelt(name: str) -> list[str]:
+    """Return the units that the name of a column has: T_oil (degC), Tmp °C."""
+    return [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
+
+
 def _temperature_unit(name: str, stated: str | None) -> str | None:
     """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
-    spelt = [stated] if stated else [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
+    spelt = [stated] if stated else _spelt(name)
     return next((CELSIUS if key == "C" else key for key in spelt if key in ("C", *KELVINS)), stated)
 
 
 def _has_degrees(name: str, stated: str | None) -> bool:
-    """Whether a column is in degrees, in the header or in its name: T_oil (degC), Tmp °C.
-
-    K is the gain of a controller as well.
-    """
-    spelt = [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
-    return any(unit in KELVINS and unit != "K" for unit in (stated, *spelt))
+    """Whether a column is in degrees, in the header or in its name; K is a gain as well."""
+    return any(unit in KELVINS and unit != "K" for unit in (stated, *_spelt(name)))
 
 
 def _has_one_value(part: QuantityTable, name: str) -> bool:

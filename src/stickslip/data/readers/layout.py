@@ -797,9 +797,13 @@ def marks_of(
     --------
     >>> marks_of("0,5;1.592\n", [["0,5", "1.592"]], ";")
     (',', '.', '1.592')
+    >>> marks_of("0.5;1,592\n", [["0.5", "1,592"]], ";")
+    (',', '', '1,592')
     """
     decimal, thousands = _marks(text, rows, separator)
-    mark = "," if (separator, decimal) == (",", ",") and not thousands else thousands
+    # commas alone are decimal, but for those in quotes; beside numbers with points they may not be
+    both = separator == "," or any("." in cell for row in rows for cell in row if is_number(cell))
+    mark = "," if decimal == "," and both and not thousands else thousands
     grouped = [cell for row in rows for cell in row if is_number(cell) and mark and mark in cell]
     whole = _GROUPS.format(mark)
     sure = mark not in (".", ",") or not all(

@@ -43,6 +43,8 @@ class FileTable:
     """What the file says that it holds, or holds, and the table has not; one sentence each."""
     rates: Mapping[str, str] = field(default_factory=dict)
     """Rates of the rows that the file states, and where."""
+    doubted: bool = False
+    """Whether texts are numbers whose mark may be decimal or part thousands."""
 
 
 def numbered_twice(names: Sequence[str]) -> list[str]:

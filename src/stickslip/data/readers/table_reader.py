@@ -1102,6 +1102,8 @@ class QuantityTable:
     """What the file lacks."""
     rates: Mapping[str, str] = field(default_factory=dict)
     """Rates of the rows that the file states, and where."""
+    doubted: bool = False
+    """Whether texts are numbers whose mark may be decimal or part thousands."""
 
     def is_empty(self, name: str) -> bool:
         """Return whether no cell of a column holds anything, as of a channel that was off."""
@@ -1161,6 +1163,8 @@ class QuantityTable:
         if name == "time" and not pd.api.types.is_numeric_dtype(column.dtype):
             column = _times(column)
         cells = pd.Series(np.nan, column.index) if _is_other(column) else column
+        if self.doubted and not pd.api.types.is_numeric_dtype(column.dtype):
+            cells = cells[~cells.map(csv_reader.is_doubted)].reindex(column.index)
         values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         wrong = ~np.isfinite(values)
         if holes:  # what is a number or nothing at all may stay
@@ -1267,7 +1271,7 @@ def read_frame(
     wanted = [name for name in named if regular_times(name, 1) is None]
     table = known.read(path, wanted) if layout is None else csv_reader.read_text(path, layout)
     data, signs = robots.with_signs(table.data)
-    return frame_of(
+    result = frame_of(
         data,
         file,
         columns=single,
@@ -1277,6 +1281,7 @@ def read_frame(
         lost=table.lost,
         rates=table.rates,
     )
+    return replace(result, doubted=table.doubted)
 
 
 def frame_of(

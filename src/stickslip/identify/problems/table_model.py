@@ -27,6 +27,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
 
 from stickslip.identify.own_laws import is_slope, slope_column
 from stickslip.identify.posterior import (
@@ -111,12 +112,13 @@ TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
 """Nodes that are visited in the first turn, and in others."""
-KEPT = 40
-"""Structures that are refined, and that are kept."""
+KEPT = 200
+"""Structures that are refined, and that are kept (of 40 shapes that tell little were cut off: up to
+8 % of the weight, at the ends of intervals)."""
 FINER = 4
 """Times that shapes are refined by thirds of a step ..."""
 RESOLVED, LEAST_SHARE = 4.0, 0.02
-"""... where fewer shapes than that count, in families with that share at least."""
+"""... where fewer values of one than that count, in families with that share at least."""
 BEHIND, LOST = 12.0, 8.0
 """Logarithm of the weight from which structures are not refined, or dropped after one turn."""
 FREEDOM = 4.0
@@ -140,7 +142,7 @@ FEW_SPEEDS = 3
 """Speeds of a direction from which it may differ from the other."""
 ONE_WAY = 0.1
 """Part of the largest speed that a direction has at least, to differ from the other."""
-SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run")
+SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run", "run part")
 """Scales of every table, in the order of the entries of a node; one for each input follows."""
 
 
@@ -638,6 +640,7 @@ class TableModel(Model):
             replace(of("sides", four, SIDES_PRIOR, frame.both), ordered=False),
             Scale(name="drift", values=DRIFTS, prior=drift),
             of("run", RUNS, RUNS_PRIOR, frame.runs > 1),
+            replace(of("run part", (0.0, 1.0), (0.5, 0.5), frame.runs > 1), ordered=False),
             *(
                 Scale(
                     name=name,
@@ -666,7 +669,7 @@ class TableModel(Model):
         """Return nodes over the range of the noise and of what no law says."""
         noise = np.array(self.scales[0].values)
         spread = np.ptp(np.log(self.reference(self.readings.rows))) > 0.5
-        more = (1 if self.frame.runs > 1 else 0, *(3 for _ in self.frame.means))
+        more = (1 if self.frame.runs > 1 else 0, 0, *(3 for _ in self.frame.means))
         result = []
         for sigma in (0.002, 0.006, 0.02, 0.06, 0.2, 0.6, 1.2):
             at = int(np.argmin(np.abs(np.log(noise / sigma))))
@@ -696,7 +699,9 @@ class TableModel(Model):
                 result.append(("offset", size * rows.load / frame.load))
         result.append(("drift", grown[:, None] * drifts(rows.order)))
         if frame.runs > 1:
-            result.append(("run", grown[:, None] * (rows.run[:, None] == np.arange(frame.runs))))
+            own = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
+            parts_of_runs = self.run_parts(rows)[:, :, None] * own[:, None, :]
+            result.append(("run", parts_of_runs.reshape(len(side), -1)))
         for name, mean in frame.means.items():
             z = (rows.inputs[name] - mean) / frame.spans[name]
             result.append((f"level*{name}", size * frame.grown(rows) * side * z))
@@ -720,6 +725,20 @@ class TableModel(Model):
         ]
         return np.hstack(parts), np.array(names)
 
+    def run_parts(self, rows: Rows) -> Array:
+        """Return what may differ from run to run (n, 2): all friction, or a level.
+
+        A mounting or a seal changes the level alone: with friction in proportion alone, what that
+        left was a drift, and laws of two days lay 8 % beside their mean.
+        """
+        level = self.frame.size * self.frame.grown(rows)
+        both = np.column_stack([self.reference(rows), level]) * rows.direction[:, None]
+        return np.asarray(both)
+
+    def run_deviations(self, node: Node) -> Array:
+        """Return the deviations (2,) of what may differ from run to run: only one part does."""
+        return RUNS[node[6]] * np.where(np.arange(2) == node[7], 1.0, 1e-6)
+
     def deviations(self, node: Node) -> Array:
         """Return prior deviations of the random coefficients (m,) at a node."""
         named = SIDES[node[4]]
@@ -729,7 +748,6 @@ class TableModel(Model):
             "offset": APART if "offset" in named else ALIKE,
             "viscous_direction": APART if "viscous_direction" in named else ALIKE,
             "drift": DRIFTS[node[5]],
-            "run": RUNS[node[6]],
             "bend": 1.0,
             "delta": tau,
             "sides": max(0.2 * tau, apart),
@@ -738,7 +756,10 @@ class TableModel(Model):
             for part, change in (("level", INPUT[own % 2]), ("viscous", INPUT[own // 2])):
                 sizes[f"{part}*{name}"] = change
                 sizes[f"{part} bend*{name}"] = change / INPUT[-1]
-        return np.array([sizes[name] for name in self.groups])
+        of_runs = self.groups == "run"
+        result = np.array([sizes.get(name, 0.0) for name in self.groups])
+        result[of_runs] = np.repeat(self.run_deviations(node), int(of_runs.sum()) // 2)
+        return result
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         """Return the normal equations of a node: blocks by Woodbury's identity."""
@@ -804,13 +825,20 @@ class TableModel(Model):
         x = np.hstack([self._columns * self.deviations(node), laws])
         noise = (self.growth(readings.rows, node) * self.sigma(node)) ** 2
         shared = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2 + self.step**2 / 12.0
-        same = self.block[:, None] == self.block
-        own = (noise / self.weights + readings.stated**2) / readings.count
-        covariance = x @ x.T + np.diag(own) + shared * same
-        inverse = np.linalg.inv(covariance)
-        left = (inverse @ readings.friction) / np.diag(inverse)
-        variance = 1.0 / np.diag(inverse) - noise * (1.0 / self.weights - 1.0) / readings.count
-        return np.asarray(np.abs(left) / np.sqrt(np.maximum(variance, 1e-30)))
+        w = readings.count / (noise / self.weights + readings.stated**2)
+        factor = (shared / (1.0 + shared * np.bincount(self.block, w)))[self.block]
+        sums = np.zeros((int(self.block.max()) + 1, x.shape[1] + 1))
+        columns = np.column_stack([x, readings.friction])
+        np.add.at(sums, self.block, w[:, None] * columns)
+        # what blocks share and then the columns are taken off by Woodbury's identity
+        solved = w[:, None] * (columns - factor[:, None] * sums[self.block])
+        inner = x.T @ solved
+        root = cholesky(np.eye(x.shape[1]) + inner[:, :-1], lower=True)
+        taken = solve_triangular(root, solved[:, :-1].T, lower=True)
+        left = solved[:, -1] - taken.T @ solve_triangular(root, inner[:, -1], lower=True)
+        precision = w - w * w * factor - np.sum(taken * taken, axis=0)
+        variance = 1.0 / precision - noise * (1.0 / self.weights - 1.0) / readings.count
+        return np.asarray(np.abs(left / precision) / np.sqrt(np.maximum(variance, 1e-30)))
 
 
 def drifts(order: Array) -> Array:
@@ -1020,23 +1048,42 @@ def _refined(
 def _finer_still(
     posterior: Posterior, priors: Array, grid: Grid, frame: Frame, part: float
 ) -> tuple[list[Structure], Array]:
-    """Return structures with those of families whose shapes are told to a step refined."""
+    """Return structures with more steps of each shape that is told to about a step of its grid.
+
+    Shapes under one exponent of fading are judged together, each for itself: of two, one may be
+    told much better. A point of the prior, such as the proportion to the load, is no step.
+    """
     shares, result = posterior.shares, dict(zip(posterior.structures, priors.tolist(), strict=True))
-    of: dict[Family, list[int]] = {}
+    of: dict[tuple[Family, int, tuple[float, ...]], list[int]] = {}
     for k, structure in enumerate(posterior.structures):
-        of.setdefault(family_of(structure), []).append(k)
-    for places in of.values():
-        own = shares[places]
-        if own.sum() < LEAST_SHARE or own.sum() ** 2 > RESOLVED * np.sum(own**2):
+        fading = tuple(shape[1] for name, shape in structure if name in ("stribeck", "hersey"))
+        key = family_of(structure), len(_entries(structure)), fading
+        of.setdefault(key, []).append(k)
+    for some in of.values():
+        if (total := float(shares[some].sum())) < LEAST_SHARE:
             continue
-        order = np.argsort(-own, kind="stable")
-        enough = int(np.searchsorted(np.cumsum(own[order]), 0.99 * own.sum())) + 1
-        for k in np.array(places)[order[:enough]]:
-            many = finer(posterior.structures[k], grid, frame, part)
-            if len(many) > 1:
-                prior = result[posterior.structures[k]] - math.log(len(many))
-                result |= dict.fromkeys(many, prior)
+        moves = {k: finer(posterior.structures[k], grid, frame, part) for k in some}
+        entries = {k: np.array([_entries(item) for item in moves[k]]) for k in some}
+        coarse = np.zeros(entries[some[0]].shape[1], dtype=bool)
+        for entry in range(len(coarse)):
+            free = [k for k in some if np.ptp(entries[k][:, entry]) > 0.0]
+            values = [float(f"{_entries(posterior.structures[k])[entry]:.9g}") for k in free]
+            own = np.bincount(np.unique(values, return_inverse=True)[1], shares[free])
+            told = own.sum() ** 2 <= RESOLVED * np.sum(own**2)
+            coarse[entry] = own.sum() >= LEAST_SHARE and told
+        order = np.array(some)[np.argsort(-shares[some], kind="stable")]
+        enough = int(np.searchsorted(np.cumsum(shares[order]), 0.99 * total)) + 1
+        for k in order[:enough] if coarse.any() else ():
+            same = np.isclose(entries[k], _entries(posterior.structures[k]), rtol=1e-9)
+            kept = np.flatnonzero(np.all(same | coarse, axis=1))
+            prior = result[posterior.structures[k]] - math.log(len(kept))
+            result |= {moves[k][at]: prior for at in kept}
     return [*result], np.array([*result.values()])
+
+
+def _entries(structure: Structure) -> list[float]:
+    """Return the entries of all shapes of a structure."""
+    return [x for _, shape in structure for x in shape]
 
 
 def _with_breaks(

@@ -54,7 +54,6 @@ from stickslip.identify.problems.table_model import (
     MOST_ROWS,
     NEAR,
     RHO,
-    RUNS,
     SCALES,
     SIDES,
     Frame,
@@ -573,13 +572,16 @@ class TableProblem(Problem):
             x, group = self.model.random(own)
             curves[when == k] += random[:, when == k].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
-            effects, count = random[group == "run"], len(curves)
-            which = rng.integers(len(effects), size=count)
+            count = len(curves)
+            effects = random[group == "run"].reshape(2, self.model.frame.runs, count)
+            which = rng.integers(self.model.frame.runs, size=count)
             # one of the runs that were measured, or another one: draws have a deviation each
-            other = of_each(draws, lambda x: RUNS[x.node[6]]) * rng.normal(size=count)
+            sizes = [self.model.run_deviations(x.node) for x in draws]
+            each = np.repeat(sizes, [x.random.shape[1] for x in draws], axis=0).T
+            other = each * rng.normal(size=(2, count))
             is_new = new or np.all(rows.run == -2)
-            effect = other if is_new else effects[which, np.arange(count)]
-            curves += np.outer(effect, self.model.reference(rows) * rows.direction)
+            effect = other if is_new else effects[:, which, np.arange(count)]
+            curves += effect.T @ self.model.run_parts(rows).T
         if np.all(rows.run == -2):  # at another time friction is off by as much as it drifts
             off = of_each(draws, lambda x: DRIFTS[x.node[5]]) * rng.normal(size=len(curves))
             curves += np.outer(off, self.model.reference(rows) * rows.direction)
@@ -776,11 +778,14 @@ class TableProblem(Problem):
 
     def _differences(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much friction differs from run to run."""
-        effects = np.hstack([draw.random for draw in draws])[self.model.groups == "run"]
+        model, count = self.model, self.model.frame.runs
+        at = replace(self.at(np.full(count, self._middle_speed)), run=np.arange(count))
+        x = model.random(at)[0] * (model.groups == "run")
+        effects = x @ np.hstack([draw.random for draw in draws]) / model.reference(at)[:, None]
         apart = np.std(effects, axis=0, ddof=1)
         shares = map(percent, np.quantile(apart, (0.5, 0.025, 0.975)).tolist())
         said = "The {} runs differ by {} of friction (standard deviation, 95 % {} to {})."
-        sentence = said.format(self.model.frame.runs, *shares)
+        sentence = said.format(count, *shares)
         likely = 1.0 - float(self.posterior.scale("run")[0])
         return stated("run", "differences between runs", likely, apart, sentence)
 
@@ -798,14 +803,14 @@ class TableProblem(Problem):
         """
         count = len(rows.velocity)
         noise, shared = np.zeros(count), np.zeros((count, count))
-        along = self.model.reference(rows) * rows.direction * (self.model.frame.runs > 1)
+        along = self.model.run_parts(rows) * (self.model.frame.runs > 1)
         for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
             if p > 1e-3:
                 sigma = self.model.sigma(node)
                 noise += p * (sigma * self.model.growth(rows, node)) ** 2
                 block = (BETA[node[3]] * self.model.repeats * sigma) ** 2
-                run = RUNS[node[6]] * along
-                shared += p * (block * np.eye(count) + np.outer(run, run))
+                run = along * self.model.run_deviations(node)
+                shared += p * (block * np.eye(count) + run @ run.T)
         return np.sqrt(noise + float(np.median(self.table.stated)) ** 2), shared
 
     def scatter(self, rung: Rung) -> float:
