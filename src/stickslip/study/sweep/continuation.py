@@ -62,18 +62,15 @@ from stickslip.study.sweep.orbits import (
     ReturnMap,
     Shot,
     Signature,
+    map_of,
+    placed,
     refuse_cut,
     refuse_late,
-    return_map,
     solved,
-    value_of,
 )
 from stickslip.study.sweep.parameter_grid import (
     Array,
-    axis_of,
-    check_path,
     counted,
-    unit_of,
 )
 from stickslip.study.tolerances import ROUNDING
 
@@ -383,36 +380,15 @@ def continue_orbit(
     low, high = between_of("continue_orbit", between)
     counted("continue_orbit", "points", points, 1)
     check_step("continue_orbit", step, LEAST_STEP)
-    check_path("continue_orbit", path)
-    mechanism, law = orbit.mechanism, orbit.law
     if orbit.controlled is not None:
         raise InputError(
             "continue_orbit: branches under delayed feedback are those without it, but for their"
             " multipliers, which are not followed: find the orbit of a mechanism without it."
         )
-    full, _ = axis_of(mechanism, law, path, [low, high])
-    check_path("continue_orbit", full)
-    value = value_of(law if full.startswith("friction.") else mechanism, full)
-    if not low <= value <= high:
-        unit = unit_of(mechanism, law, full)
-        raise InputError(
-            f"continue_orbit: {full} of the orbit is {quantity(value, unit, 6)}, outside of"
-            f" {number(low, 6)} to {quantity(high, unit, 6)}: give a range around it, or begin with"
-            " an orbit inside."
-        )
-    cycles = orbit.cycles * (2 if doubled else 1)
-    cycle = orbit.period / orbit.cycles if orbit.section else None
-    map_ = return_map(mechanism, law, cycles, period, orbit.solver, full, orbit.section, cycle)
-    if set(map_.unknowns) - {CYCLE} != set(orbit.free):
-        own = (*orbit.free, *((orbit.section.state,) if orbit.section else ()))
-        map_ = replace(
-            map_,
-            free=tuple(i for i, name in enumerate(map_.states) if name in own),
-            moving=tuple(map_.states.index(q) for q in orbit.advance if q not in own),
-        )
+    full, value, unit = placed("continue_orbit", orbit, path, (low, high))
+    map_ = map_of(orbit, orbit.cycles * (2 if doubled else 1), period, full)
     map_ = within(map_, (low, high))
     y = map_.unknowns_of(orbit)
-    unit = unit_of(mechanism, law, full)
     curve = Curve(map_, low, high, unit, step, int(points), LEAST_STEP)
     return curve.branch(
         curve.doubled(map_, orbit, y, value) if doubled else curve.point(solved(map_, y, value))
