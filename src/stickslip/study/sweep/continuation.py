@@ -39,6 +39,7 @@ Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test func
 di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 """
 
+import bisect
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -68,10 +69,7 @@ from stickslip.study.sweep.orbits import (
     refuse_late,
     solved,
 )
-from stickslip.study.sweep.parameter_grid import (
-    Array,
-    counted,
-)
+from stickslip.study.sweep.parameter_grid import Array, counted
 from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
@@ -798,7 +796,7 @@ class Curve:
                 return [*points[:-1], *self.before_known(here, there)], ended, events
             self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             if ended := self.stalled(points):
-                return points, ended, events
+                return points, ended, [e for e in events if e.index < len(points) - 1]
             if not isinstance(step, float):
                 growth = FAST if step.count == 0 else GROWTH if step.count <= EASY else 1.0
                 ds = min(step.length * (1.0 if held else growth), self.step, step.free)
@@ -817,7 +815,7 @@ class Curve:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
 
         So it is where the body comes to rest, and its states become 0, where what happens changes
-        with every step, or where a curve runs along a border of what happens.
+        with every step, or where a curve runs along a border of what happens, which is cut there.
         """
         last = [point.signature for point in points[-FLICKERS - 1 :]]
         if len(last) > FLICKERS and all(a != b for a, b in itertools.pairwise(last)):
@@ -828,7 +826,11 @@ class Curve:
             and self.crept < (SLOWED if self.smooth else CREPT)
             and (near := self.beside(points[-1]))
         ):
-            why = near
+            if self.smooth:  # how far along it a walk comes depends on where its steps began
+                del points[
+                    bisect.bisect_left(points, True, key=lambda p: bool(self.beside(p))) + 1 :
+                ]
+            why = self.beside(points[-1]) or near
         elif len(points) >= WINDOW and self.crept < CREPT:
             why = "the steps become too short"
         else:
