@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import Capsule, Coulomb, EventDriven, Stribeck, ensemble, simulate
+from stickslip import (
+    Capsule,
+    Coulomb,
+    Dahl,
+    EventDriven,
+    LuGre,
+    PendulumCart,
+    Stribeck,
+    ensemble,
+    simulate,
+)  # fmt: skip
 from stickslip.engine.trajectory import Status
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
@@ -144,6 +154,50 @@ def test_bounces_end_that_press_only_while_the_capsule_slips():
     )  # fmt: skip
     run = simulate(capsule, law, t_end=1.0)
     assert run.certificate.certified
+
+
+DAHL = Dahl(kinetic_coefficient=0.2, bristle_stiffness=300.0)
+LUGRE = LuGre(
+    kinetic_coefficient=0.2, static_coefficient=0.25, stribeck_velocity=0.01,
+    bristle_stiffness=300.0, bristle_damping=1.0,
+)  # fmt: skip
+
+
+def upright(frequency, amplitude, phase, restitution, **stop):
+    """Return a cart on bristles whose pendulum stands upright at its stop."""
+    return PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pivot_stiffness=4.0, pivot_damping=0.01,
+        pendulum=Torque(drive=Sine(amplitude=amplitude, frequency=frequency, phase=phase)),
+        restitution=restitution, **stop,
+    )  # fmt: skip
+
+
+def pushed(frequency, amplitude):
+    """Return a capsule on bristles whose inner mass begins at its stop."""
+    drive = Torque(drive=Sine(amplitude=amplitude, frequency=frequency, phase=np.pi))
+    return replace(
+        HARD, capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, upper_stop=None,
+        lower_stop=0.0, restitution=0.0, drive=drive,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("rig", "law", "cycles"),
+    [
+        (upright(1.475888553771215, 0.08811377676660011, np.pi, 0.3, lower_stop=0.0), DAHL, 8),
+        (upright(1.1680564271802019, 0.07297264538403808, 0.0, 0.0, upper_stop=0.0), DAHL, 8),
+        (pushed(4.9935631221454185, 0.040115448044303455), LUGRE, 40),
+    ],
+)
+def test_what_leaves_a_stop_as_all_forces_vanish_goes_on_beside_bristles(rig, law, cycles):
+    place, drive = ("theta", rig.pendulum) if law is DAHL else ("xi", rig.drive)
+    period = 1.0 / drive.drive.frequency
+    run = simulate(rig, law, t_end=cycles * period)
+    leaves = [event.t for event in run.events if event.reason == f"{place} leaves stop"]
+    # the force alone turns at the stop, twice a period
+    assert np.abs(2.0 * leaves[0] / period - round(2.0 * leaves[0] / period)) < 1e-9
+    assert run.certificate.certified
+    assert np.abs(run[place]).max() > 1e-5
 
 
 def test_a_run_that_ends_early_is_not_certified():

@@ -185,15 +185,25 @@ def test_points_of_codimension_two_have_both_events(soft):
     assert point.kind in str(curve)
 
 
-def test_a_curve_that_runs_along_a_border_says_along_which():
-    """The doubling comes so near a change of sticking that no step stays in front of it."""
-    rig = replace(CAPSULE, drive=Torque(drive=Sine(amplitude=0.19173, frequency=15.0295)))
+def bordered(frequency, amplitude):
+    """Return the curve of the doubling that begins near both parameters."""
+    rig = replace(CAPSULE, drive=Torque(drive=Sine(amplitude=amplitude, frequency=frequency)))
     start = {"xi": -0.0020859, "v": 0.0163487, "xi_dot": -0.2491242}
     orbit = periodic_orbit(rig, ROUGH, start=start, settle=0)
-    branch = continue_orbit(orbit, "drive.frequency", (15.0, 15.1))
+    branch = continue_orbit(orbit, "drive.frequency", (frequency - 0.2, frequency + 0.2))
     event = next(event for event in branch.events if event.kind == "period doubling")
     paths, box = ("drive.frequency", "drive.amplitude"), ((10.0, 18.0), (0.15, 0.25))
-    curve = continue_event(event, paths, box)
+    return continue_event(event, paths, box)
+
+
+def test_a_curve_that_runs_along_a_border_ends_there_wherever_it_begins():
+    ends = [bordered(*at).values[-1, 1] for at in ((15.0295, 0.19173), (15.16, 0.2018))]
+    assert np.ptp(ends) < 1e-3 * (0.25 - 0.15)
+
+
+def test_a_curve_that_runs_along_a_border_says_along_which():
+    """The doubling comes so near a change of sticking that no step stays in front of it."""
+    curve = bordered(15.0295, 0.19173)
     assert "frequency 1e-05 of its range off, sticking from 2 to 1 times" in curve.ends[1]
     (frequency, amplitude), counts = curve.values[-1], set()
     start = dict(zip(curve.states, curve.starts[-1], strict=True))

@@ -11,7 +11,8 @@ A guard g is a condition of the mode, which holds while g >= 0. In smooth and st
    leaves rest where forces balance has the rounding of that balance to spare (`note_spare`).
 3. One that may fall and rise again between samples, which a parabola through three of them tells
    with room to spare, is searched for its minimum by golden section; a negative value there gives
-   a bracket (`turns`, `dip`).
+   a bracket (`turns`, `dip`). One that begins at zero has no such fall in front of the first
+   sample: it is not armed, and a dip there is the error of the dense output.
 4. The root in a bracket is found by ITP (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 2020):
    the secant's point, moved towards the middle, and kept where bisection would still end in time.
    What is returned is the end of the bracket where g < 0, a unit of the time beyond the root.
@@ -326,7 +327,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, iw: IntV
             return min(first, bisect(guard, low, s / layout.SAMPLES, t, h, w, iw))
         if armed and s > 1:
             x = 2.0
-            if s == 2 and turns(earlier, before, value):
+            if s == 2 and earlier > 0.0 and turns(earlier, before, value):
                 x = dip(guard, 0.0, 1.0 / layout.SAMPLES, t, h, w, iw)
             # A minimum lies near `before`. The parabola through the three values falls below zero
             # only where 10 before < earlier + value; 4 leaves room for what is no parabola.

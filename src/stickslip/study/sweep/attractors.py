@@ -8,7 +8,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -329,8 +329,9 @@ def basins(
     )
     begun = {path.removeprefix("initial."): values for path, values in axes.items()}
     sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in names])
-    samples = _samples(runs, names, keep * cycle)
-    index, result = _sorted(*_clusters(runs, *samples, sizes, tolerance))
+    points = np.stack([runs[f"samples {name}"][:, 1:] for name in names], axis=2)
+    velocity = np.diff(runs["place"])[:, 0] / (keep * cycle)
+    index, result = _sorted(*_clusters(runs, points, velocity, sizes, tolerance))
     shape = tuple(map(len, begun.values()))
     return Basins(
         starts=begun,
@@ -357,13 +358,6 @@ def _outputs(place: str, names: Sequence[str], times: Sequence[float]) -> dict[s
     result: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in names}
     result["place"] = Samples(place, [times[0], times[-1]])
     return result
-
-
-def _samples(runs: Ensemble, names: Sequence[str], duration: float) -> tuple[Array, Array]:
-    """Return samples (n, keep, states) and the mean slip velocity over them (n,)."""
-    points = np.stack([runs[f"samples {name}"][:, 1:] for name in names], axis=2)
-    place = runs["place"]
-    return points, (place[:, 1] - place[:, 0]) / duration
 
 
 def _clusters(
@@ -416,13 +410,5 @@ def _sorted(
     counts = np.array([np.sum(index == number) for number in range(len(found))], dtype=np.int64)
     order = np.argsort(-counts, kind="stable")
     ranks = np.append(np.argsort(order), -1)  # the last for runs that ended early
-    attractors = tuple(
-        Attractor(
-            points=found[i].points,
-            period=found[i].period,
-            velocity=found[i].velocity,
-            share=float(counts[i]) / index.size,
-        )
-        for i in order
-    )
+    attractors = tuple(replace(found[i], share=float(counts[i]) / index.size) for i in order)
     return ranks[index], attractors

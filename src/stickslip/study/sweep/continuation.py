@@ -39,6 +39,7 @@ Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test func
 di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 """
 
+import bisect
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -62,19 +63,13 @@ from stickslip.study.sweep.orbits import (
     ReturnMap,
     Shot,
     Signature,
+    map_of,
+    placed,
     refuse_cut,
     refuse_late,
-    return_map,
     solved,
-    value_of,
 )
-from stickslip.study.sweep.parameter_grid import (
-    Array,
-    axis_of,
-    check_path,
-    counted,
-    unit_of,
-)
+from stickslip.study.sweep.parameter_grid import Array, counted
 from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
@@ -383,36 +378,15 @@ def continue_orbit(
     low, high = between_of("continue_orbit", between)
     counted("continue_orbit", "points", points, 1)
     check_step("continue_orbit", step, LEAST_STEP)
-    check_path("continue_orbit", path)
-    mechanism, law = orbit.mechanism, orbit.law
     if orbit.controlled is not None:
         raise InputError(
             "continue_orbit: branches under delayed feedback are those without it, but for their"
             " multipliers, which are not followed: find the orbit of a mechanism without it."
         )
-    full, _ = axis_of(mechanism, law, path, [low, high])
-    check_path("continue_orbit", full)
-    value = value_of(law if full.startswith("friction.") else mechanism, full)
-    if not low <= value <= high:
-        unit = unit_of(mechanism, law, full)
-        raise InputError(
-            f"continue_orbit: {full} of the orbit is {quantity(value, unit, 6)}, outside of"
-            f" {number(low, 6)} to {quantity(high, unit, 6)}: give a range around it, or begin with"
-            " an orbit inside."
-        )
-    cycles = orbit.cycles * (2 if doubled else 1)
-    cycle = orbit.period / orbit.cycles if orbit.section else None
-    map_ = return_map(mechanism, law, cycles, period, orbit.solver, full, orbit.section, cycle)
-    if set(map_.unknowns) - {CYCLE} != set(orbit.free):
-        own = (*orbit.free, *((orbit.section.state,) if orbit.section else ()))
-        map_ = replace(
-            map_,
-            free=tuple(i for i, name in enumerate(map_.states) if name in own),
-            moving=tuple(map_.states.index(q) for q in orbit.advance if q not in own),
-        )
+    full, value, unit = placed("continue_orbit", orbit, path, (low, high))
+    map_ = map_of(orbit, orbit.cycles * (2 if doubled else 1), period, full)
     map_ = within(map_, (low, high))
     y = map_.unknowns_of(orbit)
-    unit = unit_of(mechanism, law, full)
     curve = Curve(map_, low, high, unit, step, int(points), LEAST_STEP)
     return curve.branch(
         curve.doubled(map_, orbit, y, value) if doubled else curve.point(solved(map_, y, value))
@@ -822,7 +796,7 @@ class Curve:
                 return [*points[:-1], *self.before_known(here, there)], ended, events
             self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             if ended := self.stalled(points):
-                return points, ended, events
+                return points, ended, [e for e in events if e.index < len(points) - 1]
             if not isinstance(step, float):
                 growth = FAST if step.count == 0 else GROWTH if step.count <= EASY else 1.0
                 ds = min(step.length * (1.0 if held else growth), self.step, step.free)
@@ -841,7 +815,7 @@ class Curve:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
 
         So it is where the body comes to rest, and its states become 0, where what happens changes
-        with every step, or where a curve runs along a border of what happens.
+        with every step, or where a curve runs along a border of what happens, which is cut there.
         """
         last = [point.signature for point in points[-FLICKERS - 1 :]]
         if len(last) > FLICKERS and all(a != b for a, b in itertools.pairwise(last)):
@@ -852,7 +826,11 @@ class Curve:
             and self.crept < (SLOWED if self.smooth else CREPT)
             and (near := self.beside(points[-1]))
         ):
-            why = near
+            if self.smooth:  # how far along it a walk comes depends on where its steps began
+                del points[
+                    bisect.bisect_left(points, True, key=lambda p: bool(self.beside(p))) + 1 :
+                ]
+            why = self.beside(points[-1]) or near
         elif len(points) >= WINDOW and self.crept < CREPT:
             why = "the steps become too short"
         else:

@@ -39,7 +39,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import replaced
 from stickslip.show.display import OnAxes, Summary, Tabular
-from stickslip.show.formatting import number, quantity, span
+from stickslip.show.formatting import quantity, span
 from stickslip.study.sweep.continuation import (
     BORDER,
     LEAST_STEP,
@@ -63,11 +63,12 @@ from stickslip.study.sweep.orbits import (
     ReturnMap,
     Shot,
     Signature,
-    return_map,
+    map_of,
+    placed,
     solved,
     value_of,
 )
-from stickslip.study.sweep.parameter_grid import Array, axis_of, check_path, counted, unit_of
+from stickslip.study.sweep.parameter_grid import Array, counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -704,28 +705,12 @@ def continue_event(
             f"{owner}: the orbit {what}, and curves follow those of drives that repeat themselves"
             " alone. Follow the event by continue_orbit at several values."
         )
-    mechanism, law = orbit.mechanism, orbit.law
-    full, units, values = list[str](), list[str](), list[float]()
-    for path, (low, high) in zip(paths, ranges, strict=True):
-        check_path(owner, path)
-        name, _ = axis_of(mechanism, law, path, [low, high])
-        if name.startswith("initial.") or name in full:
-            raise InputError(f"{owner}: {name} must be another parameter of mechanism or law.")
-        value = value_of(law if name.startswith("friction.") else mechanism, name)
-        unit = unit_of(mechanism, law, name)
-        if not low <= value <= high:
-            raise InputError(
-                f"{owner}: {name} of the event is {quantity(value, unit, 6)}, outside of"
-                f" {number(low, 6)} to {quantity(high, unit, 6)}: give a range around it."
-            )
-        full, units, values = [*full, name], [*units, unit], [*values, value]
-    base = return_map(mechanism, law, orbit.cycles, period, orbit.solver, full[0])
-    base = replace(
-        base,
-        free=tuple(base.states.index(name) for name in orbit.free),
-        moving=tuple(base.states.index(q) for q in orbit.advance if q not in orbit.free),
-        beside=(full[1],),
+    full, values, units = zip(
+        *(placed(owner, orbit, *pair) for pair in zip(paths, ranges, strict=True)), strict=True
     )
+    if full[0] == full[1]:
+        raise InputError(f"{owner}: paths must be two parameters, got {full[0]} twice.")
+    base = replace(map_of(orbit, orbit.cycles, period, full[0]), beside=(full[1],))
     within(replace(base, path=full[1], beside=()), ranges[1])
     base = within(base, ranges[0])
     widths = ranges[0][1] - ranges[0][0], ranges[1][1] - ranges[1][0]
@@ -760,7 +745,7 @@ def continue_event(
 
 
 def _curve(
-    kind: str, curve: Curve, plane: Plane, first: Shot, paths: list[str], units: list[str]
+    kind: str, curve: Curve, plane: Plane, first: Shot, paths: Sequence[str], units: Sequence[str]
 ) -> EventCurve:
     """Follow a curve from its first orbit to both sides."""
     begin = curve.point(first)
@@ -768,8 +753,7 @@ def _curve(
     (low, high), met = curve.box[1][1:3], []
     for event in events:
         own = event.orbit
-        root = own.law if paths[0].startswith("friction.") else own.mechanism
-        value = value_of(root, paths[0])
+        value = value_of(own.mechanism, own.law, paths[0])
         if low <= value <= high:
             alone = {"period doubling": "flip"}.get(kind, kind)
             names = {name for name, _, _ in WITH[kind]}

@@ -387,8 +387,7 @@ def _has(curve: EventCurve, event: BranchEvent, box: Sequence[tuple[float, float
     if (curve.kind, curve.cycles) != (event.kind, event.orbit.cycles):
         return False
     orbit = event.orbit
-    from_law = curve.paths[1].startswith("friction.")
-    other = value_of(orbit.law if from_law else orbit.mechanism, curve.paths[1])
+    other = value_of(orbit.mechanism, orbit.law, curve.paths[1])
     states = orbit.run().at(np.arange(orbit.cycles) * (orbit.period / orbit.cycles))
     # an orbit of two cycles is the same a cycle later
     starts = np.column_stack([states[name] for name in curve.states])

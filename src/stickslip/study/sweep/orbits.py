@@ -49,15 +49,18 @@ from stickslip.mechanisms import Mechanism, cycle_of, redriven, stops_of
 from stickslip.mechanisms.drives import is_delayed, parts_of, without_delays
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
-from stickslip.show.formatting import number
+from stickslip.show.formatting import number, quantity
 from stickslip.study.energy import EnergyBalance, energy_balance
 from stickslip.study.sweep.delayed_orbits import Undelayed, delayed_multipliers
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
+    axis_of,
+    check_path,
     compiled,
     counted,
     states_of,
+    unit_of,
     whole_run,
 )
 from stickslip.study.sweep.sections import STEADY, Section, given_section, passes_of, speeds_of
@@ -615,7 +618,7 @@ class ReturnMap:
         """Return how the speeds of what is kept change with a parameter, and the level."""
         if not mechanism.carried() or not path.startswith("mechanism."):
             return np.zeros(len(self.kept)), 0.0
-        value = value_of(mechanism, path)
+        value = value_of(mechanism, self.law, path)
         h = PERIOD_STEP * (abs(value) or 1.0)
         above, below = (replaced(mechanism, "mechanism", path, value + s) for s in (h, -h))
         result = (self.speeds(above) - self.speeds(below))[self.kept] / (2.0 * h)
@@ -655,8 +658,8 @@ class ReturnMap:
     def form(self) -> Form | None:
         """The equations of all runs; None if some values of the parameter shape them."""
         for root, prefix in ((self.mechanism, "mechanism"), (self.law, "friction")):
-            for path, quantity, _ in parameters(root, prefix):
-                if path == self.path and not quantity.structural:
+            for path, varied, _ in parameters(root, prefix):
+                if path == self.path and not varied.structural:
                     return Form.of(self.mechanism, self.law)
         return None if self.path else Form.of(self.mechanism, self.law)
 
@@ -854,7 +857,7 @@ class ReturnMap:
         if path != self.path:
             if self.period is not None or not path.startswith("mechanism."):
                 return 0.0
-            value = value_of(mechanism, path)
+            value = value_of(mechanism, self.law, path)
         elif self.power is not None:
             return self.power * self.duration(mechanism, value) / value if self.power else 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
@@ -897,10 +900,45 @@ _BACKWARD = np.array([1.5, -2.0, 0.5]) / END_STEP
 _SHARES = np.append(np.linspace(0.0, 1.0, ORBIT_TIMES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
-def value_of(root: Mechanism | FrictionLaw | Laws, path: str) -> float:
+def value_of(mechanism: Mechanism, law: FrictionLaw | Laws, path: str) -> float:
     """Return the value of the parameter at a full path."""
-    known = parameters(root, path.partition(".")[0])
+    prefix = path.partition(".")[0]
+    known = parameters(law if prefix == "friction" else mechanism, prefix)
     return next(float(value) for full, _, value in known if full == path)
+
+
+def placed(
+    owner: str, orbit: Orbit, path: str, between: tuple[float, float]
+) -> tuple[str, float, str]:
+    """Return the full path, value and unit of a parameter that an orbit has within a range."""
+    mechanism, law, (low, high) = orbit.mechanism, orbit.law, between
+    check_path(owner, path)
+    full, _ = axis_of(mechanism, law, path, [low, high])
+    check_path(owner, full)
+    value, unit = value_of(mechanism, law, full), unit_of(mechanism, law, full)
+    if not low <= value <= high:
+        raise InputError(
+            f"{owner}: {full} of the orbit is {quantity(value, unit, 6)}, outside of"
+            f" {number(low, 6)} to {quantity(high, unit, 6)}: give a range around it, or begin with"
+            " an orbit inside."
+        )
+    return full, value, unit
+
+
+def map_of(orbit: Orbit, cycles: int, period: float | None, path: str) -> ReturnMap:
+    """Return the map of an orbit over a parameter, with the states that are solved for in it."""
+    section, cycle = orbit.section, orbit.period / orbit.cycles if orbit.section else None
+    result = return_map(
+        orbit.mechanism, orbit.law, cycles, period, orbit.solver, path, section, cycle
+    )
+    if set(result.unknowns) - {CYCLE} == set(orbit.free):
+        return result
+    free, states = (*orbit.free, *((section.state,) if section else ())), result.states
+    return replace(
+        result,
+        free=tuple(i for i, name in enumerate(states) if name in free),
+        moving=tuple(states.index(q) for q in orbit.advance if q not in free),
+    )
 
 
 def refuse_cut(mechanism: Mechanism, period: float) -> None:
