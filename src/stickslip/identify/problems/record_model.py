@@ -103,14 +103,14 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
-force by place, of a spring, over the force; of springs that relax; of the level and viscous friction of a
-twentieth of the record; of the pulse of a turn; of bristles of other lengths; the delay in samples;
-the dead zone of a drive; the change with an e-fold of the load that is not in proportion, and with
-an input by its standard deviation; level and viscous friction of another run, and of one of a
-joint, in which is what its rigid body misses (first parts of records of two arms: .02 to .2 from
-run to run); noise over what the last round left, which a fit that follows the noise makes too
-small; errors of the inertia and of the forces that are given, over these, of which the last are
-wrong units. They say what a careful experimenter would expect."""
+force by place, and over the force of a spring; of springs that relax; of the level and viscous
+friction of a twentieth of the record; of the pulse of a turn; of bristles of other lengths; the
+delay in samples; the dead zone of a drive; the change with an e-fold of the load that is not in
+proportion, and with an input by its standard deviation; level and viscous friction of another run,
+and of one of a joint, in which is what its rigid body misses (first parts of records of two arms:
+.02 to .2 from run to run); noise over what the last round left, which a fit that follows the noise
+makes too small; errors of the inertia and of the forces that are given, over these, of which the
+last are wrong units. They say what a careful experimenter would expect."""
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""

@@ -112,7 +112,7 @@ TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
 """Nodes that are visited in the first turn, and in others."""
-KEPT = 200
+KEPT = 80
 """Structures that are refined, and that are kept (of 40 shapes that tell little were cut off: up to
 8 % of the weight, at the ends of intervals)."""
 FINER = 4
