@@ -47,7 +47,7 @@ import heapq
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -83,6 +83,8 @@ DEPTH = 4.5
 SURELY = 1e-3
 """Part of an expected loss that counts where a step is tried from the best node: whether that is a
 maximum is seen before others are opened."""
+NEARLY = 3.0
+"""The same up to which a node is a rival: odds of 20."""
 TINY = 1e-300
 AT_BOUND = -6.0
 """Deviations below 0 from which a coefficient is at 0: what is left of its variance, a thirtieth,
@@ -306,6 +308,9 @@ class Posterior:
         Nodes that are visited at most.
     drawn : int
         Nodes that are drawn beside these.
+    doubted : collection of str
+        Scales whose first value is none: what the best node has of one is compared with the best
+        without it, which a search that changes one scale at a time may miss.
     """
 
     def __init__(
@@ -317,6 +322,7 @@ class Posterior:
         begin: Sequence[Node],
         most: int,
         drawn: int = 0,
+        doubted: Collection[str] = (),
     ) -> None:
         self.model, self.structures = model, tuple(structures)
         self._priors = np.asarray(priors, dtype=float)
@@ -328,8 +334,11 @@ class Posterior:
         self._best: dict[Node, float] = {}
         self._stands: dict[Node, float] = {}
         self._visit(begin, most)
+        centres = self._rivals([k for k, x in enumerate(model.scales) if x.name in doubted])
+        if len(centres) > 1:
+            self._visit(centres, most // 2)
         if drawn:
-            self._draw_nodes(drawn)
+            self._draw_nodes(drawn, centres)
         self.nodes = tuple(self._seen)
         stands = np.array([self._stands.get(node, 0.0) for node in self.nodes])
         table = np.array([self._seen[node] for node in self.nodes]) + stands[:, None]
@@ -389,12 +398,11 @@ class Posterior:
 
         A step is expected to gain what it gained elsewhere; of the best node all are tried.
         """
-        begin = list(dict.fromkeys(begin))
-        gains, most = Gains(self.model.scales), most + len(begin)
-        queue = list[tuple[float, Node, Step, Node]]()
-        opened = begin
-        for node in begin:
+        gains, queue = Gains(self.model.scales), list[tuple[float, Node, Step, Node]]()
+        opened = list(dict.fromkeys(begin))
+        for node in opened:
             self._compare(node)
+        done, most = {*opened}, most + len(self._seen)
         while len(self._seen) < most:
             for parent in opened:
                 if (lacking := self._lacking(parent)) <= DEPTH:
@@ -406,35 +414,56 @@ class Posterior:
             opened, loss = [], gains.loss(step, self._lacking(parent))
             # what a step gained elsewhere orders the queue; where scales are correlated, it may
             # gain here
-            if node in self._seen or self._lacking(parent) > DEPTH:
+            if node in done or self._lacking(parent) > DEPTH:
                 continue
             if loss > before:
                 heapq.heappush(queue, (loss, node, step, parent))
                 continue
             self._compare(node)
+            done.add(node)
             opened = [node]
             if step[0] not in self._given:
                 gains.learn(step, self.value(node) - self.value(parent))
 
-    def _draw_nodes(self, count: int) -> None:
-        """Draw nodes beside those visited, and find for how many each stands."""
-        centre = min(self._seen, key=self._lacking)
-        about = [self._about(centre, at) for at in range(len(centre))]
-        visited, rng = {*self._seen}, np.random.default_rng(count)
-        columns = [
-            rng.permutation(np.repeat(np.arange(len(p)), allotted(p, count))).tolist()
-            for p in about
-        ]
-        drawn: dict[Node, dict[Node, float]] = {}
-        for node, times in Counter(zip(*columns, strict=True)).items():
+    def _rivals(self, doubted: Sequence[int]) -> list[Node]:
+        """Return the best nodes without what the best has of each doubted scale, beside that."""
+        result = list[Node]()
+        for at in doubted:
+            best = min(self._seen, key=self._lacking)
+            if best[at] and all(node[at] or self._lacking(node) > NEARLY for node in self._seen):
+                node, after = best, (*best[:at], 0, *best[at + 1 :])
+                self._compare(after)
+                while after != node:
+                    node = after
+                    near = [x for _, x in neighbours(self.model.scales, node) if not x[at]]
+                    near = [x for x in near if self._data(x) == self._data(node)]
+                    for other in near:
+                        self._compare(other)
+                    after = min([node, *near], key=self._lacking)
+                result.append(node)
+        return [min(self._seen, key=self._lacking), *result]
+
+    def _draw_nodes(self, count: int, centres: Sequence[Node]) -> None:
+        """Draw nodes about some beside those visited, and find for how many each stands."""
+        centres = [node for node in centres if self._lacking(node) <= DEPTH]
+        ways = [[self._about(x, at) for at in range(len(x))] for x in centres]
+        visited, rng, drawn = {*self._seen}, np.random.default_rng(count), Counter[Node]()
+        for way in ways:
+            parts = [np.repeat(np.arange(len(p)), allotted(p, count // len(ways))) for p in way]
+            drawn.update(zip(*(rng.permutation(x).tolist() for x in parts), strict=True))
+        total, groups = drawn.total(), dict[Node, dict[Node, float]]()
+        for node, times in drawn.items():
             if node not in visited:
                 self._compare(node)
-                likely = sum(math.log(p[k]) for p, k in zip(about, node, strict=True))
-                self._stands[node] = math.log(times / count) - likely
-                value = self.value(node) + self._stands[node]
-                drawn.setdefault(self._data(node), {})[node] = value
-        for same in drawn.values():
-            most = float(logsumexp([*same.values()])) - 0.5 * math.log(count)
+                likely = [
+                    sum(math.log(p[k] + TINY) for p, k in zip(way, node, strict=True))
+                    for way in ways
+                ]
+                stands = math.log(times * len(ways) / total) - float(logsumexp(likely))
+                self._stands[node] = stands
+                groups.setdefault(self._data(node), {})[node] = self.value(node) + stands
+        for same in groups.values():
+            most = float(logsumexp([*same.values()])) - 0.5 * math.log(total)
             for node, value in same.items():
                 self._stands[node] -= max(value - most, 0.0)
 

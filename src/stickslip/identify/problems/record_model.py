@@ -240,6 +240,8 @@ FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, not distinguished from a damping that is looked for."""
 ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
+BESIDE = ("spring", "relaxing", "zone", "drift", "place", "force", "others")
+"""Scales of what may stand for another: each is compared with the best without it."""
 PUSHED = {"push": 2, "input": 2}
 """Where an input moves a constant force and friction by much."""
 WRONG = {"given": 3}
@@ -362,8 +364,9 @@ class RecordModel(Model):
     def posterior(self) -> Posterior:
         """Return the posterior of the records."""
         return Posterior(
-            self, self.structures, self.priors, begin=self.start, most=NODES, drawn=DRAWN
-        )
+            self, self.structures, self.priors,
+            begin=self.start, most=NODES, drawn=DRAWN, doubted=BESIDE,
+        )  # fmt: skip
 
     # ---- what is compared
     @property
