@@ -426,7 +426,10 @@ class Posterior:
                 gains.learn(step, self.value(node) - self.value(parent))
 
     def _rivals(self, doubted: Sequence[int]) -> list[Node]:
-        """Return the best nodes without what the best has of each doubted scale, beside that."""
+        """Return the best node, and rivals without what the best has of each doubted scale.
+
+        From there each is led to the best that other doubted scales make of it.
+        """
         result = list[Node]()
         for at in doubted:
             best = min(self._seen, key=self._lacking)
@@ -435,8 +438,11 @@ class Posterior:
                 self._compare(after)
                 while after != node:
                     node = after
-                    near = [x for _, x in neighbours(self.model.scales, node) if not x[at]]
-                    near = [x for x in near if self._data(x) == self._data(node)]
+                    near = [
+                        other
+                        for (scale, _, _), other in neighbours(self.model.scales, node)
+                        if scale in doubted and scale != at
+                    ]
                     for other in near:
                         self._compare(other)
                     after = min([node, *near], key=self._lacking)

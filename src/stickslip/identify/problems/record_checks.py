@@ -27,6 +27,8 @@ from stickslip.show.formatting import capital, percent
 
 BACKWARD = 0.02
 """Share of the path forward that a motion in one direction goes back, by noise, at most."""
+LITTLE = 0.1
+"""Force of inertia over that of friction up to which no delay makes the latter drive."""
 OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
     " (its gain, -1), or that of the position"
@@ -112,8 +114,11 @@ def wrong_sign(records: Sequence[Record]) -> str:
     without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     # in one direction friction that falls with the speed would drive: only inertia has a sign
-    inertial = float(c[n + 1]) < 0.0 if inertia else left[count] < most * left[0]
-    inertial = inertial or not one_way
+    if inertia:  # of one that is large, what is shown late would drive
+        driving, pushing = (np.std(x[:, at] @ c[at]) for at in (slice(n), slice(n + 1, n + 2)))
+        inertial = float(c[n + 1]) < 0.0 or (not one_way and pushing < LITTLE * driving)
+    else:
+        inertial = not one_way or left[count] < most * left[0]
     turned = wrong and inertial and left[0] < most * float(without @ without)
     return OTHER_SIGN if turned else ""
 
