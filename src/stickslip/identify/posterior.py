@@ -30,16 +30,17 @@ be negative, such as a dead zone, are treated like columns of laws, scaled by th
 One Cholesky factor serves all laws of a node.
 
 1. A *node* is a value of each scale. Nodes are visited from where the problem begins, first those
-   that are expected to be best by what the same step along a scale gained elsewhere, until none is
-   expected within `DEPTH` of the best that was met, or `most` were visited.
-2. Of many scales of which the measurement says little, the likeliest nodes are a small part of all,
-   and each has the likeliest sizes alone. The others are drawn: with the values of each scale in
-   proportion to their weights at the best node and those of the other scales there, as many of each
-   as that says (Latin hypercube), and count by their weight over the probability of the draw
-   (importance sampling; Ionides, 2008, for the largest). Nodes that were visited count as they are.
-3. The weights :math:`p(\text{law, node} \mid y)` follow by normalising, and are the only ones:
+   that are expected to be best by what the same step along a scale gained elsewhere, from nodes
+   within `DEPTH` of the best that was met, until `most` were visited.
+2. What the best node has of a doubted scale is compared with the best node without it.
+3. Of many scales of which the measurement says little, the likeliest nodes are a small part of all,
+   and have the least sizes. Others are drawn about the best nodes: each scale in proportion to its
+   weights where the others are as there, as many of each value as that says (Latin hypercube). They
+   count by their weight over the probability of the draw (importance sampling, the largest bounded
+   as by Ionides, 2008); nodes that were visited count as they are.
+4. The weights :math:`p(\text{law, node} \mid y)` follow by normalising, and are the only ones:
    shares of laws are sums of them, bands and intervals are quantiles of draws by them.
-4. Draws take a node and a structure by weight, and coefficients from their normal distribution,
+5. Draws take a node and a structure by weight, and coefficients from their normal distribution,
    those that are physics first.
 """
 
@@ -83,8 +84,8 @@ DEPTH = 4.5
 SURELY = 1e-3
 """Part of an expected loss that counts where a step is tried from the best node: whether that is a
 maximum is seen before others are opened."""
-NEARLY = 3.0
-"""The same up to which a node is a rival: odds of 20."""
+RIVALS = 3.0
+"""The same within which a node without what is doubted is looked for: odds of 20."""
 TINY = 1e-300
 AT_BOUND = -6.0
 """Deviations below 0 from which a coefficient is at 0: what is left of its variance, a thirtieth,
@@ -305,9 +306,9 @@ class Posterior:
     begin : sequence of Node
         Nodes from which the visit begins.
     most : int
-        Nodes that are visited at most.
+        Nodes that are visited at most; half as many more from rivals.
     drawn : int
-        Nodes that are drawn beside these.
+        Draws of nodes beside these.
     doubted : collection of str
         Scales whose first value is none: what the best node has of one is compared with the best
         without it, which a search that changes one scale at a time may miss.
@@ -332,16 +333,16 @@ class Posterior:
         self._seen: dict[Node, Array] = {}
         self._values: dict[Node, float] = {}
         self._best: dict[Node, float] = {}
-        self._stands: dict[Node, float] = {}
+        self._importance: dict[Node, float] = {}
         self._visit(begin, most)
-        centres = self._rivals([k for k, x in enumerate(model.scales) if x.name in doubted])
-        if len(centres) > 1:
-            self._visit(centres, most // 2)
+        rivals = self._rivals([k for k, x in enumerate(model.scales) if x.name in doubted])
+        if rivals:
+            self._visit(rivals, most // 2)
         if drawn:
-            self._draw_nodes(drawn, centres)
+            self._draw_nodes(drawn, [min(self._seen, key=self._lacking), *rivals])
         self.nodes = tuple(self._seen)
-        stands = np.array([self._stands.get(node, 0.0) for node in self.nodes])
-        table = np.array([self._seen[node] for node in self.nodes]) + stands[:, None]
+        more = np.array([self._importance.get(node, 0.0) for node in self.nodes])
+        table = np.array([self._seen[node] for node in self.nodes]) + more[:, None]
         of = [self._data(node) for node in self.nodes]
         total = {item: logsumexp(table[[own == item for own in of]]) for item in set(of)}
         self.evidence = float(logsumexp(list(total.values())) - math.log(len(total)))
@@ -426,69 +427,77 @@ class Posterior:
                 gains.learn(step, self.value(node) - self.value(parent))
 
     def _rivals(self, doubted: Sequence[int]) -> list[Node]:
-        """Return the best node, and rivals without what the best has of each doubted scale.
+        """Return rivals of the best node, without what it has of each doubted scale.
 
-        From there each is led to the best that other doubted scales make of it.
+        Each is led to the best that other doubted scales make of it; none is far behind.
         """
         result = list[Node]()
         for at in doubted:
             best = min(self._seen, key=self._lacking)
-            if best[at] and all(node[at] or self._lacking(node) > NEARLY for node in self._seen):
-                node, after = best, (*best[:at], 0, *best[at + 1 :])
-                self._compare(after)
-                while after != node:
-                    node = after
-                    near = [
-                        other
-                        for (scale, _, _), other in neighbours(self.model.scales, node)
-                        if scale in doubted and scale != at
-                    ]
-                    for other in near:
-                        self._compare(other)
-                    after = min([node, *near], key=self._lacking)
-                result.append(node)
-        return [min(self._seen, key=self._lacking), *result]
+            data = self._data(best)
+            near = [x for x in self._seen if self._data(x) == data and not x[at]]
+            if not best[at] or any(self._lacking(x) <= RIVALS for x in near):
+                continue
+            node, after = best, (*best[:at], 0, *best[at + 1 :])
+            self._compare(after)
+            while after != node:
+                node = after
+                near = [
+                    other
+                    for (scale, _, _), other in neighbours(self.model.scales, node)
+                    if scale in doubted and scale != at
+                ]
+                for other in near:
+                    self._compare(other)
+                after = min([node, *near], key=self._lacking)
+            result.append(node)
+        return [node for node in result if self._lacking(node) <= DEPTH]
 
     def _draw_nodes(self, count: int, centres: Sequence[Node]) -> None:
-        """Draw nodes about some beside those visited, and find for how many each stands."""
+        """Draw nodes about some beside those visited; find the importance of each."""
         centres = [node for node in centres if self._lacking(node) <= DEPTH]
-        ways = [[self._about(x, at) for at in range(len(x))] for x in centres]
+        each = count // len(centres)
+        proposals = [[self._slice(x, at, each) for at in range(len(x))] for x in centres]
         visited, rng, drawn = {*self._seen}, np.random.default_rng(count), Counter[Node]()
-        for way in ways:
-            parts = [np.repeat(np.arange(len(p)), allotted(p, count // len(ways))) for p in way]
+        for numbers in proposals:
+            parts = [np.repeat(np.arange(len(n)), n) for n in numbers]
             drawn.update(zip(*(rng.permutation(x).tolist() for x in parts), strict=True))
-        total, groups = drawn.total(), dict[Node, dict[Node, float]]()
-        for node, times in drawn.items():
-            if node not in visited:
-                self._compare(node)
-                likely = [
-                    sum(math.log(p[k] + TINY) for p, k in zip(way, node, strict=True))
-                    for way in ways
-                ]
-                stands = math.log(times * len(ways) / total) - float(logsumexp(likely))
-                self._stands[node] = stands
-                groups.setdefault(self._data(node), {})[node] = self.value(node) + stands
+        groups = dict[Node, list[Node]]()
+        for node in drawn:
+            groups.setdefault(self._data(node), []).append(node)
         for same in groups.values():
-            most = float(logsumexp([*same.values()])) - 0.5 * math.log(total)
-            for node, value in same.items():
-                self._stands[node] -= max(value - most, 0.0)
+            outside = [node for node in same if node not in visited]
+            for node in outside:
+                self._compare(node)
+                likely = logsumexp([
+                    sum(math.log(n[k] / each + TINY) for n, k in zip(numbers, node, strict=True))
+                    for numbers in proposals
+                ])  # fmt: skip
+                self._importance[node] = math.log(drawn[node] / each) - float(likely)
+            values = [self.value(node) + self._importance[node] for node in outside]
+            if values:
+                most = logsumexp(values) - 0.5 * math.log(sum(drawn[node] for node in same))
+                for node, value in zip(outside, values, strict=True):
+                    self._importance[node] -= max(value - float(most), 0.0)
 
-    def _about(self, centre: Node, at: int) -> Array:
-        """Return the weights of the values of a scale beside those of a node for others, in sum 1.
+    def _slice(self, centre: Node, at: int, count: int) -> Places:
+        """Return how many of draws take each value of a scale, by weights about a node.
 
-        Of ordered values those beyond a value of little weight have none.
+        Of ordered values those beyond a value of little weight are not taken, any other is.
         """
         scale = self.model.scales[at]
-        result = np.full(len(scale.values), -math.inf)
+        values = np.full(len(scale.values), -math.inf)
         if at in self._given:
-            return np.full(len(result), 1.0 / len(result))
-        ways = [range(centre[at], len(result)), range(centre[at] - 1, -1, -1)]
-        for way in ways if scale.ordered else [range(len(result))]:
+            return allotted(np.ones(len(values)), count)
+        ways = [range(centre[at], len(values)), range(centre[at] - 1, -1, -1)]
+        for way in ways if scale.ordered else [range(len(values))]:
             for k in way:
-                result[k] = self.value((*centre[:at], k, *centre[at + 1 :]))
-                if scale.ordered and result[k] < self.value(centre) - DEPTH:
+                self._compare((*centre[:at], k, *centre[at + 1 :]))
+                values[k] = self.value((*centre[:at], k, *centre[at + 1 :]))
+                if scale.ordered and values[k] < self.value(centre) - DEPTH:
                     break
-        return np.asarray(np.exp(result - logsumexp(result)))
+        weights = np.exp(values - logsumexp(values))
+        return allotted(np.where(weights > 0.0, np.maximum(weights, 1.5 / count), 0.0), count)
 
     def _compare(self, node: Node) -> None:
         """Compare a node with the best of the same data."""
@@ -551,8 +560,8 @@ class Posterior:
     @property
     def best(self) -> Node:
         """The node with the largest weight of its own."""
-        stands = np.array([self._stands.get(node, 0.0) for node in self.nodes])
-        return self.nodes[int(np.argmax(self.weights.sum(axis=1) * np.exp(-stands)))]
+        more = np.array([self._importance.get(node, 0.0) for node in self.nodes])
+        return self.nodes[int(np.argmax(self.weights.sum(axis=1) * np.exp(-more)))]
 
     def law_at(self, node: Node) -> Structure:
         """Return the law with the largest weight at a node."""
@@ -592,10 +601,11 @@ class Posterior:
         x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
         bounded = np.r_[list(system.positive), m + np.flatnonzero(self._is_positive(structure))]
         bounded = bounded.astype(np.intp)
-        kept = np.all(x[bounded] > 0.0, axis=0)
         sizes = system.sizes[[self.columns.index(item) for item in structure]]
-        kept &= np.all((self.model.not_below_zero(structure) * sizes) @ x[m:] >= 0.0, axis=0)
-        x = x[:, np.argsort(~kept, kind="stable")[:count]]
+        of_law = np.all(x[bounded[len(system.positive) :]] > 0.0, axis=0)
+        of_law &= np.all((self.model.not_below_zero(structure) * sizes) @ x[m:] >= 0.0, axis=0)
+        of_random = np.all(x[bounded[: len(system.positive)]] > 0.0, axis=0)
+        x = x[:, np.lexsort((~of_random, ~of_law))[:count]]
         held_to_zero(x, root, bounded)
         law = np.maximum(x[m:], np.where(self._is_positive(structure), 0.0, -np.inf)[:, None])
         for place, item in enumerate(whole):

@@ -28,7 +28,7 @@ from stickslip.show.formatting import capital, percent
 BACKWARD = 0.02
 """Share of the path forward that a motion in one direction goes back, by noise, at most."""
 LITTLE = 0.1
-"""Force of inertia over that of friction up to which no delay makes the latter drive."""
+"""Force of inertia and of all else over that of friction, up to which no delay makes that drive."""
 OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
     " (its gain, -1), or that of the position"
@@ -114,11 +114,11 @@ def wrong_sign(records: Sequence[Record]) -> str:
     without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     # in one direction friction that falls with the speed would drive: only inertia has a sign
-    if inertia:  # of one that is large, what is shown late would drive
-        driving, pushing = (np.std(x[:, at] @ c[at]) for at in (slice(n), slice(n + 1, n + 2)))
-        inertial = float(c[n + 1]) < 0.0 or (not one_way and pushing < LITTLE * driving)
-    else:
-        inertial = not one_way or left[count] < most * left[0]
+    inertial = float(c[n + 1]) < 0.0 if inertia else not one_way or left[count] < most * left[0]
+    if n == 2 and not one_way:  # of what else acts, a part that is recorded late may drive
+        beside = float(np.std(x[:, n:] @ c[n:]) + np.std(other))
+        little = beside < LITTLE * float(np.std(x[:, :n] @ c[:n]))
+        inertial = inertial or (little and left[0] < most * float(driven @ driven))
     turned = wrong and inertial and left[0] < most * float(without @ without)
     return OTHER_SIGN if turned else ""
 

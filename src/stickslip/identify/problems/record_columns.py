@@ -75,6 +75,8 @@ AT_ONCE = 64
 """Columns that are filtered at once, which bounds the memory."""
 ZERO = "zero."
 """Beginning of the paths of zeros of positions, of which no record is without."""
+CONTROLLED = 0.02
+"""Part of a force that a line over the position leaves at most where a controller makes it."""
 SAME_SPAN = 0.01
 """Part of a column outside another from which they are told apart."""
 TINY = 1e-300
@@ -602,11 +604,27 @@ class Balance:
         spring = self.rows(MIDDLE).seen([self.spring(p.record.position) for p in self.pieces])
         return is_told(spring, [self.rows(MIDDLE).unknown(path) for path in self._looked_for])
 
+    @cached_property
+    def controlled(self) -> bool:
+        """Whether the force is a line that falls with the position, which a controller makes.
+
+        It would be all of a spring that pushes away, and of no friction.
+        """
+        if self._from is not self:
+            return self._from.controlled
+        rows = self.rows(MIDDLE)
+        spring = rows.seen([self.spring(p.record.position) for p in self.pieces])
+        spring = spring - np.mean(spring)
+        force = rows.force - np.mean(rows.force)
+        slope = float(spring @ force) / (float(spring @ spring) + TINY)
+        left = float(np.std(force - slope * spring))
+        return slope < 0.0 and left < CONTROLLED * float(np.std(force))
+
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.
 
-        They are inertia, viscous friction, level, a constant, a spring that is not given and does
-        not push away, and what is looked for.
+        They are inertia, viscous friction, level, a constant, a spring that is not given and is no
+        controller, and what is looked for.
         """
         rows = self.rows(MIDDLE)
         states = zip(self.states(memory), self.pieces, strict=True)
@@ -620,7 +638,7 @@ class Balance:
         for kept in (1.0, 0.0) if self.pulled else (0.0,):
             x[:, 4] *= kept
             c = np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size
-            if c[4] >= 0.0:
+            if c[4] >= 0.0 or not self.controlled:
                 break
         return np.asarray(c)
 
@@ -766,8 +784,7 @@ class Balance:
         """Return the basis of a force that changes with the place (n, p).
 
         If a spring may act, the last is in proportion to the place, with a size of its own, and the
-        cosines have no part of it: of a controller, whose force falls with the position, they
-        would make a spring of negative stiffness.
+        cosines have no part of it: few springs push away, and controllers pass for one that does.
         """
         places = self.frame.places(position, self.waves[0])
         if not self.pulled:
@@ -775,7 +792,7 @@ class Balance:
         spring = self.spring(position)
         order = np.arange(1, COSINES + 1)
         line = -12.0 * (order % 2) / (math.pi * order) ** 2 / np.hypot(1.0, order / CURVED)
-        places[:, :COSINES] -= np.outer(spring, line)
+        places[:, :COSINES] -= np.outer(np.clip(spring, -1.0, 1.0), line)
         return np.column_stack([places, spring])
 
     def spring(self, position: Array) -> Array:

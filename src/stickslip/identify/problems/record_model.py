@@ -70,6 +70,8 @@ NO_CURVE, CURVE = 0.4, 0.1
 """Prior probability that laws say all, and the half-normal size of what they do not, else."""
 COMMON = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
 BY_PLACE = (0.002, 0.01, 0.04, 0.15, 0.5)
+PUSHES = 1.001
+"""Size of a spring that may push away, as a magnet or a weight above its pivot does."""
 SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "common": (
         COMMON,
@@ -83,7 +85,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.045, 0.005)),
     "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
     "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
-    "spring": ((0.0005, 0.1, 1.0), (0.8, 0.1, 0.1)),
+    "spring": ((0.0005, 0.1, 1.0, PUSHES), (0.8, 0.1, 0.08, 0.02)),
     "relaxing": ((0.0005, 0.03, 0.2, 1.0), (0.94, 0.03, 0.02, 0.01)),
     "stretch": (
         (0.0005, 0.003, 0.01, 0.03, 0.08, 0.2, 0.5),
@@ -205,7 +207,8 @@ TINY = 1e-300
 ROUNDING = 1e-8
 """Share of the covariance of the curve that keeps its root positive."""
 EXACT = 1e-5
-"""Noise of rows at least, over the root mean square of the response: numbers and filters round."""
+"""Noise of rows at least, over the root mean square of the response: filters round, and integrators
+of simulated records (with a tenth, steps of .1 ms made a spring 12 likelier, by its logarithm)."""
 RIDGE = 1e-12
 """Share of its own square that each column has as noise of its own: as much as rounding may make
 of columns that are nearly alike, so that factors exist where nothing else is noise."""
@@ -382,8 +385,12 @@ class RecordModel(Model):
     @property
     def scales(self) -> Sequence[Scale]:  # type: ignore[override]
         """The scales: sizes, then how forces act, the bristle and the cutoff."""
+        priors = {name: SCALES[name][1] for name in self.names}
+        if self.balance.controlled:
+            priors |= {"spring": (*SCALES["spring"][1][:-1], 0.0)} if "spring" in priors else {}
         sizes = [
-            Scale(name=name, values=SCALES[name][0], prior=SCALES[name][1]) for name in self.names
+            Scale(name=name, values=SCALES[name][0], prior=p, ordered=name != "spring")
+            for name, p in priors.items()
         ]
         lengths = tuple(item.length for item in self.memories)
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
@@ -451,19 +458,17 @@ class RecordModel(Model):
         )
 
     def _positive(self, node: Node) -> tuple[int, ...]:
-        """Return the columns whose coefficients are not negative: dead zones and springs.
+        """Return the columns whose coefficients are not negative: dead zones and most springs.
 
         Where they are no more than noise, they may have either sign.
         """
-        places = self.design(*self.key(node)).places
-        of = {"zone": ("zone", slice(None)), "spring": ("force", slice(-1, None))}
-        of["relaxing"] = ("relaxing", slice(None))
-        return tuple(
-            k
-            for name, (group, part) in of.items()
-            if name in self.names and self.at(node, name) > SCALES[name][0][0]
-            for k in range(places[group].start, places[group].stop)[part]
-        )
+        places, result = self.design(*self.key(node)).places, list[int]()
+        for name in ("zone", "spring", "relaxing"):
+            if name not in self.names or not SCALES[name][0][0] < self.at(node, name) != PUSHES:
+                continue
+            columns = places["force" if name == "spring" else name]
+            result += range(columns.stop - 1 if name == "spring" else columns.start, columns.stop)
+        return tuple(result)
 
     def _volume(self, node: Node) -> float:
         """Return the sum over the rows of the logarithm of the density of what is left none of.
@@ -631,7 +636,7 @@ class RecordModel(Model):
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
         base = [plain["slope"], rows.seen(drag)[:, None]]
-        if balance.pulled:
+        if balance.pulled and not balance.controlled:
             base.append(plain["force"][:, -1:])
         base += [plain[name] for name in names]  # the inertia is the last
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
