@@ -21,6 +21,8 @@ from stickslip import (
 )
 from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits import PlainBalance
+from stickslip.identify.problems.record_checks import wrong_sign
+from stickslip.identify.problems.record_signals import records_of
 from stickslip.mechanisms import TwoMassAxis
 from stickslip.mechanisms.drives import Sampled
 
@@ -280,6 +282,21 @@ def test_a_mass_is_not_looked_for_under_a_constant_force():
         )  # fmt: skip
     found = fit(Axis(inertia=5.0), "coulomb-viscous", constant_push(), route="balance")
     assert found.estimates[0].value == pytest.approx(10.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("stiffness", "late"), [(0.0, 0.02), (1e4, 0.005), (1e4, -0.005)])
+def test_a_late_force_of_inertia_or_of_a_spring_is_no_reversed_one(stiffness, late):
+    """Late forces have a part that drives, by more than friction brakes."""
+    time = np.arange(0.0, 8.0, 1e-3)
+    parts = ((0.05, 0.3), (0.02, 0.8))
+    position = sum(a * np.sin(2.0 * np.pi * f * time) for a, f in parts)
+    v = np.gradient(position, time)
+    force = np.gradient(v, time) + stiffness * position + 0.2 * np.sign(v) + 0.1 * v
+    force = np.interp(time + late, time, force)
+    record = Measurement(time=time, position=position, force=force)
+    axis = Axis(inertia=1.0, stiffness=stiffness)
+    for unknown in (["mechanism.inertia"], []):
+        assert not wrong_sign(records_of(axis, record, unknown=unknown))
 
 
 def test_friction_against_the_pull_is_refused():

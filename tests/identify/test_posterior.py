@@ -260,10 +260,39 @@ def test_drawn_nodes_stand_for_those_that_were_not_visited() -> None:
 
 
 def test_no_node_is_drawn_where_those_visited_have_all_weight() -> None:
-    posterior = Posterior(Ridge(), [()], np.zeros(1), begin=[(6, 6)], most=144, drawn=100)
-    assert len(posterior.nodes) <= 144
-    without = Posterior(Ridge(), [()], np.zeros(1), begin=[(6, 6)], most=144)
-    np.testing.assert_allclose(posterior.scale("a"), without.scale("a"), atol=0.02)
+    drawn, visited = (
+        Posterior(Ridge(), [()], np.zeros(1), begin=[(6, 6)], most=144, drawn=count)
+        for count in (100, 0)
+    )
+    assert {*drawn.nodes} >= {*visited.nodes}
+    np.testing.assert_allclose(drawn.scale("a"), visited.scale("a"), atol=0.02)
+
+
+class Apart(Far):
+    """Of a spring or of drift and place together, the latter are likelier, but no single step."""
+
+    scales = tuple(
+        Scale(name=name, values=(0.0, 1.0, 2.0), prior=(0.8, 0.15, 0.05))
+        for name in ("spring", "drift", "place", "noise")
+    )
+
+    def prior(self, node: Node) -> float:
+        spring, drift, place, noise = (k > 0 for k in node)
+        explains = 20.0 if drift and place else 17.0 if spring else 3.0 * (drift or place)
+        return super().prior(node) + explains - 2.0 * noise
+
+
+def test_what_the_best_node_has_of_a_doubted_scale_is_compared_with_the_best_without_it() -> None:
+    model, nodes = Apart(), [*itertools.product(range(3), repeat=4)]
+    weights = np.exp([model.prior(node) for node in nodes])
+    without = sum(w for w, node in zip(weights, nodes, strict=True) if node[0] == 0)
+    begin = [(1, 0, 0, 0)]
+    alone = Posterior(model, [()], np.zeros(1), begin=begin, most=8)
+    assert alone.scale("spring")[0] < 0.05
+    doubted = ("spring", "drift", "place")
+    both = Posterior(model, [()], np.zeros(1), begin=begin, most=8, doubted=doubted, drawn=60)
+    assert both.best == (0, 1, 1, 0)
+    assert both.scale("spring")[0] == pytest.approx(without / weights.sum(), abs=0.05)
 
 
 def test_sweeps_invert_small_matrices() -> None:

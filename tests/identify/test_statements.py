@@ -305,7 +305,8 @@ def test_parameters_of_what_is_no_law_have_their_symbols_and_units():
     friction = np.sign(v) * (0.31 - 0.008 * np.log(np.abs(v) / 1e-5)) + noise
     verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
     found = {estimate.quantity.symbol: estimate for estimate in verdict.closest.fit.estimates}
-    assert found["v_0"].quantity.unit == "m/s"
+    assert found["a"].quantity.unit in ("N", "")
+    assert "v_0" not in found  # the reference of the logarithm, which nothing estimates
     assert found["a"].low < found["a"].value < found["a"].high < 0.0
 
 

@@ -385,6 +385,11 @@ DOUBTED: Final = re.compile(
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
 """A whole number with a mark between thousands, to be put in."""
+_DECIMAL: Final = {
+    mark: re.compile(rf"(?<![\d.,])(?:0\{mark}\d+|\d+\{mark}(?:\d{{1,2}}|\d{{4,}}))(?![\d.,])")
+    for mark in ".,"
+}
+"""Numbers in which each mark is a decimal one."""
 _LONE: Final = re.compile(r"(?![+-]?[1-9]\d{0,2},\d{3}$)[^.,]*,[^.,]*")
 """A number with a comma that does not part thousands."""
 _THOUSANDS: Final = {
@@ -799,6 +804,8 @@ def marks_of(
     (',', '.', '1.592')
     >>> marks_of("0.5;1,592\n", [["0.5", "1,592"]], ";")
     (',', '', '1,592')
+    >>> marks_of("0.5;1,592\n0.6;0,9\n", [["0.5", "1,592"]], ";")
+    (',', '', '')
     """
     decimal, thousands = _marks(text, rows, separator)
     # commas alone are decimal, but for those in quotes; beside numbers with points they may not be
@@ -809,6 +816,8 @@ def marks_of(
     sure = mark not in (".", ",") or not all(
         re.fullmatch(whole, cell) and cell.count(mark) == 1 for cell in grouped
     )
+    # a number further down may show it: no mark parts thousands in 0,900
+    sure = sure or (mark == decimal != separator and _DECIMAL[mark].search(text) is not None)
     return decimal, thousands, "" if sure else next(iter(grouped), "")
 
 

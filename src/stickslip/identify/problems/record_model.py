@@ -463,7 +463,7 @@ class RecordModel(Model):
         Where they are no more than noise, they may have either sign.
         """
         places, result = self.design(*self.key(node)).places, list[int]()
-        for name in ("zone", "spring", "relaxing"):
+        for name in ("zone", "spring"):
             if name not in self.names or not SCALES[name][0][0] < self.at(node, name) != PUSHES:
                 continue
             columns = places["force" if name == "spring" else name]

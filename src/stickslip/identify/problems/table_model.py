@@ -113,8 +113,8 @@ MOST_ROWS = 250
 FIRST, MOST = 100, 400
 """Nodes that are visited in the first turn, and in others."""
 KEPT = 80
-"""Structures that are refined, and that are kept (of 40 shapes that tell little were cut off: up to
-8 % of the weight, at the ends of intervals)."""
+"""Structures that are refined, and that are kept (with 40, up to 8 % of the weight was cut off at
+the ends of intervals)."""
 FINER = 4
 """Times that shapes are refined by thirds of a step ..."""
 RESOLVED, LEAST_SHARE = 4.0, 0.02
@@ -748,6 +748,7 @@ class TableModel(Model):
             "offset": APART if "offset" in named else ALIKE,
             "viscous_direction": APART if "viscous_direction" in named else ALIKE,
             "drift": DRIFTS[node[5]],
+            "run": 0.0,
             "bend": 1.0,
             "delta": tau,
             "sides": max(0.2 * tau, apart),
@@ -757,7 +758,7 @@ class TableModel(Model):
                 sizes[f"{part}*{name}"] = change
                 sizes[f"{part} bend*{name}"] = change / INPUT[-1]
         of_runs = self.groups == "run"
-        result = np.array([sizes.get(name, 0.0) for name in self.groups])
+        result = np.array([sizes[name] for name in self.groups])
         result[of_runs] = np.repeat(self.run_deviations(node), int(of_runs.sum()) // 2)
         return result
 
@@ -837,6 +838,7 @@ class TableModel(Model):
         taken = solve_triangular(root, solved[:, :-1].T, lower=True)
         left = solved[:, -1] - taken.T @ solve_triangular(root, inner[:, -1], lower=True)
         precision = w - w * w * factor - np.sum(taken * taken, axis=0)
+        precision = np.maximum(precision, 1e-12 * w)
         variance = 1.0 / precision - noise * (1.0 / self.weights - 1.0) / readings.count
         return np.asarray(np.abs(left / precision) / np.sqrt(np.maximum(variance, 1e-30)))
 

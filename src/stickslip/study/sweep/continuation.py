@@ -39,7 +39,6 @@ Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test func
 di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 """
 
-import bisect
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -827,9 +826,8 @@ class Curve:
             and (near := self.beside(points[-1]))
         ):
             if self.smooth:  # how far along it a walk comes depends on where its steps began
-                del points[
-                    bisect.bisect_left(points, True, key=lambda p: bool(self.beside(p))) + 1 :
-                ]
+                while len(points) > 1 and self.beside(points[-2]):
+                    points.pop()
             why = self.beside(points[-1]) or near
         elif len(points) >= WINDOW and self.crept < CREPT:
             why = "the steps become too short"
