@@ -114,7 +114,7 @@ def wrong_sign(records: Sequence[Record]) -> str:
     without = response - x[:, n:] @ np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
     wrong = float(np.mean(x[:, :n] @ c[:n] * speed)) < 0.0
     # in one direction friction that falls with the speed would drive: only inertia has a sign
-    inertial = float(c[n + 1]) < 0.0 if inertia else not one_way or left[count] < most * left[0]
+    inertial = float(c[n + 1]) < 0.0 if inertia else left[count] < most * left[0]
     if n == 2 and not one_way:  # of what else acts, a part that is recorded late may drive
         beside = float(np.std(x[:, n:] @ c[n:]) + np.std(other))
         little = beside < LITTLE * float(np.std(x[:, :n] @ c[:n]))
