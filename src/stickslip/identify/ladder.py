@@ -282,16 +282,7 @@ def candidate_of(
     """Return a law of the ladder as a candidate of a verdict."""
     named = rung is judgement.named
     title = title_of(judgement, rung)
-    fit = law_fit(
-        judgement,
-        rung.structure,
-        judgement.handed_over(rung),
-        mechanism,
-        measurement,
-        title=title,
-        largest_speed=largest_speed,
-        named=named,
-    )
+    fit = law_fit(judgement, rung, title, mechanism, measurement, largest_speed)
     alike = any(rung.family == item.family for item in judgement.set)
     return LawCandidate(
         name=name_of(judgement, rung),

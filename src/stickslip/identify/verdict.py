@@ -33,8 +33,9 @@ from stickslip.identify.fits import (
     unit_of,
 )
 from stickslip.identify.judgement import Finding, Judgement
-from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding
+from stickslip.identify.laws import RIG_QUANTITIES, Composition
 from stickslip.identify.posterior import Array, Family, Structure, family_of
+from stickslip.identify.projection import Rung
 from stickslip.identify.wording import (
     lacking_sentences,
     load_sentence,
@@ -589,20 +590,15 @@ def told_apart(
 
 def law_fit(
     judgement: Judgement,
-    structure: Structure,
-    handed_over: tuple[Composition, Sliding, FrictionLaw | None],
+    rung: Rung,
+    title: str,
     mechanism: Mechanism,
     measurement: Measurement,
-    *,
-    title: str,
     largest_speed: float,
-    named: bool,
 ) -> LawFit:
-    """Return a structure as a fit, of which it was said what is handed over.
-
-    The named one has its intervals. Its `title` is in words.
-    """
-    composed, sliding, own = handed_over
+    """Return a law with a title in words as a fit; the named one has its intervals."""
+    named, structure = rung is judgement.named, rung.structure
+    composed, sliding, own = judgement.handed_over(rung)
     law = composed.through(sliding) if own is None else own
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))

@@ -7,9 +7,8 @@ their number are the degrees of freedom of its error (`benchmarks.synthetic_trut
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
-from functools import partial
 from statistics import NormalDist
 
 import numpy as np
@@ -151,11 +150,6 @@ class Inference:
     one row for what all records share, else one for each record."""
 
     @property
-    def of_record(self) -> "Inference":
-        """The same as if the mechanism were known."""
-        return replace(self, held={})
-
-    @property
     def of_held(self) -> Array:
         """Covariance that the uncertainties of the mechanism bring (p, p)."""
         moved = np.concatenate([np.zeros((1, len(self.freedom))), *self.held.values()])
@@ -261,10 +255,12 @@ def infer(
     True
     """
     known = Directions.of(jacobian.slopes @ scale)
-    spread = _spread(jacobian, known)
+    blocks = max(2, min(BLOCKS, len(jacobian.residual) // 2))
+    squares, slopes = block_sums(jacobian, known.columns, blocks=blocks)
+    changes, alone = _left_out(squares, slopes)
     by_seen = scale @ known.inverse
-    moved = spread.changes @ by_seen.T
-    once = takes_part(by_seen, spread.alone)
+    moved = math.sqrt((blocks - 1) / blocks) * changes @ by_seen.T
+    once = takes_part(by_seen, alone)
     reasons = [
         why or (ONCE if item else "") for why, item in zip(known.reasons(scale), once, strict=True)
     ]
@@ -273,7 +269,7 @@ def infer(
     return Inference(
         covariance=_unbounded(moved.T @ moved, reasons),
         naive=_unbounded(naive, reasons),
-        freedom=np.array([spread.freedom(row) for row in by_seen]),
+        freedom=np.array([freedom_of(squares, row) for row in by_seen]),
         condition=known.condition,
         effective=effective_size(jacobian.residual),
         reasons=tuple(reasons),
@@ -283,30 +279,6 @@ def infer(
             )
             for path in dict.fromkeys(item.path for item in displaced)
         },
-    )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Spread:
-    """How orthonormal coordinates scatter: as independent changes would."""
-
-    changes: Array
-    """Whose squares add up to the covariance (b, r)."""
-    alone: Array
-    """Directions that only one block or row sees (r, k)."""
-    freedom: Callable[[Array], float]
-    """Degrees of freedom of the variance along a direction (r,)."""
-
-
-def _spread(seen: ResidualJacobian, known: Directions) -> _Spread:
-    """Return how the coordinates scatter, by blocks."""
-    blocks = max(2, min(BLOCKS, len(seen.residual) // 2))
-    squares, slopes = block_sums(seen, known.columns, blocks=blocks)
-    changes, alone = _left_out(squares, slopes)
-    return _Spread(
-        changes=math.sqrt((blocks - 1) / blocks) * changes,
-        alone=alone,
-        freedom=partial(freedom_of, squares),
     )
 
 
@@ -583,7 +555,7 @@ def _together(free_parameters: FreeParameters, inference: Inference, known: Set[
     """Return sentences on pairs of estimates that move together, of those that are identified."""
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate
-    table = inference.of_record.correlation
+    table = replace(inference, held={}).correlation
     for i, item in enumerate(free_parameters.items):
         for j, other in enumerate(free_parameters.items[:i]):
             free = item.path in known and other.path in known
