@@ -13,7 +13,7 @@ from stickslip.identify.fits import fit_records
 from stickslip.identify.fits.levenberg_marquardt import improve
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Ways, followed
-from stickslip.identify.fits.shooting.problems import RouteChoice, simulated
+from stickslip.identify.fits.shooting.problems import segments_and_hold, simulated
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 
@@ -48,8 +48,8 @@ def test_threads_change_no_digit(record, law, monkeypatch):
 def problem_of(record, law=CoulombViscous):
     settings = RecordSettings(hold="zero", resolution=200)
     wanted = Parameters.of(RIG, law, ["friction.*", "inertia"])
-    choice = RouteChoice.of(RIG, record, settings)
-    return simulated(choice, wanted, record, {}).problem
+    settings, _ = segments_and_hold(RIG, record, settings)
+    return simulated(settings, wanted, record, {}).problem
 
 
 @pytest.fixture(scope="module")

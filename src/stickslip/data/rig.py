@@ -282,7 +282,8 @@ class Rig(metaclass=Described):
         t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
         object.__setattr__(self, "t_end", t_end)
         for name, law in self.laws.items():
-            of_name = isinstance(law, friction.FrictionLaw) and law.name == name
+            given: object = law  # whatever the types say
+            of_name = isinstance(given, friction.FrictionLaw) and given.name == name
             unlisted = of_name and name not in friction.laws()
             kind = type(law) if unlisted else friction.law_type(name)
             if not isinstance(law, kind):

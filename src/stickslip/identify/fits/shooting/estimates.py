@@ -462,24 +462,6 @@ def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
     return formatting.with_unit(number(value, digits), item.quantity.unit)
 
 
-def step_intervals(
-    free_parameters: FreeParameters, jacobian: ResidualJacobian, inference: Inference
-) -> Mapping[str, tuple[float, float, float]]:
-    """Return by path surplus, lower and upper end, for unknowns that stand above another."""
-    result = {}
-    paths = list(free_parameters.paths)
-    for i, item in enumerate(free_parameters.items):
-        if item.above not in paths:
-            continue
-        j = paths.index(item.above)
-        row = np.zeros(len(paths))
-        row[[i, j]] = 1.0, -1.0
-        half = inference.half_width(row)
-        step = float(jacobian.values[i] - jacobian.values[j])
-        result[item.path] = (step, step - half, step + half)
-    return result
-
-
 def sentences_of(
     free_parameters: FreeParameters,
     jacobian: ResidualJacobian,
@@ -494,12 +476,20 @@ def sentences_of(
         for estimate in estimates
         if estimate.reason and not estimate.quantity.nuisance
     ]
-    for path, (step, low, high) in step_intervals(free_parameters, jacobian, inference).items():
-        if path not in at_bounds and low <= 0.0 and math.isfinite(high - low):
-            item = free_parameters.items[free_parameters.paths.index(path)]
+    paths = list(free_parameters.paths)
+    for i, item in enumerate(free_parameters.items):
+        if item.above not in paths or item.path in at_bounds:
+            continue
+        j = paths.index(item.above)
+        row = np.zeros(len(paths))
+        row[[i, j]] = 1.0, -1.0
+        half = inference.half_width(row)
+        step = float(jacobian.values[i] - jacobian.values[j])
+        if step <= half < math.inf:
             lines.append(
                 f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
-                f" from 0: {with_unit(step, item)}, interval {number(low)} to {number(high)}."
+                f" from 0: {with_unit(step, item)}, interval {number(step - half)} to"
+                f" {number(step + half)}."
             )
     known = {
         estimate.path

@@ -55,7 +55,7 @@ from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.problems import (
     FitSetup,
     HoldFinding,
-    RouteChoice,
+    segments_and_hold,
     simulated,
 )
 from stickslip.identify.fits.validation import Parameters
@@ -207,17 +207,18 @@ def fit_records(
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         check_inputs(wanted.law, mechanism, measurement)
         measurement, left_out = without_outliers(measurement)
-        choice = RouteChoice.of(mechanism, measurement, settings or RecordSettings(), late)
+        settings, hold = segments_and_hold(
+            mechanism, measurement, settings or RecordSettings(), late
+        )
         refuse_unused(measurement, inside(mechanism, measurement))
         with with_doubts(measurement, mechanism):
-            ready = simulated(choice, wanted, measurement, begin or {})
-        searched = choice.settings
+            ready = simulated(settings, wanted, measurement, begin or {})
         optimum = first = search(
-            ready.problem, starts=searched.starts, seed=searched.seed, watch=progress
+            ready.problem, starts=settings.starts, seed=settings.seed, watch=progress
         )
         if not driven(measurement):
-            ready, optimum = _lengthened(ready, optimum, measurement, searched, progress)
-        fit = finished("shooting", measurement, ready, optimum, first, hold=choice.hold)
+            ready, optimum = _lengthened(ready, optimum, measurement, settings, progress)
+        fit = finished("shooting", measurement, ready, optimum, first, hold=hold)
         return replace(fit, left_out=left_out)
 
 
