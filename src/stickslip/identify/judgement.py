@@ -202,8 +202,7 @@ class Problem(ABC):
 
     def scale(self, rows: Any) -> Array:
         """Return how friction grows with the load at rows (n,)."""
-        ratio: Array = rows.ratio
-        return ratio
+        return np.asarray(rows.ratio)
 
     @abstractmethod
     def columns(self, column: tuple[str, Any], rows: Any) -> list[Array]:

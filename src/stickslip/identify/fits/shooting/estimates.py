@@ -153,14 +153,12 @@ class Inference:
     def of_held(self) -> Array:
         """Covariance that the uncertainties of the mechanism bring (p, p)."""
         moved = np.concatenate([np.zeros((1, len(self.freedom))), *self.held.values()])
-        covariance: Array = moved.T @ moved
-        return covariance
+        return np.asarray(moved.T @ moved)
 
     @property
     def total(self) -> Array:
         """Covariance of the record and of the uncertainties of the mechanism (p, p)."""
-        total: Array = self.covariance + self.of_held
-        return total
+        return np.asarray(self.covariance + self.of_held)
 
     @property
     def errors(self) -> Array:
@@ -313,8 +311,7 @@ def _rests(squares: Array) -> Array:
     zero = np.zeros((1, *squares.shape[1:]))
     before = np.concatenate([zero, np.cumsum(squares, axis=0)[:-1]])
     after = np.concatenate([np.cumsum(squares[::-1], axis=0)[::-1][1:], zero])
-    result: Array = before + after
-    return result
+    return np.asarray(before + after)
 
 
 def freedom_of(squares: Array, direction: Array) -> float:
