@@ -46,8 +46,7 @@ from benchmarks.synthetic_truth import judged, run, share
 from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, law
-from stickslip.identify.fits import RecordFit
-from stickslip.identify.fits.shooting.fitting import fit_record
+from stickslip.identify.fits import RecordFit, fit_records
 from stickslip.mechanisms import DCMotor, PositionLoop
 from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import PID, closed_loop
@@ -307,11 +306,11 @@ def of_servo(folder: Path, name: str) -> dict[str, Any]:
 
     def fitted(part: str, start: Any, kind: Any, settings: RecordSettings) -> Any:
         chosen = [item for item in every if str(item.gain) != part]
-        result = fit_record(
+        result = fit_records(
             start,
             kind,
             joined(chosen, loop=settings is WHOLE),
-            unknown=free,
+            vary=["friction.*", *free],
             settings=settings,
         )
         fits[part] = {

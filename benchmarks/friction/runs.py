@@ -394,7 +394,7 @@ def _at(own: RecordFit[Any], found: Found) -> RecordFit[Any]:
     """Return a fit with other values of its unknowns, as what is judged."""
     values = own.free_parameters.start
     values[:] = [found.values[path] for path in own.free_parameters.paths]
-    best = own.problem.linearise(values, slopes=False)
+    best = own.problem.linearise(values)
     law = {
         # Offsets of sensors are unknowns of the record, not parameters of the law.
         path: x

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, fit, load_measurement
+from stickslip.identify.fits import fit_records
 from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.fitting import fit_record
 
 AXIS = Axis(inertia=95.0)
 ONE = RecordSettings(starts=1)
@@ -39,7 +39,7 @@ def by_motion(emps):
 
     @functools.cache
     def fit_of(law):
-        return fit_record(AXIS, law, emps, unknown=("inertia",), settings=ONE)
+        return fit_records(AXIS, law, emps, vary=["friction.*", "inertia"], settings=ONE)
 
     return fit_of
 
@@ -68,7 +68,7 @@ def test_naive_intervals_are_several_times_too_narrow(by_motion):
 
 @pytest.mark.slow
 def test_the_stribeck_step_is_reported_as_undetermined(emps):
-    found = fit_record(AXIS, Stribeck, emps, unknown=("inertia",))
+    found = fit_records(AXIS, Stribeck, emps, vary=["friction.*", "inertia"])
     told = " ".join(found.sentences)
     assert "mu_s" in told or "v_s" in told
     assert not (found.estimate("static_coefficient").bounded

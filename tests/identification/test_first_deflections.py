@@ -15,7 +15,7 @@ from stickslip.identify.fits.shooting.initial_states import (
     RecordedMotion,
     follow,
 )
-from stickslip.identify.fits.shooting.problems import RouteChoice, simulated
+from stickslip.identify.fits.shooting.problems import simulated
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 
@@ -95,8 +95,8 @@ def problem_of(own, record):
     wanted = Parameters(
         mechanism=Axis(inertia=3.0), law=own, unknown=("inertia",), free=type(own).fit_order
     )
-    choice = RouteChoice(settings=RecordSettings(segment=0.5))
-    return simulated(choice, wanted, record, {}).problem
+    settings = RecordSettings(segment=0.5)
+    return simulated(settings, wanted, record, {}).problem
 
 
 @pytest.fixture(scope="module")

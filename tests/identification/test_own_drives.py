@@ -11,7 +11,7 @@ from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identify.fits.settings import RecordSettings
 from stickslip.identify.fits.shooting.fitting import route_of
-from stickslip.identify.fits.shooting.problems import RouteChoice
+from stickslip.identify.fits.shooting.problems import segments_and_hold
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
 
@@ -157,9 +157,9 @@ def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
     seen = record(mechanism, length, rate, noise)
     route = route_of(mechanism, seen)
     assert route == "shooting"
-    choice = RouteChoice.of(mechanism, seen, RecordSettings())
-    assert choice.settings.segment == pytest.approx(np.ptp(seen.time))
-    assert choice.settings.resolution >= 100 * choice.settings.segment
+    settings, _ = segments_and_hold(mechanism, seen, RecordSettings())
+    assert settings.segment == pytest.approx(np.ptp(seen.time))
+    assert settings.resolution >= 100 * settings.segment
     assert not [
         finding for finding in check(seen, mechanism=mechanism).findings if finding.kind == "drive"
     ]

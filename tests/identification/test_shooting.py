@@ -9,11 +9,11 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, Pendulum, fit, simulate
 from stickslip.errors import ConvergenceError, InputError
+from stickslip.identify.fits import fit_records
 from stickslip.identify.fits.levenberg_marquardt import improve
 from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.fitting import fit_record
 from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Ways, followed
-from stickslip.identify.fits.shooting.problems import RouteChoice, simulated
+from stickslip.identify.fits.shooting.problems import segments_and_hold, simulated
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 
@@ -48,8 +48,8 @@ def test_threads_change_no_digit(record, law, monkeypatch):
 def problem_of(record, law=CoulombViscous):
     settings = RecordSettings(hold="zero", resolution=200)
     wanted = Parameters.of(RIG, law, ["friction.*", "inertia"])
-    choice = RouteChoice.of(RIG, record, settings)
-    return simulated(choice, wanted, record, {}).problem
+    settings, _ = segments_and_hold(RIG, record, settings)
+    return simulated(settings, wanted, record, {}).problem
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +60,8 @@ def record():
 @pytest.mark.slow
 def test_an_exact_record_gives_its_parameters_back(record):
     settings = RecordSettings(resolution=200, starts=1)
-    found = fit_record(Axis(inertia=1.0), CoulombViscous, record, unknown=("inertia",),
-                       settings=settings)  # fmt: skip
+    found = fit_records(Axis(inertia=1.0), CoulombViscous, record, vary=["friction.*", "inertia"],
+                        settings=settings)  # fmt: skip
     end, _ = improve(found.problem, found.values)
     values = dict(zip(found.free_parameters.paths, end.values, strict=True))
     # the search ends when a step takes less than 1e-4 off a cost that is 1e-9 m already
@@ -75,7 +75,7 @@ def test_an_exact_record_gives_its_parameters_back(record):
 def values_found(axis, record, **more):
     """Return by path what fits a record best, from where the search of the fit ended."""
     settings = RecordSettings(resolution=200, starts=1)
-    found = fit_record(axis, CoulombViscous, record, settings=settings, **more)
+    found = fit_records(axis, CoulombViscous, record, settings=settings, **more)
     end, _ = improve(found.problem, found.values)
     assert end.rms < 1e-6 * 0.2  # initial states are settled to 1e-6 of the motion
     return found, dict(zip(found.free_parameters.paths, end.values, strict=True))
@@ -86,7 +86,7 @@ def test_an_exact_record_of_velocities_gives_its_parameters_back():
     drive = Sampled(times=rows.time.tolist(), values=rows.force.tolist())
     run = simulate(replace(RIG, drive=drive), TRUE, t_end=float(rows.time[-1]))
     only = Measurement(time=rows.time, velocity=run.at(rows.time)["v"], force=rows.force)
-    found, values = values_found(Axis(inertia=1.0), only, unknown=("inertia",))
+    found, values = values_found(Axis(inertia=1.0), only, vary=["friction.*", "inertia"])
     assert found.problem.quantity == "velocity"
     # as for positions
     assert values["friction.kinetic_coefficient"] == pytest.approx(3.0, rel=1e-6)
@@ -109,7 +109,7 @@ def test_each_trial_is_simulated_with_what_it_overrides():
     assert values["friction.viscous_coefficient"] == pytest.approx(8.0, rel=1e-6)
     assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
     with pytest.raises(InputError, match="trial heavy overrides"):
-        fit_record(Axis(inertia=4.0), CoulombViscous, both, unknown=("inertia",))
+        fit_records(Axis(inertia=4.0), CoulombViscous, both, vary=["friction.*", "inertia"])
 
 
 def test_slopes_are_those_of_residuals_whose_initial_states_are_fitted(record):
@@ -156,9 +156,9 @@ def test_values_that_no_law_can_have_are_infinitely_wrong(record):
 def test_bristles_are_found_from_positions_of_an_exact_record():
     law = Dahl(kinetic_coefficient=3.0, bristle_stiffness=300.0, viscous_coefficient=8.0)
     record = record_of(RIG, law)
-    found = fit_record(
-        Axis(inertia=1.0), Dahl, record, unknown=("inertia",),
-        free=("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient"),
+    found = fit_records(
+        Axis(inertia=1.0), Dahl, record,
+        vary=["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient", "inertia"],
         settings=RecordSettings(resolution=200),
     )  # fmt: skip
     # bristles of a segment begin settled or undeflected, which is wrong until

@@ -282,11 +282,10 @@ class Rig(metaclass=Described):
         t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
         object.__setattr__(self, "t_end", t_end)
         for name, law in self.laws.items():
-            kind = (
-                type(law)
-                if name not in friction.laws() and _is_called(law, name)
-                else friction.law_type(name)
-            )
+            given: object = law  # whatever the types say
+            of_name = isinstance(given, friction.FrictionLaw) and given.name == name
+            unlisted = of_name and name not in friction.laws()
+            kind = type(law) if unlisted else friction.law_type(name)
             if not isinstance(law, kind):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
         if self.hold not in (None, "zero", "first"):
@@ -535,10 +534,6 @@ def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> Non
     for name in given:
         if name not in known:
             raise UnknownNameError(kind, name, known)
-
-
-def _is_called(law: object, name: str) -> bool:
-    return isinstance(law, friction.FrictionLaw) and law.name == name
 
 
 def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:

@@ -47,9 +47,8 @@ from stickslip.identify.projection import (
     Rung,
     Shaped,
     Target,
-    cheapest,
+    cost_of,
     is_signed,
-    most_probable,
     names_of,
     shapes_to_draw,
 )
@@ -203,8 +202,7 @@ class Problem(ABC):
 
     def scale(self, rows: Any) -> Array:
         """Return how friction grows with the load at rows (n,)."""
-        ratio: Array = rows.ratio
-        return ratio
+        return np.asarray(rows.ratio)
 
     @abstractmethod
     def columns(self, column: tuple[str, Any], rows: Any) -> list[Array]:
@@ -432,10 +430,12 @@ class Judgement:
     @cached_property
     def named(self) -> Rung:
         """The named law, with shapes between those of the grid."""
-        likely = most_probable(self.rungs) if self.problem.exact() >= EXACT else None
-        result = self._shaped(likely) if likely else None
+        adequate = [rung for rung in self.rungs if rung.adequate > 0.0]
+        result = None
+        if adequate and self.problem.exact() >= EXACT:
+            result = self._shaped(max(adequate, key=lambda rung: rung.adequate))
         if result is None or (result.structure and result.excess > MARGIN):
-            result = self._shaped(cheapest(self.rungs, self.tolerance))
+            result = self._shaped(min(self.rungs, key=lambda rung: cost_of(rung, self.tolerance)))
         if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(result):
             result = next((rung for rung in self.rungs if not rung.structure), result)
         return result

@@ -27,7 +27,14 @@ from stickslip.identify.candidates import (
     in_sentence,
     score_text,
 )
-from stickslip.identify.fits import VARIES, inputs_text, measured_loads, unvaried
+from stickslip.identify.fits import (
+    VARIES,
+    as_informed,
+    as_loaded,
+    inputs_text,
+    measured_loads,
+    unvaried,
+)
 from stickslip.identify.judgement import NO_LAW, Finding, Judgement
 from stickslip.identify.laws import TITLES
 from stickslip.identify.problems.records import LOAD
@@ -39,7 +46,6 @@ from stickslip.identify.verdict import (
     LawFit,
     at_usual_inputs,
     estimates_of,
-    law_fit,
     told_apart,
     unphysical_of,
 )
@@ -51,6 +57,7 @@ from stickslip.identify.wording import (
     Words,
     advice_sentence,
     band_sentence,
+    lacking_sentences,
     load_sentence,
     of_load_text,
     outlier_sentence,
@@ -62,6 +69,7 @@ from stickslip.identify.wording import (
     widths_text,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters, vary
 from stickslip.show.formatting import capital, joined, number, percent, quantity
 
 DIFFERENT = 1.2
@@ -282,15 +290,45 @@ def candidate_of(
     """Return a law of the ladder as a candidate of a verdict."""
     named = rung is judgement.named
     title = title_of(judgement, rung)
-    fit = law_fit(
-        judgement,
-        rung.structure,
-        judgement.handed_over(rung),
-        mechanism,
-        measurement,
-        title=title,
+    composed, sliding, own = judgement.handed_over(rung)
+    law = composed.through(sliding) if own is None else own
+    result = {path: float(x[0]) for path, x in composed.rig.items()}
+    values = {path: x for path, x in result.items() if path.startswith("mechanism.")}
+    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    if not judgement.offset and "offset" in result and "mechanism.offset" in known:
+        values["mechanism.offset"] = result["offset"]
+    values = {path: x for path, x in values.items() if known[path].allows(x)}
+    rig = vary(mechanism, "mechanism", values) if values else mechanism
+    rig, loaded = as_loaded(rig, measurement)
+    rig, of_inputs = as_informed(law, rig, measurement)
+    intervals = judgement.intervals if named else ()
+    said = (*unphysical_of(composed, mechanism, intervals), loaded, *of_inputs)
+    remarks = [remark for remark in said if remark]
+    estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False) if named else ()
+    if of_load := {"load_exponent", "adhesion", "hersey"} & {*rung.family, *composed.rig}:
+        remarks.append(load_sentence(composed.normal()))
+    if (own is None or of_load) and "load" in rig.__dataclass_fields__:
+        rig = vary(rig, "mechanism", {"load": composed.normal()})
+    drives = bool(np.any(sliding.friction * sliding.velocity < 0.0))
+    lacking = lacking_sentences(
+        title,
+        off=quantity(sliding.off(law, composed), measurement.unit("friction"), 2) if drives else "",
+        table=own is None,
+        at=inputs_text(composed.inputs, turning=measurement.turning),
+        several="] * linear[" in str(law.composition),
+        offset=judgement.offset and "offset" in composed.rig,
+    )
+    fit = LawFit(
+        law=law,
+        mechanism=rig,
+        estimates=estimates,
+        remarks=(*remarks, *lacking),
+        lacking=lacking,
+        judgement=judgement,
+        measurement=measurement,
+        structure=rung.structure,
         largest_speed=largest_speed,
-        named=named,
+        correlation=judgement.correlation if named else np.zeros((0, 0)),
     )
     alike = any(rung.family == item.family for item in judgement.set)
     return LawCandidate(

@@ -213,20 +213,6 @@ def names_of(structure: Sequence[tuple[str, Any]]) -> list[str]:
     return [name for name, _ in structure for _ in range(2 if name == "stribeck_sides" else 1)]
 
 
-def most_probable(rungs: Sequence[Rung]) -> Rung | None:
-    """Return the law with the most weight where what no law says is below the tolerance, or None.
-
-    None where there is no such place.
-    """
-    adequate = [rung for rung in rungs if rung.adequate > 0.0]
-    return max(adequate, key=lambda item: item.adequate) if adequate else None
-
-
-def cheapest(rungs: Sequence[Rung], tolerance: float) -> Rung:
-    """Return the law of the least cost: further terms only follow what no law says."""
-    return min(rungs, key=lambda rung: cost_of(rung, tolerance))
-
-
 def cost_of(rung: Rung, tolerance: float) -> float:
     """Return what a law costs where none is exact: its distance, its parameters, and its place.
 

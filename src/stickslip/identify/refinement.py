@@ -34,10 +34,10 @@ from stickslip.identify.fits import (
     Parameters,
     RecordSettings,
     ResidualJacobian,
-    RouteChoice,
     Shooting,
     Wanted,
     improve,
+    segments_and_hold,
     simulated,
 )
 from stickslip.identify.posterior import Array
@@ -167,8 +167,8 @@ def refined(
     wanted: Wanted = Parameters(
         mechanism=mechanism, law=BamM4, known={"fading_exponent": 1.0}, unknown=tuple(unknown)
     )
-    choice = RouteChoice.of(mechanism, measurement, RecordSettings(hold=hold))
-    problem = replace(simulated(choice, wanted, measurement, {}).problem, steps=STEPS)
+    settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
+    problem = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
     free = problem.free_parameters
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     looked = [k for k, item in enumerate(free.items) if item.path in unknown]

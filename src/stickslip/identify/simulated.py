@@ -382,7 +382,9 @@ class SimulatedPosterior:
             count = len(best)
             one = searches[name]
             one.damping, one.live = np.full(count, 1e-2), np.isfinite(one.value)
-            one.gradient, one.curvature = self._empty(one)
+            m, p = one.at.shape
+            one.gradient = np.zeros((m, p))
+            one.curvature = np.broadcast_to(np.eye(p), (m, p, p)).copy()
         self._linearise(
             searches, {name: search.at for name, search in searches.items()}, first=True
         )
@@ -393,11 +395,6 @@ class SimulatedPosterior:
             self._linearise(active, {name: item.proposed() for name, item in active.items()})
             self._tell(active)
         self._searches |= searches
-
-    @staticmethod
-    def _empty(one: _Search) -> tuple[Array, Array]:
-        m, p = one.at.shape
-        return np.zeros((m, p)), np.broadcast_to(np.eye(p), (m, p, p)).copy()
 
     def _tell(self, active: Mapping[str, _Search]) -> None:
         if self._watch is None:

@@ -25,25 +25,21 @@ from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
-    as_informed,
-    as_loaded,
     estimates_for,
     inputs_text,
     typical_inputs,
     unit_of,
 )
 from stickslip.identify.judgement import Finding, Judgement
-from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding
+from stickslip.identify.laws import RIG_QUANTITIES, Composition
 from stickslip.identify.posterior import Array, Family, Structure, family_of
 from stickslip.identify.wording import (
-    lacking_sentences,
-    load_sentence,
     unphysical_sentence,
     usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, fields_of, parameters, vary
-from stickslip.show.formatting import Scale, interval, joined, number, quantity, with_unit
+from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.show.formatting import Scale, interval, joined, number, with_unit
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -585,67 +581,6 @@ def told_apart(
             replace(candidate, title=f"{candidate.title} ({joined(own)})") if own else candidate
         )
     return tuple(result)
-
-
-def law_fit(
-    judgement: Judgement,
-    structure: Structure,
-    handed_over: tuple[Composition, Sliding, FrictionLaw | None],
-    mechanism: Mechanism,
-    measurement: Measurement,
-    *,
-    title: str,
-    largest_speed: float,
-    named: bool,
-) -> LawFit:
-    """Return a structure as a fit, of which it was said what is handed over.
-
-    The named one has its intervals. Its `title` is in words.
-    """
-    composed, sliding, own = handed_over
-    law = composed.through(sliding) if own is None else own
-    estimates: tuple[Estimate, ...] = ()
-    correlation = np.zeros((0, 0))
-    result = {path: float(x[0]) for path, x in composed.rig.items()}
-    values = {path: x for path, x in result.items() if path.startswith("mechanism.")}
-    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    if not judgement.offset and "offset" in result and "mechanism.offset" in known:
-        values["mechanism.offset"] = result["offset"]
-    values = {path: x for path, x in values.items() if known[path].allows(x)}
-    rig = vary(mechanism, "mechanism", values) if values else mechanism
-    rig, loaded = as_loaded(rig, measurement)
-    rig, of_inputs = as_informed(law, rig, measurement)
-    intervals = judgement.intervals if named else ()
-    said = (*unphysical_of(composed, mechanism, intervals), loaded, *of_inputs)
-    remarks = [remark for remark in said if remark]
-    if named:
-        estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
-        correlation = judgement.correlation
-    if of_load := {"load_exponent", "adhesion", "hersey"} & {*family_of(structure), *composed.rig}:
-        remarks.append(load_sentence(composed.normal()))
-    if (own is None or of_load) and "load" in rig.__dataclass_fields__:
-        rig = vary(rig, "mechanism", {"load": composed.normal()})
-    drives = bool(np.any(sliding.friction * sliding.velocity < 0.0))
-    lacking = lacking_sentences(
-        title,
-        off=quantity(sliding.off(law, composed), measurement.unit("friction"), 2) if drives else "",
-        table=own is None,
-        at=inputs_text(composed.inputs, turning=measurement.turning),
-        several="] * linear[" in str(law.composition),
-        offset=judgement.offset and "offset" in composed.rig,
-    )
-    return LawFit(
-        law=law,
-        mechanism=rig,
-        estimates=estimates,
-        remarks=(*remarks, *lacking),
-        lacking=lacking,
-        judgement=judgement,
-        measurement=measurement,
-        structure=structure,
-        largest_speed=largest_speed,
-        correlation=correlation,
-    )
 
 
 def unphysical_of(

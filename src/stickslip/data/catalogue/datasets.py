@@ -79,11 +79,6 @@ def base_address() -> str:
     return base.rstrip("/")
 
 
-def web_address(repository: str, commit: str, source: str) -> str:
-    """Return the address that an upstream file is downloaded from."""
-    return f"{base_address()}/{repository}/{commit}/{quote(source)}"
-
-
 def by_hand(repository: str, commit: str, source: str) -> str:
     """Return the address at which a browser gets an upstream file."""
     return f"https://github.com/{repository}/raw/{commit}/{quote(source)}"
@@ -487,7 +482,7 @@ class Dataset(metaclass=Described):
         raw = self._raw(file)
         if raw.is_file() and sha256_of(raw) == file.source_sha256:
             return raw
-        url = web_address(self.repository, self.commit, file.source)
+        url = f"{base_address()}/{self.repository}/{self.commit}/{quote(file.source)}"
         if report is not None:
             report(f"Downloading {raw.name} from {url}")
         page = by_hand(self.repository, self.commit, file.source)

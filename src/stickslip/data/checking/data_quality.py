@@ -1129,7 +1129,10 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     change = np.diff(speed)
     spread = float(np.median(np.abs(change - np.median(change)))) / QUARTILE
     # Noise of the speeds, and two counts of the sensor within a sample, are no jump.
-    doubt = 10 * spread + 2 * max(step_of(position), _count_size(position)) / dt
+    # Positions that were interpolated between counts go straight, but where they stay it is at one.
+    held = position[1:][np.diff(position) == 0.0]
+    count = step_of(held) if np.unique(held).size >= FEWEST_SAMPLES else 0.0
+    doubt = 10 * spread + 2 * max(step_of(position), count) / dt
     at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
     at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
     worst = at[np.argsort(-np.abs(speed[at] * dt[at]), kind="stable")][:LISTED]
@@ -1144,15 +1147,6 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     if at.size > LISTED:
         text = f"{number(at.size, 7)} such jumps of position in total; the largest are listed."
         yield remark("jump", "warning", text, jumps=at.size)
-
-
-def _count_size(position: Array) -> float:
-    """Return the count of an encoder that was interpolated to other times, or 0.
-
-    Between counts it goes in a straight line within a sample, but where it stays it stays at one.
-    """
-    held = position[1:][np.diff(position) == 0.0]
-    return step_of(held) if np.unique(held).size >= FEWEST_SAMPLES else 0.0
 
 
 def _runs(values: Array) -> tuple[Array, Array]:
@@ -1557,7 +1551,9 @@ def _beside_mass(findings: Iterable[Finding], vary: str | Collection[str]) -> It
     """Yield findings without those about a mass that is fitted."""
     names = [vary] if isinstance(vary, str) else vary
     free = any(name.rpartition(".")[2] in MASSES for name in names)
-    yield from (finding for finding in findings if not (free and motion.compares_mass(finding)))
+    yield from (
+        finding for finding in findings if not (free and "explained" in finding.numbers)
+    )  # the numbers of a mass
 
 
 def _findings(
@@ -1741,18 +1737,12 @@ def _record(
 def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> Iterator[Finding]:
     """Yield what each signal tells by itself."""
     yield from motion.missing(record, mechanism)
-    yield from plausible(record)
-    yield from usual(record)
-    yield from motion.straight(record)
+    for of_sizes in (plausible, usual, motion.straight):
+        yield from of_sizes(record)
     if not enough:
         return
-    yield from jumps(record)
-    yield from saturated(record)
-    yield from held(record)
-    yield from cut_off(record)
-    yield from quantised(record)
-    yield from lifted(record)
-    yield from hum(record)
+    for of_signals in (jumps, saturated, held, cut_off, quantised, lifted, hum):
+        yield from of_signals(record)
     if record.position is None and record.velocity is None:
         text = "Neither position nor velocity is given: directions and rests cannot be determined."
         yield remark("motion", "info", text)

@@ -726,11 +726,6 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     yield remark("units", severity, text, factor=factor, explained=share)
 
 
-def compares_mass(finding: Finding) -> bool:
-    """Whether a finding compares a force with what the mass takes to move."""
-    return "explained" in finding.numbers
-
-
 def _factor(mechanism: Mechanism, record: Measurement, moving: Motion) -> tuple[float, float]:
     """Return a force over what inertia and springs take, and the share of it so explained.
 

@@ -283,7 +283,8 @@ def guess_data(
     turning = servo is not None or _turns(
         _geared(result, gain or {}), motor_constant, [*frame.names]
     )
-    parts = _of_trials(frame, trial)
+    numbered = {TRIAL: frame.names.get(trial, trial)} if trial else {}
+    parts = [part for _, part in by_trial(replace(frame, names={**frame.names, **numbered}))]
     conditions = _conditions(frame, result, trial)
     if "temperature" not in result:
         result |= changing_temperature(parts, conditions)
@@ -334,12 +335,15 @@ def guess_data(
     if times is not None and not trial:
         _refuse_restarts(frame, times)
     backwards = times is not None and bool(np.all(np.diff(times[np.isfinite(times)]) < 0.0))
+    # a column that readers take for times of samples says when readings were taken
+    table = {"velocity", "friction"} <= {*result} and "position" not in result
+    other_times = table and "time" in frame.names and not {"time"} & {*result, *given}
     return Guess(
         file=str(given_path),
         layout=layout,
         columns={
             **{q: given.get(q, column.name) for q, column in result.items()},
-            **({"time": ""} if _has_other_times(frame, result, given) else {}),
+            **({"time": ""} if other_times else {}),
             **({"trial": trial} if trial and trial != "trial" else {}),
         },
         units={**known, **(units or {})},
@@ -369,14 +373,6 @@ def guess_data(
             *_offered(conditions, result),
         ),
     )
-
-
-def _has_other_times(
-    frame: QuantityTable, found: Mapping[str, Found], given: Mapping[str, Column]
-) -> bool:
-    """Whether a column that readers take for times of samples says when readings were taken."""
-    table = {"velocity", "friction"} <= {*found} and "position" not in found
-    return table and "time" in frame.names and not {"time"} & {*found, *given}
 
 
 def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
@@ -1450,12 +1446,6 @@ def _unread(
         read |= {column} if isinstance(column, str) else {*column}
     left = [repr(name) for name in frame.names if name and name not in read]
     return {"not read": joined(left, MOST_LISTED)} if left else {}
-
-
-def _of_trials(frame: QuantityTable, trial: str) -> list[QuantityTable]:
-    """Return the rows of each trial; the table itself if no column numbers trials."""
-    names = {**frame.names, TRIAL: frame.names.get(trial, trial)} if trial else frame.names
-    return [part for _, part in by_trial(replace(frame, names=names))]
 
 
 def changing_temperature(

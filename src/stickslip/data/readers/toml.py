@@ -175,7 +175,7 @@ def paths_of(node: Any, prefix: str = "") -> Iterator[str]:
 
 
 def _below(node: Any, step: str, here: str, path: str) -> Any:
-    inner = node.setdefault(step, {}) if isinstance(node, dict) else _item(node, step, path)
+    inner = node.setdefault(step, {}) if isinstance(node, dict) else node[_index(node, step, path)]
     if not isinstance(inner, dict | list):
         raise InputError(f"override {path!r}: {here} is a value, not a table.")
     return inner
@@ -186,10 +186,6 @@ def _place(node: Any, step: str, value: object, path: str) -> None:
         node[step] = value
     else:
         node[_index(node, step, path)] = value
-
-
-def _item(node: list[Any], step: str, path: str) -> Any:
-    return node[_index(node, step, path)]
 
 
 def _index(node: list[Any], step: str, path: str) -> int:

@@ -238,10 +238,6 @@ def friction_table(
     return model
 
 
-def _table_or_none(value: object) -> object:
-    return None if value == NONE else value
-
-
 def _by_contact(
     of_one: type[FrictionTable], contacts: Mapping[str, type[FrictionTable]]
 ) -> type[FrictionTable]:
@@ -255,7 +251,7 @@ def _by_contact(
                 " [friction] of a rig file could not tell apart: give the contact another name."
             )
         own: Any = table
-        own = Annotated[own | None, BeforeValidator(_table_or_none)]
+        own = Annotated[own | None, BeforeValidator(lambda value: None if value == NONE else value)]
         fields[python_name(name, "contact")] = (own, Field(default=None, alias=name))
     model = create_model("FrictionByContact", __base__=of_one, **fields)
     model.__doc__ = FrictionTable.__doc__
@@ -334,7 +330,9 @@ def law_values(
             raise ParameterError(_missing_parameter(law, missing[0], file, at, table))
         if missing or (own is None and law.on_request and name not in meant):
             continue
-        result[name] = _built_law(law, values, file, at, table)
+        bare = {key: _plain(value) for key, value in values.items()}
+        _check_order(law, bare, file, at, table)
+        result[name] = file.built(law, bare, table, "friction")
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
@@ -510,14 +508,6 @@ def _missing_parameter(law: type[FrictionLaw], key: str, file: RigFile, at: str,
     forces = [parameter for parameter, (field, _) in force_parameters(law).items() if field == key]
     other = f", or {forces[0]} under [{table}.forces]" if forces else ""
     return f"{file}: {table}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]{other}."
-
-
-def _built_law(
-    law: type[FrictionLaw], values: Mapping[str, Any], file: RigFile, at: str, table: str
-) -> FrictionLaw:
-    given = {key: _plain(value) for key, value in values.items()}
-    _check_order(law, given, file, at, table)
-    return file.built(law, given, table, "friction")
 
 
 def _check_order(

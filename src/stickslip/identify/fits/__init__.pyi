@@ -78,9 +78,9 @@ from stickslip.identify.fits.shooting.fitting import fit_records as fit_records
 from stickslip.identify.fits.shooting.fitting import route_of as route_of
 from stickslip.identify.fits.shooting.measured_motions import PlainBalance as PlainBalance
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting as Shooting
-from stickslip.identify.fits.shooting.problems import RouteChoice as RouteChoice
 from stickslip.identify.fits.shooting.problems import Wanted as Wanted
 from stickslip.identify.fits.shooting.problems import refuse_overrides as refuse_overrides
+from stickslip.identify.fits.shooting.problems import segments_and_hold as segments_and_hold
 from stickslip.identify.fits.shooting.problems import simulated as simulated
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel

@@ -104,11 +104,9 @@ def mean_force(force: Array, *, joined: bool) -> Array:
     """
     before = np.concatenate([force[:1], force[:-1]])
     if not joined:
-        held: Array = 0.5 * (before + force)
-        return held
+        return np.asarray(0.5 * (before + force))
     after = np.concatenate([force[1:], force[-1:]])
-    mean: Array = (before + 4.0 * force + after) / 6.0
-    return mean
+    return np.asarray((before + 4.0 * force + after) / 6.0)
 
 
 def second_differences(x: Array, dt: float) -> Array:

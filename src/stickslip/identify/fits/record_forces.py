@@ -115,8 +115,7 @@ def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
         )
     asked, time = np.asarray(record.values("reference")), np.asarray(record.time)
     rate = np.gradient(asked, time)
-    force: Array = stiffness * asked + float(getattr(mechanism, "damping", 0.0)) * rate
-    return force
+    return np.asarray(stiffness * asked + float(getattr(mechanism, "damping", 0.0)) * rate)
 
 
 def positions_of(record: Measurement) -> Array:

@@ -46,26 +46,10 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
         return (*own, *measurement.input_names())  # fits ask for those of each contact
 
     def fit(self, request: Request) -> JointLawFit:
-        return fit_joints(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            settings=request.settings,
-        )
+        return fit_joints(laws=request.law, **request.arguments("settings"))
 
     def select(self, request: Request) -> JointVerdict:
-        return select_joints(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            validate=request.validate,
-            tolerance=request.tolerance,
-            settings=request.settings,
-        )
+        return select_joints(**request.arguments("laws", "validate", "tolerance", "settings"))
 
     def comparison(self, verdict: JointVerdict) -> Comparison:
         rows = [

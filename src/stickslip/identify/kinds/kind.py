@@ -177,7 +177,7 @@ class Request:
 
     def arguments(self, *names: str) -> dict[str, Any]:
         """Return arguments of a function that fits or selects: those that all take, and more."""
-        of_all = ("mechanism", "measurement", "vary", "fixed", "progress")
+        of_all = ("mechanism", "measurement", "vary", "fixed")
         return {name: getattr(self, name) for name in (*of_all, *names)}
 
     def parameters(self, law: Any) -> Parameters[Any]:

@@ -186,7 +186,7 @@ class RecordKind(BandKind):
                     raise
         self._refuse_signs(request)
         begin, late = self._begun(request)
-        given = request.arguments("law", "settings")
+        given = request.arguments("law", "progress", "settings")
         if _voltage_hides(request, self.owner(request.law)):
             # constants of a motor trade with friction of its gear: another end may fit as well
             settings = request.settings or RecordSettings()

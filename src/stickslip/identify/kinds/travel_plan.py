@@ -490,12 +490,9 @@ def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: flo
 
 def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> tuple[Trial, ...]:
     """Return the trials of what was measured before."""
-    if measurement is None:
-        measurement = Measurement(travel=0.0)  # to check the mechanism alone
-        check_given("plan", mechanism, measurement)
-        return ()
-    check_given("plan", mechanism, measurement)
-    return trials_of(mechanism, measurement, t_end)
+    alone = Measurement(travel=0.0)  # to check the mechanism
+    check_given("plan", mechanism, alone if measurement is None else measurement)
+    return () if measurement is None else trials_of(mechanism, measurement, t_end)
 
 
 def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:

@@ -32,7 +32,7 @@ from stickslip.identify import (
     judged_travels,
     sections_of,
 )
-from stickslip.identify.bands import Array, correlation_of
+from stickslip.identify.bands import Array, correlation_of, quantile_band
 from stickslip.identify.candidates import (
     check_any,
     check_apart,
@@ -641,9 +641,7 @@ class TravelVerdict(SimulatedVerdict):
         travels = self.judgement.travels(at)
         random = np.random.default_rng(self.judgement.seed + 3)
         travels = travels + self.judgement.noise(at) * random.normal(size=travels.shape)
-        ends = (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level)
-        low, median, high = np.quantile(travels, ends, axis=0)
-        return PredictionBand(low=low, median=median, high=high)
+        return quantile_band(travels, level)
 
     def sample(self, count: int = 20, *, seed: int = 0) -> list[FrictionLaw]:
         """Return laws drawn over the set with their covariances, for ensembles of runs.
@@ -910,23 +908,17 @@ class TravelKind(SimulatedKind):
     def weighed(
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> tuple[Readable, Weighed]:
-        assert request.t_end is not None
-        result = (
-            self._compared(request, laws)
-            if request.law is None
-            else self._fitted(request, *laws.values())
-        )
-        return result, result
-
-    def _compared(self, request: Request, laws: Mapping[str, Any]) -> JudgedTravels:
+        if request.law is not None:
+            result = self._fitted(request, *laws.values())
+            return result, result
         t_end = request.t_end or T_END
         trials = trials_of(request.mechanism, request.measurement, t_end)
         named, ordinary = started(laws)
-        judgement = judged_travels(
+        result = JudgedTravels(judged_travels(
             request.mechanism, trials, named or None, ordinary=ordinary, assumed=request.assumed,
             t_end=t_end, watch=request.progress,
-        )  # fmt: skip
-        return JudgedTravels(judgement)
+        ))  # fmt: skip
+        return result, result
 
     def _fitted(self, request: Request, law: Any) -> JudgedTravels:
         t_end, measurement = request.t_end or T_END, request.measurement

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
+from stickslip.identify.fits import SURE
 from stickslip.identify.problems.record_signals import Filter, Record, followed
 
 Array: TypeAlias = NDArray[np.float64]
@@ -59,8 +60,6 @@ STILL = 8.0
 WIDER, LITTLE = 2.0, 0.1
 """Least band of the velocity over that of the rows, and its noise over its change in a sample up to
 which it is wider."""
-SURE = 3.0
-"""Speed whose direction is sure, over the noise."""
 AWAY = 2.5
 """Distance from rests, over 1/cutoff."""
 LEAST, FEWEST = 0.05, 25

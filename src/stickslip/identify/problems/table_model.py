@@ -15,8 +15,8 @@ them, and costs nothing where it is told.
 1. More than `MOST_ROWS` rows become means of cells, with their count and inner scatter.
 2. All shapes are compared at a few nodes; the best `KEPT` are refined by thirds of a step.
 3. Nodes are visited; then weights of the readings follow from how far each is from what the others
-   say (a Student's t of `FREEDOM`), and the size of friction with which drift, runs and noise grow
-   from the best law. This is repeated until no weight changes, `TURNS` times at most.
+   say (a Student's t of `THRESHOLDS.freedom`), and the size of friction with which drift, runs and
+   noise grow from the best law. This is repeated until no weight changes, `TURNS` times at most.
 """
 
 import itertools
@@ -43,6 +43,7 @@ from stickslip.identify.posterior import (
     System,
     family_of,
 )
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import DRY, FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid, levels_at
 
 Integers = NDArray[np.intp]
@@ -121,8 +122,6 @@ RESOLVED, LEAST_SHARE = 4.0, 0.02
 """... where fewer values of one than that count, in families with that share at least."""
 BEHIND, LOST = 12.0, 8.0
 """Logarithm of the weight from which structures are not refined, or dropped after one turn."""
-FREEDOM = 4.0
-"""Degrees of freedom of outlying readings."""
 SUSPECT = (3.0, 8.0)
 """Deviations from which a reading may be an outlier, and what few readings add to that."""
 AT_ENDS = 0.6
@@ -1010,7 +1009,8 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
         structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
         far = model.left_out(posterior.best, structure)
         bound = SUSPECT[0] + SUSPECT[1] / max(len(far) - 3, 1)
-        weights = np.where(far > bound, (FREEDOM + 1.0) / (FREEDOM + far**2), 1.0)
+        freedom = THRESHOLDS.freedom
+        weights = np.where(far > bound, (freedom + 1.0) / (freedom + far**2), 1.0)
         reference = Reference(
             frame, LawCurve(frame, structure, posterior.estimate(posterior.best, structure)[0])
         )

@@ -67,6 +67,7 @@ from stickslip.identify.problems.travel_laws import (
     TravelStructure,
     moving_back,
 )
+from stickslip.identify.simulated import UNTOLD
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
@@ -106,8 +107,6 @@ LEAST = float(np.finfo(float).eps)
 """Stands for the share of a law that has none beside the others."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
-UNTOLD = 0.7
-"""Spread of a coefficient over that of its prior from which travels do not tell it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -196,6 +195,7 @@ class TravelJudgement:
         self.counts = np.bincount(self.blocks)
         self._weighed: dict[tuple[str, int], tuple[TravelDraws, Array]] = {}
         self._drawn: dict[bytes, Array] = {}
+        self._best_runs: dict[str, tuple[Array, Array]] = {}
 
     # ------------------------------------------------------------------ settings
     @cached_property
@@ -499,10 +499,6 @@ class TravelJudgement:
         if name:
             return self._best_run(name)[1]
         return np.asarray(self.measured - self.best_of(name).left * self.errors)
-
-    @cached_property
-    def _best_runs(self) -> dict[str, tuple[Array, Array]]:
-        return {}
 
     def _best_run(self, name: str) -> tuple[Array, Array]:
         """Return unknowns (p,) and travels (n,): of the linear problem, or where it was made."""

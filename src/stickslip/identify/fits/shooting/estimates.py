@@ -7,9 +7,8 @@ their number are the degrees of freedom of its error (`benchmarks.synthetic_trut
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
-from functools import partial
 from statistics import NormalDist
 
 import numpy as np
@@ -151,22 +150,15 @@ class Inference:
     one row for what all records share, else one for each record."""
 
     @property
-    def of_record(self) -> "Inference":
-        """The same as if the mechanism were known."""
-        return replace(self, held={})
-
-    @property
     def of_held(self) -> Array:
         """Covariance that the uncertainties of the mechanism bring (p, p)."""
         moved = np.concatenate([np.zeros((1, len(self.freedom))), *self.held.values()])
-        covariance: Array = moved.T @ moved
-        return covariance
+        return np.asarray(moved.T @ moved)
 
     @property
     def total(self) -> Array:
         """Covariance of the record and of the uncertainties of the mechanism (p, p)."""
-        total: Array = self.covariance + self.of_held
-        return total
+        return np.asarray(self.covariance + self.of_held)
 
     @property
     def errors(self) -> Array:
@@ -261,10 +253,12 @@ def infer(
     True
     """
     known = Directions.of(jacobian.slopes @ scale)
-    spread = _spread(jacobian, known)
+    blocks = max(2, min(BLOCKS, len(jacobian.residual) // 2))
+    squares, slopes = block_sums(jacobian, known.columns, blocks=blocks)
+    changes, alone = _left_out(squares, slopes)
     by_seen = scale @ known.inverse
-    moved = spread.changes @ by_seen.T
-    once = takes_part(by_seen, spread.alone)
+    moved = math.sqrt((blocks - 1) / blocks) * changes @ by_seen.T
+    once = takes_part(by_seen, alone)
     reasons = [
         why or (ONCE if item else "") for why, item in zip(known.reasons(scale), once, strict=True)
     ]
@@ -273,7 +267,7 @@ def infer(
     return Inference(
         covariance=_unbounded(moved.T @ moved, reasons),
         naive=_unbounded(naive, reasons),
-        freedom=np.array([spread.freedom(row) for row in by_seen]),
+        freedom=np.array([freedom_of(squares, row) for row in by_seen]),
         condition=known.condition,
         effective=effective_size(jacobian.residual),
         reasons=tuple(reasons),
@@ -283,30 +277,6 @@ def infer(
             )
             for path in dict.fromkeys(item.path for item in displaced)
         },
-    )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Spread:
-    """How orthonormal coordinates scatter: as independent changes would."""
-
-    changes: Array
-    """Whose squares add up to the covariance (b, r)."""
-    alone: Array
-    """Directions that only one block or row sees (r, k)."""
-    freedom: Callable[[Array], float]
-    """Degrees of freedom of the variance along a direction (r,)."""
-
-
-def _spread(seen: ResidualJacobian, known: Directions) -> _Spread:
-    """Return how the coordinates scatter, by blocks."""
-    blocks = max(2, min(BLOCKS, len(seen.residual) // 2))
-    squares, slopes = block_sums(seen, known.columns, blocks=blocks)
-    changes, alone = _left_out(squares, slopes)
-    return _Spread(
-        changes=math.sqrt((blocks - 1) / blocks) * changes,
-        alone=alone,
-        freedom=partial(freedom_of, squares),
     )
 
 
@@ -341,8 +311,7 @@ def _rests(squares: Array) -> Array:
     zero = np.zeros((1, *squares.shape[1:]))
     before = np.concatenate([zero, np.cumsum(squares, axis=0)[:-1]])
     after = np.concatenate([np.cumsum(squares[::-1], axis=0)[::-1][1:], zero])
-    result: Array = before + after
-    return result
+    return np.asarray(before + after)
 
 
 def freedom_of(squares: Array, direction: Array) -> float:
@@ -490,24 +459,6 @@ def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
     return formatting.with_unit(number(value, digits), item.quantity.unit)
 
 
-def step_intervals(
-    free_parameters: FreeParameters, jacobian: ResidualJacobian, inference: Inference
-) -> Mapping[str, tuple[float, float, float]]:
-    """Return by path surplus, lower and upper end, for unknowns that stand above another."""
-    result = {}
-    paths = list(free_parameters.paths)
-    for i, item in enumerate(free_parameters.items):
-        if item.above not in paths:
-            continue
-        j = paths.index(item.above)
-        row = np.zeros(len(paths))
-        row[[i, j]] = 1.0, -1.0
-        half = inference.half_width(row)
-        step = float(jacobian.values[i] - jacobian.values[j])
-        result[item.path] = (step, step - half, step + half)
-    return result
-
-
 def sentences_of(
     free_parameters: FreeParameters,
     jacobian: ResidualJacobian,
@@ -522,12 +473,20 @@ def sentences_of(
         for estimate in estimates
         if estimate.reason and not estimate.quantity.nuisance
     ]
-    for path, (step, low, high) in step_intervals(free_parameters, jacobian, inference).items():
-        if path not in at_bounds and low <= 0.0 and math.isfinite(high - low):
-            item = free_parameters.items[free_parameters.paths.index(path)]
+    paths = list(free_parameters.paths)
+    for i, item in enumerate(free_parameters.items):
+        if item.above not in paths or item.path in at_bounds:
+            continue
+        j = paths.index(item.above)
+        row = np.zeros(len(paths))
+        row[[i, j]] = 1.0, -1.0
+        half = inference.half_width(row)
+        step = float(jacobian.values[i] - jacobian.values[j])
+        if step <= half < math.inf:
             lines.append(
                 f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
-                f" from 0: {with_unit(step, item)}, interval {number(low)} to {number(high)}."
+                f" from 0: {with_unit(step, item)}, interval {number(step - half)} to"
+                f" {number(step + half)}."
             )
     known = {
         estimate.path
@@ -583,7 +542,7 @@ def _together(free_parameters: FreeParameters, inference: Inference, known: Set[
     """Return sentences on pairs of estimates that move together, of those that are identified."""
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate
-    table = inference.of_record.correlation
+    table = replace(inference, held={}).correlation
     for i, item in enumerate(free_parameters.items):
         for j, other in enumerate(free_parameters.items[:i]):
             free = item.path in known and other.path in known

@@ -270,21 +270,14 @@ class RecordFit(Fit[AnyLaw_co]):
         free = self.free_parameters.paths
         damping = {"mechanism.damping", "mechanism.joints.0.damping"}
         damping = damping if len(self.mechanism.coordinates) == 1 else set()
-        own = [
-            parameter
-            for parameter in parameters(self.mechanism, "mechanism")
-            if parameter[0] in damping
-        ]
-        law = [
-            parameter
-            for parameter in parameters(self.law, "friction")
-            if not parameter[1].structural
-        ]
         items = (
             FreeParameter(path=path, quantity=quantity, start=value, low=value, high=value)
-            for path, quantity, value in (*own, *law)
+            for path, quantity, value in (
+                *parameters(self.mechanism, "mechanism"), *parameters(self.law, "friction"),
+            )
             if value and path not in free
-        )
+            if path in damping or (path.startswith("friction.") and not quantity.structural)
+        )  # fmt: skip
         return told(FreeParameters(tuple(items)), self.mechanism, self.measurement)
 
     @property
@@ -477,24 +470,18 @@ def check_horizon(horizon: float) -> None:
         )
 
 
-def settled(
-    problem: Shooting,
-    values: Array,
-    *,
-    only: Sequence[int] | None = None,
-    rounds: int = ROUNDS,
-) -> ResidualJacobian:
+def settled(problem: Shooting, values: Array) -> ResidualJacobian:
     """Return residuals at values with the segments' initial states fitted.
 
     Where a segment begins at rest, each round takes three quarters off the error of its first
     state only: after two, one such segment could outweigh all others in a held-out score.
     """
-    seen = problem.linearise(values, only=only, slopes=False)
+    seen = problem.linearise(values)
     best = seen
-    for _ in range(rounds - 1):
+    for _ in range(ROUNDS - 1):
         if not math.isfinite(seen.cost):
             break
-        seen = problem.linearise(values, seen, only=only, slopes=False)
+        seen = problem.linearise(values, seen)
         before, best = best, _better(best, seen)
         if best.cost > (1.0 - SETTLED) * before.cost:
             break

@@ -55,8 +55,7 @@ from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.problems import (
     FitSetup,
     HoldFinding,
-    RouteChoice,
-    Wanted,
+    segments_and_hold,
     simulated,
 )
 from stickslip.identify.fits.validation import Parameters
@@ -202,68 +201,25 @@ def fit_records(
     A search may begin at values by path too, as a force balance has them, and it may be known by
     how many samples the force acts `late`, with the half width of its interval.
     """
-    chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
-    refuse_faults(measurement, chosen.mechanism, chosen.unknown)
-    with with_doubts(measurement, chosen.mechanism, of=ConvergenceError):
-        return fit_record(
-            chosen.mechanism,
-            chosen.law,
-            measurement,
-            unknown=chosen.unknown,
-            free=chosen.free,
-            known=chosen.known,
-            begin=begin or {},
-            late=late,
-            settings=settings,
-            held=chosen.held,
-            watch=progress,
+    wanted = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
+    mechanism = wanted.mechanism
+    refuse_faults(measurement, mechanism, wanted.unknown)
+    with with_doubts(measurement, mechanism, of=ConvergenceError):
+        check_inputs(wanted.law, mechanism, measurement)
+        measurement, left_out = without_outliers(measurement)
+        settings, hold = segments_and_hold(
+            mechanism, measurement, settings or RecordSettings(), late
         )
-
-
-def fit_record(
-    mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw],
-    measurement: Measurement,
-    *,
-    unknown: Sequence[str] = (),
-    free: Sequence[str] | None = None,
-    known: Mapping[str, float] | None = None,
-    begin: Mapping[str, float] | None = None,
-    late: tuple[float, float] | None = None,
-    settings: RecordSettings | None = None,
-    held: Sequence[str] = (),
-    watch: Watch | None = None,
-) -> RecordFit:
-    """Fit a law to records in time by simulated segments."""
-    check_inputs(law, mechanism, measurement)
-    measurement, left_out = without_outliers(measurement)
-    choice = RouteChoice.of(
-        mechanism,
-        measurement,
-        settings or RecordSettings(),
-        late,
-    )
-    refuse_unused(measurement, inside(mechanism, measurement))
-    wanted: Wanted = Parameters(
-        mechanism=mechanism,
-        law=law,
-        free=None if free is None else tuple(free),
-        known=known or {},
-        unknown=tuple(unknown),
-        held=tuple(held),
-    )
-    with with_doubts(measurement, mechanism):
-        ready = simulated(choice, wanted, measurement, begin or {})
-    optimum = first = searched(ready, choice.settings, watch)
-    if not driven(measurement):
-        ready, optimum = _lengthened(ready, optimum, measurement, choice.settings, watch)
-    fit = finished("shooting", measurement, ready, optimum, first, hold=choice.hold)
-    return replace(fit, left_out=left_out)
-
-
-def searched(ready: FitSetup, settings: RecordSettings, watch: Watch | None) -> OptimizeResult:
-    """Search from the start values of a problem, and from as many more as settings ask for."""
-    return search(ready.problem, starts=settings.starts, seed=settings.seed, watch=watch)
+        refuse_unused(measurement, inside(mechanism, measurement))
+        with with_doubts(measurement, mechanism):
+            ready = simulated(settings, wanted, measurement, begin or {})
+        optimum = first = search(
+            ready.problem, starts=settings.starts, seed=settings.seed, watch=progress
+        )
+        if not driven(measurement):
+            ready, optimum = _lengthened(ready, optimum, measurement, settings, progress)
+        fit = finished("shooting", measurement, ready, optimum, first, hold=hold)
+        return replace(fit, left_out=left_out)
 
 
 def _lengthened(

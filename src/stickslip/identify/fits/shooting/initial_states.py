@@ -102,8 +102,7 @@ def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Arra
     slope = np.array([np.atleast_1d((item - unbent) / size) for item in moved])
     level = law.break_away(n)
     wanted = np.clip(force, -level, level) - unbent
-    result: Array = slope * wanted / np.maximum(np.sum(slope**2, axis=0), 1e-300)
-    return result
+    return np.asarray(slope * wanted / np.maximum(np.sum(slope**2, axis=0), 1e-300))
 
 
 def _in_arrays(law: FrictionLaw, motion: Array, inputs: tuple[str, ...], start: Array) -> Array:
@@ -285,8 +284,7 @@ class LocalState:
         """Inverse of the singular values (m,), damped."""
         singular = self.known.singular
         bottom = singular**2 + self.damping * singular[0] ** 2
-        result: Array = singular / np.maximum(bottom, np.finfo(float).tiny)
-        return result
+        return np.asarray(singular / np.maximum(bottom, np.finfo(float).tiny))
 
     def near(self, change: Array | None = None) -> Array:
         """Return the initial state that fits better where the unknowns have changed by (p,)."""

@@ -295,5 +295,4 @@ def travelled(raw: Array) -> Array:
     band = PATH * min(passed_by_balance(raw, resolved=True), HIGHEST)
     x = smoothed(raw, band)
     moved = np.diff(play(x, CHATTER * positive_noise(raw) * math.sqrt(band)), prepend=math.inf)
-    result: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
-    return result
+    return np.asarray(x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))])

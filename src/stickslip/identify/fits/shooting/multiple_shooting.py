@@ -155,12 +155,8 @@ class Shooting:
         near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
-        slopes: bool = True,
     ) -> ResidualJacobian:
-        """Return what predictions with values (p,) leave, and their slopes; of some segments.
-
-        Slopes are not looked at where they are not asked for.
-        """
+        """Return what predictions with values (p,) leave, and their slopes; of some segments."""
         chosen = range(len(self.segments)) if only is None else only
         known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values

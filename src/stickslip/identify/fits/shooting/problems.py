@@ -96,10 +96,6 @@ class HoldFinding:
             " straight lines have 0 and a held force 0.5."
         )
 
-    def applied(self, settings: RecordSettings) -> RecordSettings:
-        """Return settings with this hold."""
-        return replace(settings, hold=self.hold)
-
     def to_dict(self) -> dict[str, Any]:
         """Return all as numbers and texts; None for what is not known."""
         known = math.isfinite(self.half_width)
@@ -148,29 +144,21 @@ SOME = 2_500
 """Samples of a record that starts are looked for with, and first bristles are followed along."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class RouteChoice:
-    """How a record is fitted."""
+def segments_and_hold(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    settings: RecordSettings,
+    late: tuple[float, float] | None = None,
+) -> tuple[RecordSettings, HoldFinding | None]:
+    """Return settings with the segments and the hold of a record, and how the hold is known.
 
-    settings: RecordSettings
-    """Settings with the length of segments, and the hold, that serve."""
-    hold: HoldFinding | None = None
-    """How the recorded force runs between its samples; None if none drives."""
-
-    @classmethod
-    def of(
-        cls,
-        mechanism: Mechanism,
-        measurement: Measurement,
-        settings: RecordSettings,
-        late: tuple[float, float] | None = None,
-    ) -> "RouteChoice":
-        """Return the segments, and the hold, of a record whose force acts so late, in samples."""
-        settings = with_usual_segment(settings, measurement)
-        if drives_itself(mechanism, measurement):
-            settings = _whole(measurement, settings)
-        result = hold_of(measurement, settings.hold, late)
-        return cls(settings=settings if result is None else result.applied(settings), hold=result)
+    The force acts `late` by so many samples. There is no hold where no recorded force drives.
+    """
+    settings = with_usual_segment(settings, measurement)
+    if drives_itself(mechanism, measurement):
+        settings = _whole(measurement, settings)
+    result = hold_of(measurement, settings.hold, late)
+    return settings if result is None else replace(settings, hold=result.hold), result
 
 
 def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings:
@@ -258,14 +246,14 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
 
 
 def simulated(
-    choice: RouteChoice, wanted: Wanted, measurement: Measurement, begin: Mapping[str, float]
+    settings: RecordSettings, wanted: Wanted, measurement: Measurement, begin: Mapping[str, float]
 ) -> FitSetup:
     """Return the problem of simulated segments.
 
     It starts from given values, or from a plain balance of forces, whichever leaves less; without a
     force, from the runs that do.
     """
-    if choice.settings.position_zeros:
+    if settings.position_zeros:
         raise InputError(
             "position_zeros=True is for records of several joints; of one body that moves freely"
             " the zero is estimated if it is left out, and of a driven one it is not."
@@ -286,7 +274,10 @@ def simulated(
         rough = StartEstimate.of(balance, **sizes)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
-    sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
+    # a record has one number for a constant force and a level with laws that have a level of their
+    # own in each direction, and where slip is in one direction only
+    apart = rough.two_sided and not kind.directional
+    sought = constant.path == MECHANISM and apart and not held
     if not (sought or alone):
         rough = StartEstimate.of(balance, **sizes, offset=constant.value)
     start, free = rough.unknowns(
@@ -300,7 +291,7 @@ def simulated(
     free = replace(free, items=(*free.items, *own))
     check_varied(len(free))
     refuse_overrides(under_load, free.paths)
-    build = ShootingBuilder(mechanism, start, free, choice.settings, quantity)
+    build = ShootingBuilder(mechanism, start, free, settings, quantity)
     problem = build(measurement, None)
     tried = [free.start]
     if isinstance(wanted.law, type) and alone:

@@ -202,14 +202,6 @@ class StartEstimate:
                 values[declared.name] = value
         return kind(**values)
 
-    def seeks_constant(self, kind: type[FrictionLaw], held: Collection[str]) -> bool:
-        """Whether a constant force is looked for beside a law: not if it is held.
-
-        A record has one number for it and a level with laws that have a level of their own in each
-        direction, and where slip is in one direction only.
-        """
-        return self.two_sided and not kind.directional and not held
-
     def unknowns(
         self,
         law: FrictionLaw | type[FrictionLaw],
@@ -425,7 +417,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         ),
         quantity=quantity,
     )
-    seen = [problem.linearise(np.array([mu]), slopes=False) for mu in LEVELS]
+    seen = [problem.linearise(np.array([mu])) for mu in LEVELS]
     best = min(seen, key=lambda item: item.cost)
     runs = problem.runs(best) if np.isfinite(best.cost) else ()
     if not runs:
@@ -459,7 +451,7 @@ def least_of(problem: Shooting, tried: Sequence[Array]) -> Array:
     """Return which of several start values (p,) leads to the least, a few steps downhill."""
     if len(tried) == 1:
         return tried[0]
-    seen = [problem.linearise(values, slopes=False) for values in tried]
+    seen = [problem.linearise(values) for values in tried]
     best = sorted(seen, key=lambda item: item.cost)[:KEPT]
     ends = [_end(problem, item, rounds=STEPS) for item in best]
     return min(ends, key=lambda end: end.cost).values
@@ -498,9 +490,7 @@ def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
         return problem, []
     part = problem.shortened(SHARES[0])
     tried = [
-        part.linearise(
-            free.values(free.coordinates(np.where(levels, factor, 1.0) * free.start)), slopes=False
-        )
+        part.linearise(free.values(free.coordinates(np.where(levels, factor, 1.0) * free.start)))
         for factor in SPREAD
     ]
     end = min(tried, key=lambda item: item.cost)
