@@ -57,8 +57,10 @@ COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 COURSE = 5
 """Columns of a drift: a line and cosines."""
-RELAXING = (0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
-"""Time constants of what relaxes, over the duration of the records."""
+RELAXING = (0.7, 1.0, 1.4)
+"""Time constants of what relaxes, over the likeliest ..."""
+CONSTANTS = np.geomspace(0.005, 0.5, 45)
+"""... of these, over the duration of the records."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
 PULSE = 6.0
@@ -340,6 +342,8 @@ class Balance:
         self.frame: RecordFrame = like.frame if like else frame_of(self.pieces, self.rows(1))
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
+        self.relaxation: float = like.relaxation if like else float(np.sqrt(CONSTANTS[0]))
+        """Likeliest time constant of what relaxes, over the duration of the records."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
 
     @property
@@ -562,7 +566,8 @@ class Balance:
         result["force"] = rows.seen([self.forces(p.record.position) for p in pieces])
         result["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if not self.measured:
-            result["relaxing"] = rows.seen([self.relaxing(p) for p in pieces])
+            shares = self.relaxation * np.array(RELAXING)
+            result["relaxing"] = rows.seen([self.relaxing(p, shares) for p in pieces])
         if self.opposed:
             result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
@@ -740,14 +745,14 @@ class Balance:
         c = np.linalg.lstsq(x / size, rows.response, rcond=SAME_SPAN)[0] / size
         return dict(zip(paths, np.abs(c).tolist(), strict=False))
 
-    def relaxing(self, piece: Piece) -> Array:
+    def relaxing(self, piece: Piece, shares: Array) -> Array:
         """Return how far springs are stretched that relax, over the range of positions (n, p).
 
-        Hoses and cables do. In steady motion they pull as dampers do, which is no friction.
+        Time constants are shares (p,) of the duration. Hoses and cables relax. In steady motion
+        they pull as dampers do, which is no friction.
         """
         parts, frame = [], self.frame
-        for share in RELAXING:
-            constant = share * frame.duration
+        for constant in shares * frame.duration:
             kept = math.exp(-piece.step / constant)
             stretch = lfilter([constant * (1.0 - kept)], [1.0, -kept], piece.velocity)
             parts.append(stretch / min(frame.span, frame.top * constant))

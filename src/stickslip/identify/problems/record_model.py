@@ -44,6 +44,7 @@ from stickslip.identify.posterior import (
     System,
 )
 from stickslip.identify.problems.record_columns import (
+    CONSTANTS,
     FORCE,
     GEAR,
     LEVELS,
@@ -700,6 +701,12 @@ class RecordModel(Model):
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
         balance.waves = pushed, level_wave(rows, frame.span, frame.noise, left)
+        if not balance.measured:
+            parts = [balance.relaxing(piece, CONSTANTS) for piece in balance.pieces]
+            without = soft_solver(np.hstack([columns(looked[0][1]), plain["zero"]]))
+            e, *stretched = (without(x)[1] for x in (rows.response, *rows.seen(parts).T))
+            gains = [x @ e / (math.sqrt(x @ x) + TINY) for x in stretched]
+            balance.relaxation = float(CONSTANTS[np.argmax(gains)])
         self.inertia = inertia if balance.finds_inertia else balance.inertia
         self.first = next((k for k, item in enumerate(self.memories) if item is looked[0][1]), 0)
         return left
