@@ -59,8 +59,8 @@ COURSE = 5
 """Columns of a drift: a line and cosines."""
 RELAXING = (0.7, 1.0, 1.4)
 """Time constants of what relaxes, over the likeliest ..."""
-CONSTANTS = np.geomspace(0.005, 0.5, 45)
-"""... of these, over the duration of the records."""
+CONSTANTS = np.geomspace(0.01, 0.4, 41)
+"""... of these, over the duration of the records; the middle one where an end is likeliest."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
 PULSE = 6.0
@@ -342,7 +342,7 @@ class Balance:
         self.frame: RecordFrame = like.frame if like else frame_of(self.pieces, self.rows(1))
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
-        self.relaxation: float = like.relaxation if like else float(np.sqrt(CONSTANTS[0]))
+        self.relaxation: float = like.relaxation if like else float(CONSTANTS[20])
         """Likeliest time constant of what relaxes, over the duration of the records."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
 

@@ -706,7 +706,8 @@ class RecordModel(Model):
             without = soft_solver(np.hstack([columns(looked[0][1]), plain["zero"]]))
             e, *stretched = (without(x)[1] for x in (rows.response, *rows.seen(parts).T))
             gains = [x @ e / (math.sqrt(x @ x) + TINY) for x in stretched]
-            balance.relaxation = float(CONSTANTS[np.argmax(gains)])
+            if 0 < (most := int(np.argmax(gains))) < len(CONSTANTS) - 1:
+                balance.relaxation = float(CONSTANTS[most])
         self.inertia = inertia if balance.finds_inertia else balance.inertia
         self.first = next((k for k, item in enumerate(self.memories) if item is looked[0][1]), 0)
         return left
