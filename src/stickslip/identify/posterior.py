@@ -84,8 +84,6 @@ DEPTH = 4.5
 SURELY = 1e-3
 """Part of an expected loss that counts where a step is tried from the best node: whether that is a
 maximum is seen before others are opened."""
-RIVALS = 3.0
-"""The same within which a node without what is doubted is looked for: odds of 20."""
 TINY = 1e-300
 AT_BOUND = -6.0
 """Deviations below 0 from which a coefficient is at 0: what is left of its variance, a thirtieth,
@@ -436,7 +434,7 @@ class Posterior:
             best = min(self._seen, key=self._lacking)
             data = self._data(best)
             near = [x for x in self._seen if self._data(x) == data and not x[at]]
-            if not best[at] or any(self._lacking(x) <= RIVALS for x in near):
+            if not best[at] or any(self._lacking(x) <= DEPTH for x in near):
                 continue
             node, after = best, (*best[:at], 0, *best[at + 1 :])
             self._compare(after)

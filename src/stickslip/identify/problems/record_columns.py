@@ -77,8 +77,6 @@ AT_ONCE = 64
 """Columns that are filtered at once, which bounds the memory."""
 ZERO = "zero."
 """Beginning of the paths of zeros of positions, of which no record is without."""
-CONTROLLED = 0.02
-"""Part of a force that a line over the position leaves at most where a controller makes it."""
 SAME_SPAN = 0.01
 """Part of a column outside another from which they are told apart."""
 TINY = 1e-300
@@ -623,7 +621,7 @@ class Balance:
         force = rows.force - np.mean(rows.force)
         slope = float(spring @ force) / (float(spring @ spring) + TINY)
         left = float(np.std(force - slope * spring))
-        return slope < 0.0 and left < CONTROLLED * float(np.std(force))
+        return slope < 0.0 and left < SAME_SPAN * float(np.std(force))
 
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.

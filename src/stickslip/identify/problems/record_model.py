@@ -71,8 +71,6 @@ NO_CURVE, CURVE = 0.4, 0.1
 """Prior probability that laws say all, and the half-normal size of what they do not, else."""
 COMMON = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
 BY_PLACE = (0.002, 0.01, 0.04, 0.15, 0.5)
-PUSHES = 1.001
-"""Size of a spring that may push away, as a magnet or a weight above its pivot does."""
 SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "common": (
         COMMON,
@@ -86,7 +84,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.045, 0.005)),
     "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
     "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
-    "spring": ((0.0005, 0.1, 1.0, PUSHES), (0.8, 0.1, 0.08, 0.02)),
+    "spring": ((0.0005, 0.1, 1.0, 1.0), (0.8, 0.1, 0.08, 0.02)),
     "relaxing": ((0.0005, 0.03, 0.2, 1.0), (0.94, 0.03, 0.02, 0.01)),
     "stretch": (
         (0.0005, 0.003, 0.01, 0.03, 0.08, 0.2, 0.5),
@@ -106,14 +104,15 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
-force by place, and over the force of a spring; of springs that relax; of the level and viscous
-friction of a twentieth of the record; of the pulse of a turn; of bristles of other lengths; the
-delay in samples; the dead zone of a drive; the change with an e-fold of the load that is not in
-proportion, and with an input by its standard deviation; level and viscous friction of another run,
-and of one of a joint, in which is what its rigid body misses (first parts of records of two arms:
-.02 to .2 from run to run); noise over what the last round left, which a fit that follows the noise
-makes too small; errors of the inertia and of the forces that are given, over these, of which the
-last are wrong units. They say what a careful experimenter would expect."""
+force by place, and over the force of a spring, the last of one that may push away; of springs that
+relax; of the level and viscous friction of a twentieth of the record; of the pulse of a turn; of
+bristles of other lengths; the delay in samples; the dead zone of a drive; the change with an e-fold
+of the load that is not in proportion, and with an input by its standard deviation; level and
+viscous friction of another run, and of one of a joint, in which is what its rigid body misses
+(first parts of records of two arms: .02 to .2 from run to run); noise over what the last round
+left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
+that are given, over these, of which the last are wrong units. They say what a careful experimenter
+would expect."""
 SHARED = {"zero": "force"}
 """Groups that have the scale of another: a force beside friction changes with the place and in
 time."""
@@ -461,14 +460,13 @@ class RecordModel(Model):
     def _positive(self, node: Node) -> tuple[int, ...]:
         """Return the columns whose coefficients are not negative: dead zones and most springs.
 
-        Where they are no more than noise, they may have either sign.
+        Where they are no more than noise, they may have either sign, and the last size of a spring.
         """
         places, result = self.design(*self.key(node)).places, list[int]()
-        for name in ("zone", "spring"):
-            if name not in self.names or not SCALES[name][0][0] < self.at(node, name) != PUSHES:
-                continue
-            columns = places["force" if name == "spring" else name]
-            result += range(columns.stop - 1 if name == "spring" else columns.start, columns.stop)
+        for name, group, signs in (("zone", "zone", (0,)), ("spring", "force", (0, 3))):
+            if name in self.names and node[self.names.index(name)] not in signs:
+                columns = places[group]
+                result += range(columns.start if group == name else columns.stop - 1, columns.stop)
         return tuple(result)
 
     def _volume(self, node: Node) -> float:
