@@ -385,11 +385,8 @@ DOUBTED: Final = re.compile(
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
 """A whole number with a mark between thousands, to be put in."""
-_DECIMAL: Final = {
-    mark: re.compile(rf"(?<![\d.,])(?:0\{mark}\d+|\d+\{mark}(?:\d{{1,2}}|\d{{4,}}))(?![\d.,])")
-    for mark in ".,"
-}
-"""Numbers in which each mark is a decimal one."""
+_DECIMAL: Final = r"(?<![\d.,])(?:0\{0}\d+|\d+\{0}(?:\d{{1,2}}|\d{{4,}}))(?![\d.,])"
+"""Numbers in which a mark is a decimal one."""
 _LONE: Final = re.compile(r"(?![+-]?[1-9]\d{0,2},\d{3}$)[^.,]*,[^.,]*")
 """A number with a comma that does not part thousands."""
 _THOUSANDS: Final = {
@@ -809,15 +806,15 @@ def marks_of(
     """
     decimal, thousands = _marks(text, rows, separator)
     # commas alone are decimal, but for those in quotes; beside numbers with points they may not be
-    both = separator == "," or any("." in cell for row in rows for cell in row if is_number(cell))
+    numbers = [cell for row in rows for cell in row if is_number(cell)]
+    both = separator == "," or any("." in cell for cell in numbers)
     mark = "," if decimal == "," and both and not thousands else thousands
-    grouped = [cell for row in rows for cell in row if is_number(cell) and mark and mark in cell]
-    whole = _GROUPS.format(mark)
+    grouped = [cell for cell in numbers if mark and mark in cell]
     sure = mark not in (".", ",") or not all(
-        re.fullmatch(whole, cell) and cell.count(mark) == 1 for cell in grouped
+        re.fullmatch(_GROUPS.format(mark), cell) and cell.count(mark) == 1 for cell in grouped
     )
     # a number further down may show it: no mark parts thousands in 0,900
-    sure = sure or (mark == decimal != separator and _DECIMAL[mark].search(text) is not None)
+    sure = sure or (mark == decimal != separator and bool(re.search(_DECIMAL.format(mark), text)))
     return decimal, thousands, "" if sure else next(iter(grouped), "")
 
 
