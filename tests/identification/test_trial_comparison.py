@@ -93,7 +93,7 @@ def test_most_small_rises_are_found():
 
 
 def test_a_viscous_part_that_falls_is_found():
-    found = compared(made(2, MANY, slope_rise=-0.02))
+    found = compared(made(2, MANY, slope_rise=-0.03))
     assert "sigma_2 falls from" in found.sentences[0]
 
 
