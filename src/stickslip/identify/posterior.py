@@ -453,7 +453,7 @@ class Posterior:
 
     def _draw_nodes(self, count: int, centres: Sequence[Node]) -> None:
         """Draw nodes about some beside those visited; find the importance of each."""
-        centres = [node for node in centres if self._lacking(node) <= DEPTH]
+        centres = [*dict.fromkeys(x for x in centres if self._lacking(x) <= DEPTH)]
         each = count // len(centres)
         proposals = [[self._slice(x, at, each) for at in range(len(x))] for x in centres]
         visited, rng, drawn = {*self._seen}, np.random.default_rng(count), Counter[Node]()

@@ -27,7 +27,7 @@ from stickslip.show.formatting import capital, percent
 
 BACKWARD = 0.02
 """Share of the path forward that a motion in one direction goes back, by noise, at most."""
-LITTLE = 0.1
+TOO_SMALL = 0.1
 """Force of inertia and of all else over that of friction, up to which no delay makes that drive."""
 OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
@@ -117,7 +117,7 @@ def wrong_sign(records: Sequence[Record]) -> str:
     inertial = float(c[n + 1]) < 0.0 if inertia else left[count] < most * left[0]
     if n == 2 and not one_way:  # of what else acts, a part that is recorded late may drive
         beside = float(np.std(x[:, n:] @ c[n:]) + np.std(other))
-        little = beside < LITTLE * float(np.std(x[:, :n] @ c[:n]))
+        little = beside < TOO_SMALL * float(np.std(x[:, :n] @ c[:n]))
         inertial = inertial or (little and left[0] < most * float(driven @ driven))
     turned = wrong and inertial and left[0] < most * float(without @ without)
     return OTHER_SIGN if turned else ""
