@@ -6,14 +6,13 @@ Python, by options and in rig files.
 
 import itertools
 import re
-import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
 from typing import Any, Final, Literal, TypeAlias
 
 from stickslip.data import measurement
 from stickslip.data.readers.layout import Layout, Repair, repairs
+from stickslip.data.readers.toml import packaged
 from stickslip.data.tolerances import LONGEST_NAME
 from stickslip.data.units import read_gain
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -38,9 +37,7 @@ class Meaning:
     """Assumed of a channel in volts, of a motion along a line and about an axis."""
 
 
-_FILE: Final[Mapping[str, Mapping[str, Any]]] = tomllib.loads(
-    files("stickslip.data.readers").joinpath("words.toml").read_text(encoding="utf-8")
-)
+_FILE: Final = packaged("words.toml")
 
 
 def _words(given: Iterable[str]) -> tuple[str, ...]:
