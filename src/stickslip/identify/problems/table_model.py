@@ -207,12 +207,21 @@ class Readings:
     """Squares about the mean of each cell, in sum (n,)."""
     timed: bool = False
     """Whether the order is that of times, and not that of a file."""
+    number: Integers | None = None
+    """Places of single readings (n,) in the measurement, from 0."""
+    at_rest: Array | None = None
+    """Velocities of readings at rest, which are left out (k,)."""
+    copies: int = 0
+    """Readings that are copies of others, which are left out."""
 
     @classmethod
     def of(
         cls, rows: Rows, friction: Array, stated: Array | None = None, *, timed: bool = False
     ) -> "Readings":
-        """Return single readings; of many, means of cells."""
+        """Return single readings; of many, means of cells.
+
+        Where all readings at a setting are equal, they are copies of one.
+        """
         n = len(friction)
         single = cls(
             rows=rows,
@@ -221,8 +230,13 @@ class Readings:
             count=np.ones(n),
             within=np.zeros(n),
             timed=timed,
+            number=np.arange(n),
         )
-        return single if n <= MOST_ROWS else single.condensed()
+        setting = np.column_stack([rows.velocity, rows.load, rows.run, *rows.inputs.values()])
+        first = np.unique(setting, axis=0, return_index=True)[1]
+        if len(first) == len(np.unique(np.column_stack([setting, friction]), axis=0)):
+            single = replace(single.where(np.sort(first)), copies=n - len(first))
+        return single if len(single.friction) <= MOST_ROWS else single.condensed()
 
     @property
     def total(self) -> int:
@@ -238,6 +252,7 @@ class Readings:
             stated=self.stated[kept],
             count=self.count[kept],
             within=self.within[kept],
+            number=None if self.number is None else self.number[kept],
         )
 
     def _range(self, name: str) -> float:

@@ -57,6 +57,7 @@ from stickslip.identify.problems.table_model import (
     SCALES,
     SIDES,
     Frame,
+    Integers,
     Readings,
     Rows,
     TableFit,
@@ -123,7 +124,7 @@ class TableProblem(Problem):
     table: Readings
     fit: TableFit
     turning: bool = False
-    rests: Array | None = None
+    rests: Array = field(default_factory=lambda: np.zeros(0))
     """Velocities of the readings that are taken to be at rest (k,)."""
     families: Sequence[Family] | None = None
     load_error: float = 0.0
@@ -164,7 +165,7 @@ class TableProblem(Problem):
         usual = [tuple(item.split()) for item in FAMILIES]
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
-        fit, rests = fitted(table, known), None
+        fit, rests = fitted(table, known), [x for x in (table.at_rest,) if x is not None]
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow):
@@ -174,9 +175,16 @@ class TableProblem(Problem):
                 size = np.abs(np.median(np.abs(moving.friction)))
                 rest_prior = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
                 if other.posterior.evidence + rest_prior > fit.posterior.evidence:
-                    rests, table, fit = table.rows.velocity[slow], moving, other
-        unsure = load_error_of(mechanism, measurement)
-        return cls(table, fit, turning=turning, rests=rests, families=families, load_error=unsure)
+                    rests.append(table.rows.velocity[slow])
+                    table, fit = moving, other
+        return cls(
+            table,
+            fit,
+            turning=turning,
+            rests=np.concatenate([*rests, np.zeros(0)]),
+            families=families,
+            load_error=load_error_of(mechanism, measurement),
+        )
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "TableProblem":
         before, model = self.posterior, copy.copy(self.model)
@@ -690,6 +698,11 @@ class TableProblem(Problem):
         frame, rows, result = self.model.frame, self.table.rows, list[str]()
         if "offset" not in self.model.groups and not frame.loaded:
             result.append(f"{ONE_WAY} Measure in the other direction, too.")
+        if copies := self.table.copies:
+            result.append(
+                "Readings at the same setting are all equal, and taken to be copies, which say"
+                f" nothing of the noise: {copies} are left out."
+            )
         if not 1 < frame.runs < len(rows.run):
             return result
         of_runs = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
@@ -827,10 +840,10 @@ class TableProblem(Problem):
     @property
     def outliers(self) -> dict[int, float]:
         """Readings that are far from the others, with how many deviations."""
-        if np.any(self.table.count > 1.0):
+        number, far = self.table.number, self.fit.far
+        if number is None:
             return {}
-        far = np.flatnonzero(self.fit.far > THRESHOLDS.outlying)
-        return {int(row): float(self.fit.far[row]) for row in far}
+        return {int(number[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
 
 
 def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
@@ -868,6 +881,7 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
     records = measurement.records()
     tables = [_table(mechanism, record) for record in records]
     parts, frictions, stated = list[Rows](), list[Array](), list[Array]()
+    rests, numbers = list[Array](), list[Integers]()
     begun, total = 0, sum(len(friction) for _, friction in tables)
     for k, ((table, friction), record) in enumerate(zip(tables, records, strict=True)):
         v, count = table.velocity, len(friction)
@@ -877,6 +891,8 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
         order = np.arange(begun, begun + count) / max(total - 1, 1)
         parts.append(replace(table, run=run, order=order).where(v != 0.0))
         frictions.append(friction[v != 0.0])
+        rests.append(np.asarray(record.values("velocity"), dtype=float)[v == 0.0])
+        numbers.append(begun + np.flatnonzero(v))
         own_errors = record.uncertainty.get("friction", 0.0)
         stated.append(np.broadcast_to(np.asarray(own_errors, dtype=float), (count,))[v != 0.0])
         begun += count
@@ -892,7 +908,9 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
             f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
             f" and this table has {most}: measure friction at more speeds."
         )
-    return Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+    result = Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+    of_file = None if result.number is None else np.concatenate(numbers)[result.number]
+    return replace(result, number=of_file, at_rest=np.concatenate(rests))
 
 
 def _refuse_others(record: Measurement) -> None:
