@@ -540,19 +540,18 @@ class TableProblem(Problem):
 
     def _law(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return the laws of draws at rows (k, n)."""
-        columns: dict[Column, Array] = {}
-        result = []
-        for draw in draws:
-            curve = np.zeros((draw.random.shape[1], len(rows.velocity)))
-            for column, c in zip(draw.structure, draw.law, strict=True):
-                if is_break(column[0]):
-                    curve += c[:, None] * self._breaks(rows, column, len(c))
-                    continue
-                if column not in columns:
-                    columns[column] = law_column(column, rows, self.model.frame)
-                curve += np.outer(c, columns[column])
-            result.append(curve)
-        return np.vstack(result)
+        usual = [item for draw in draws for item in draw.structure if not is_break(item[0])]
+        place = {item: k for k, item in enumerate(dict.fromkeys(usual))}
+        x = [law_column(item, rows, self.model.frame) for item in place]
+        ends = np.cumsum([0, *(draw.random.shape[1] for draw in draws)])
+        c, breaks = np.zeros((ends[-1], len(x))), np.zeros((ends[-1], len(rows.velocity)))
+        for first, last, draw in zip(ends, ends[1:], draws, strict=False):
+            for column, own in zip(draw.structure, draw.law, strict=True):
+                if column in place:
+                    c[first:last, place[column]] = own
+                else:
+                    breaks[first:last] += own[:, None] * self._breaks(rows, column, len(own))
+        return np.asarray(c @ np.reshape(x, (len(x), -1)) + breaks) if x else breaks
 
     def _breaks(self, rows: Rows, column: Column, count: int) -> Array:
         """Return columns (k, n) of a jump or kink anywhere in its gap, at evenly many places."""
@@ -565,7 +564,7 @@ class TableProblem(Problem):
         """Return drawn curves alone (k, n): midway unless stated, in the mean of the runs."""
         x, group = self.model.random(rows)
         x = x * (group != "run")
-        beside = np.vstack([draw.random.T @ x.T for draw in draws])
+        beside = np.hstack([draw.random for draw in draws]).T @ x.T
         return np.asarray(self._law(rows, draws) + beside)
 
     def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
@@ -631,8 +630,9 @@ class TableProblem(Problem):
     def _far_ends(self) -> list[int]:
         """Readings alone at an end that are far from the others, and may be friction."""
         rows, result = self.table.rows, list[int]()
-        draws = self.posterior.draws(DRAWS, seed=3)
-        for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)).tolist():
+        suspects = np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)).tolist()
+        draws = self.posterior.draws(DRAWS, seed=3) if suspects else []
+        for row in suspects:
             alike = (rows.direction == rows.direction[row]) & (
                 np.abs(np.log(rows.speed / rows.speed[row])) < NEAR
             )
