@@ -90,10 +90,6 @@ AT_BOUND = -6.0
 would hide how badly others fit then."""
 ROUNDING = 1e-9
 """Part of its deviation by which a coefficient that is held to 0 may be off."""
-FAR = 30.0
-"""Logarithm of the weight below the best node from which that a structure brakes does not count."""
-SURE = 8.0
-"""Deviations above 0 from which a coefficient is surely not negative."""
 SPARE = 4
 """Draws of coefficients for each that is kept, so that those that are physics suffice."""
 
@@ -184,8 +180,8 @@ def logsumexp(values: Array | Sequence[float]) -> float:
 
     Examples
     --------
-    >>> logsumexp([-1000.0, -1000.0]) + 1000.0 == math.log(2.0), logsumexp([-math.inf])
-    (True, -inf)
+    >>> round(logsumexp([-1000.0, -1000.0]) + 1000.0, 6), logsumexp([-math.inf])
+    (0.693147, -inf)
     """
     x = np.asarray(values)
     most = float(np.max(x))
@@ -246,7 +242,7 @@ def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") 
     0.17
     """
     total, deviations = np.zeros(len(mean)), np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    near = np.any(positive & (mean < SURE * deviations), axis=1)
+    near = np.any(positive & (mean < -AT_BOUND * deviations), axis=1)
     if not near.all():
         total[near] = not_negative(mean[near], covariance[near], positive[near])
         return total
@@ -404,13 +400,8 @@ class Posterior:
                 of[row, before:end] = [number[column] for column in free[k]]
                 positive[row, before:end] = self._is_positive(free[k])
                 totals[row, :, before:end] = sums[k]
-            yield (
-                np.array(places, dtype=np.intp),
-                of,
-                positive,
-                totals,
-                {number[column]: x for column, x in known},
-            )
+            of_known = {number[column]: x for column, x in known}
+            yield np.array(places, dtype=np.intp), of, positive, totals, of_known
 
     def known_of(self, structure: Structure) -> Mapping[Column, float]:
         """Return the columns of a structure whose coefficients are known, with these."""
@@ -559,9 +550,6 @@ class Posterior:
                 left = without(every, {k: x / sizes[k] for k, x in known.items()})
                 base += 0.5 * float(every[-1, -1] - left[-1, -1])
             size = of.shape[1]
-            if size == 0:
-                result[at] = base
-                continue
             left = np.pad(left, (0, 1))
             m = left[of[:, :, None], of[:, None, :]]
             m[:, range(size), range(size)] += COEFFICIENT**-2
@@ -576,7 +564,7 @@ class Posterior:
             sums = rows * sizes[of][:, None, :]
             # at most, as if nothing could be negative
             result[at] = base + gain + (positive.sum(axis=1) + sums.shape[1]) * math.log(2.0)
-            near = result[at] + prior[at] > most - FAR
+            near = result[at] + prior[at] > most + 2.0 * math.log(ROUNDING)
             if near.any():
                 inside = brakes(c[near], inverse[near], positive[near], sums[near])
                 result[at[near]] = base + gain[near] + inside

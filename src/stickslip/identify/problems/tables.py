@@ -57,7 +57,6 @@ from stickslip.identify.problems.table_model import (
     SCALES,
     SIDES,
     Frame,
-    Integers,
     Readings,
     Rows,
     TableFit,
@@ -165,7 +164,7 @@ class TableProblem(Problem):
         usual = [tuple(item.split()) for item in FAMILIES]
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
-        fit, rests = fitted(table, known), [x for x in (table.at_rest,) if x is not None]
+        fit, rests = fitted(table, known), table.at_rest
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow):
@@ -175,16 +174,10 @@ class TableProblem(Problem):
                 size = np.abs(np.median(np.abs(moving.friction)))
                 rest_prior = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
                 if other.posterior.evidence + rest_prior > fit.posterior.evidence:
-                    rests.append(table.rows.velocity[slow])
+                    rests = np.append(rests, table.rows.velocity[slow])
                     table, fit = moving, other
-        return cls(
-            table,
-            fit,
-            turning=turning,
-            rests=np.concatenate([*rests, np.zeros(0)]),
-            families=families,
-            load_error=load_error_of(mechanism, measurement),
-        )
+        unsure = load_error_of(mechanism, measurement)
+        return cls(table, fit, turning=turning, rests=rests, families=families, load_error=unsure)
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "TableProblem":
         before, model = self.posterior, copy.copy(self.model)
@@ -250,9 +243,7 @@ class TableProblem(Problem):
 
     def usual(self, rows: Rows) -> Array:
         plain: Structure = (("level", ()), ("offset", ()), ("viscous", ()))
-        own = self.design(
-            plain, self.at(*(getattr(self.table.rows, x) for x in ("velocity", "load")))
-        )
+        own = self.design(plain, self.at(self.table.rows.velocity, self.table.rows.load))
         c = np.linalg.lstsq(own, self.table.friction, rcond=None)[0]
         return np.asarray(self.design(plain, rows) @ c)
 
@@ -669,11 +660,10 @@ class TableProblem(Problem):
         for draw in draws:
             shape = (draw.random.shape[1], n)
             noise = rng.standard_t(6.0, size=shape) * math.sqrt(4.0 / 6.0)
-            own = model.sigma(draw.node) * model.growth(rows, draw.node) * noise
-            own = own + BETA[draw.node[3]] * model.repeats * model.sigma(draw.node) * rng.normal(
-                size=shape
-            )
-            own = own + float(np.median(self.table.stated)) * rng.normal(size=shape)
+            sigma = model.sigma(draw.node)
+            own = sigma * model.growth(rows, draw.node) * noise
+            own += sigma * BETA[draw.node[3]] * model.repeats * rng.normal(size=shape)
+            own += float(np.median(self.table.stated)) * rng.normal(size=shape)
             result.append(own + model.step * (rng.random(shape) - 0.5))
         return np.vstack(result)
 
@@ -737,12 +727,8 @@ class TableProblem(Problem):
     def _drift(self, draws: Sequence[Draws]) -> Finding:
         """Return what friction changes by from the first reading to the last."""
         frame, at = self.model.frame, self.at(self._middle_speed)
-        ends = []
-        for time in (0.0, 1.0):
-            x, group = self.model.random(replace(at, order=np.full(1, time)))
-            x = x * ~np.isin(group, ("run",))
-            curve = self._law(at, draws) + np.vstack([draw.random.T @ x.T for draw in draws])
-            ends.append(np.abs(curve[:, 0]))
+        times = [replace(at, order=np.full(1, time)) for time in (0.0, 1.0)]
+        ends = [np.abs(self.steady(x, draws)[:, 0]) for x in times]
         change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
         unit = "N m" if self.turning else "N"
         first, last = (quantity(float(np.median(end)), unit, 3) for end in ends)
@@ -840,10 +826,10 @@ class TableProblem(Problem):
     @property
     def outliers(self) -> dict[int, float]:
         """Readings that are far from the others, with how many deviations."""
-        number, far = self.table.number, self.fit.far
-        if number is None:
+        if np.any(self.table.count > 1.0):
             return {}
-        return {int(number[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
+        far, places = self.fit.far, np.rint(self.table.rows.order * self.table.last)
+        return {int(places[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
 
 
 def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
@@ -881,7 +867,7 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
     records = measurement.records()
     tables = [_table(mechanism, record) for record in records]
     parts, frictions, stated = list[Rows](), list[Array](), list[Array]()
-    rests, numbers = list[Array](), list[Integers]()
+    rests = list[Array]()
     begun, total = 0, sum(len(friction) for _, friction in tables)
     for k, ((table, friction), record) in enumerate(zip(tables, records, strict=True)):
         v, count = table.velocity, len(friction)
@@ -892,7 +878,6 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
         parts.append(replace(table, run=run, order=order).where(v != 0.0))
         frictions.append(friction[v != 0.0])
         rests.append(np.asarray(record.values("velocity"), dtype=float)[v == 0.0])
-        numbers.append(begun + np.flatnonzero(v))
         own_errors = record.uncertainty.get("friction", 0.0)
         stated.append(np.broadcast_to(np.asarray(own_errors, dtype=float), (count,))[v != 0.0])
         begun += count
@@ -909,8 +894,7 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
             f" and this table has {most}: measure friction at more speeds."
         )
     result = Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
-    of_file = None if result.number is None else np.concatenate(numbers)[result.number]
-    return replace(result, number=of_file, at_rest=np.concatenate(rests))
+    return replace(result, last=total - 1, at_rest=np.concatenate(rests))
 
 
 def _refuse_others(record: Measurement) -> None:
@@ -928,24 +912,9 @@ def _refuse_others(record: Measurement) -> None:
     if not {"velocity", "position"} & set(known):
         raise InputError(
             f"a force map needs velocity (v) [m/s] or position (x) [m] beside friction, and {had}."
-            f"{_other_way(record)}"
+            + " Friction under a load point is fitted by rate-and-state laws: leave out the route,"
+            " or give route='rate-state'." * ("pull" in known)
         )
-    size = len(np.atleast_1d(record.values("friction")))
-    if size < FEWEST:
-        raise InputError(
-            f"a table of friction needs at least {FEWEST} rows, and {label} has {size}: measure"
-            " friction at more speeds."
-        )
-
-
-def _other_way(record: Measurement) -> str:
-    """Return what fits friction under a load point, if there is one."""
-    if "pull" not in record.quantities():
-        return ""
-    return (
-        " Friction under a load point is fitted by rate-and-state laws: leave out the route, or"
-        " give route='rate-state'."
-    )
 
 
 def _table(mechanism: Mechanism, record: Measurement) -> tuple[Rows, Array]:
