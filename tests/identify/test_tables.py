@@ -286,6 +286,50 @@ def test_a_level_is_stated_at_the_usual_values_of_all_its_inputs():
     assert re.search(r"it is (9\.9|10)", said)
 
 
+def test_a_level_at_usual_inputs_is_as_sure_as_its_draws():
+    pressure, v = np.repeat([1e5, 1e6, 5e6], 5), np.tile(np.geomspace(0.01, 0.3, 5), 3)
+    level, noise = 14.0 + 8e-6 * pressure, np.random.default_rng(4).normal(size=15)
+    table = Measurement(velocity=v, friction=level + 0.5 * noise, inputs={"pressure": pressure})
+    (said,) = (x for x in select(AXIS, None, table).words.cannot_tell if "for inputs of 0" in x)
+    low, high = map(float, re.search(r"\(([\d.]+) to ([\d.]+)\)", said).groups())
+    assert low < 22.0 < high
+    assert high - low < 3.0
+
+
+def test_copies_of_readings_say_nothing_of_the_noise():
+    v, noise = np.array([0.01, 0.03, 0.1, 0.3, 1.0]), np.random.default_rng(14).normal(size=5)
+    read = 5.0 + 3.0 * v + 0.2 * noise
+    table = Measurement(velocity=np.repeat(v, 3), friction=np.repeat(read, 3))
+    found = select(AXIS, None, table)
+    band = found.band(v)
+    assert any("10 are left out" in line for line in found.words.cannot_tell)
+    once = select(AXIS, None, Measurement(velocity=v, friction=read)).band(v)
+    np.testing.assert_allclose([band.low, band.high], [once.low, once.high], rtol=0.02)
+
+
+def test_readings_at_rest_are_named_and_those_far_away_by_their_place():
+    v = np.append([0.0, 0.0], np.geomspace(0.01, 1.0, 16))
+    friction = 2.0 + v + 0.01 * np.random.default_rng(3).normal(size=18)
+    friction[[0, 1, 9]] = 2.6, 2.5, 4.0
+    said = " ".join(
+        select(AXIS, None, Measurement(velocity=v, friction=friction)).words.cannot_tell
+    )
+    assert "The readings at 0 m/s are taken to be at rest" in said
+    assert "Reading 10 lies" in said
+
+
+def test_a_surplus_over_speed_and_load_is_called_so():
+    load, v = np.repeat([10.0, 30.0, 90.0], 8), np.tile(np.geomspace(0.01, 1.0, 8), 3)
+    read = load * (0.02 + 0.1 * np.exp(-3.0 * (v / load * 30.0) / 0.3))
+    read *= 1.0 + 0.01 * np.random.default_rng(3).normal(size=24)
+    found = select(
+        replace(AXIS, load=30.0), None, Measurement(velocity=v, friction=read, load=load)
+    )
+    assert "hersey" in found.family
+    assert "with a surplus over speed / load" in found.sentence
+    assert any("not in proportion to the load" in line for line in found.words.cannot_tell)
+
+
 @pytest.mark.parametrize("surplus", [0.0, 0.4])
 def test_the_exponent_of_the_load_is_a_parameter(surplus):
     load = np.tile([5.0, 10.0, 20.0], 8)

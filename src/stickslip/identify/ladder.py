@@ -92,7 +92,8 @@ def title_of(judgement: Judgement, rung: Rung) -> str:
         names = dict.fromkeys(name for name in names_of(rung.structure) if name != "offset")
         parts = [name for name in names if f"{name}_direction" not in names]
         title = capital(" + ".join(judgement.problem.title(name) for name in parts))
-    return title + of_load_text(composed)
+    hersey = " with a surplus over speed / load" * ("hersey" in rung.family)
+    return title + hersey + of_load_text(composed)
 
 
 def beside_of(judgement: Judgement, rung: Rung) -> str:
@@ -152,7 +153,8 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     if not judgement.is_explained:
         none = "None of the laws compared" if judgement.problem.restricted else "No law"
         return (
-            f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside} stays within {how}."
+            f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside}, the closest, is off"
+            f" by {how}."
             f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
         )
     near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
@@ -214,9 +216,9 @@ def finding_sentence(finding: Finding) -> str:
 
 def rest_sentence(velocities: Array, unit: str) -> str:
     """Return which readings are taken to be of a body at rest."""
-    named = joined([quantity(v, unit, 2) for v in velocities[:MOST].tolist()])
-    more = f" and {len(velocities) - MOST} more" if len(velocities) > MOST else ""
-    one = len(velocities) == 1
+    speeds, one = np.unique(velocities), len(velocities) == 1
+    named = joined([quantity(v, unit, 2) for v in speeds[:MOST].tolist()])
+    more = f" and {len(speeds) - MOST} more" if len(speeds) > MOST else ""
     return (
         f"The {'reading' if one else 'readings'} at {named}{more} {'is' if one else 'are'} taken to"
         " be at rest, where friction is anything up to the break-away, and left out."
@@ -407,7 +409,7 @@ def ladder_verdict(
     if foreseen is not None:
         doubts.append(second_sentence(foreseen))
     of_load = {"load_exponent", "adhesion"} & {item.path for item in every}
-    if of_load:
+    if of_load or "hersey" in judgement.family:
         doubts.append(load_sentence(judgement.composition.normal()))
     if measurement.turning and (levels_at(mechanism) == "per load" or tells_load(measurement)):
         doubts.append(RADIUS_SENTENCE)

@@ -136,7 +136,7 @@ def select_table(
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     ordered_by = problem.model.ordered_by
     remarks = [ORDERED.format(ordered_by)] * bool(ordered_by)
-    if problem.rests is not None:
+    if len(problem.rests):
         remarks.append(rest_sentence(problem.rests, words.speed_unit))
     return ladder_verdict(
         judgement,

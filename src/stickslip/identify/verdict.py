@@ -16,7 +16,6 @@ from stickslip.data import (
     levels_at,
     refuse_lack,
     refuse_same,
-    spread_of,
     tells_load,
 )
 from stickslip.errors import InputError
@@ -557,15 +556,13 @@ def at_usual_inputs(fit: LawFit) -> Iterator[str]:
         own = [fit.estimates[k] for k in places]
         if not all(item.bounded for item in own):
             continue
-        base, *slopes = (item.value for item in own)
-        spread = [spread_of(item.value, item.low, item.high) for item in own]
-        covariance = fit.correlation[np.ix_(places, places)] * np.outer(spread, spread)
-        each = 1.0 + np.array(slopes) * [*sizes.values()]
-        times = float(np.prod(each))
-        change = np.array([times, *(base * times / each * [*sizes.values()])])
-        half = 1.96 * math.sqrt(max(float(change @ covariance @ change), 0))
+        drawn = fit.judgement.named_values
+        every = [np.append(item.value, drawn.get(item.path, item.value)) for item in own]
+        each = [1.0 + slope * x for slope, x in zip(every[1:], sizes.values(), strict=True)]
+        levels = every[0] * np.prod(np.broadcast_arrays(*each), axis=0)
+        low, high = np.quantile(levels[1:], (0.025, 0.975)).tolist()
         at = inputs_text(sizes, turning=fit.measurement.turning)
-        yield usual_sentence(fit.estimates[places[0]], base * times, half, at)
+        yield usual_sentence(own[0], float(levels[0]), low, high, at)
 
 
 def told_apart(

@@ -246,10 +246,11 @@ def third_load_sentence(loads: Array) -> str:
     )
 
 
-def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> str:
-    """Return what a parameter is at the usual values of inputs, within half, and not at 0."""
-    value = with_unit(within(level, level - half, level + half), estimate.quantity.unit)
-    own = interval(level - half, level + half)
+def usual_sentence(estimate: Estimate, level: float, low: float, high: float, at: str) -> str:
+    """Return what a parameter is at the usual values of inputs, and not at 0, and its interval."""
+    low, high = min(low, level), max(high, level)
+    value = with_unit(within(level, low, high), estimate.quantity.unit)
+    own = interval(low, high)
     symbol = estimate.quantity.symbol
     return f"The law states ${symbol}$ for inputs of 0; at {at}, the median, it is {value} ({own})."
 

@@ -22,7 +22,7 @@ them, and costs nothing where it is told.
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -205,14 +205,19 @@ class Readings:
     """Readings of each cell (n,)."""
     within: Array
     """Squares about the mean of each cell, in sum (n,)."""
-    timed: bool = False
-    """Whether the order is that of times, and not that of a file."""
+    last: int = 0
+    """Place of the last reading of the measurement, from 0."""
+    at_rest: Array = field(default_factory=lambda: np.zeros(0))
+    """Velocities of readings at rest, which are left out (k,)."""
+    copies: int = 0
+    """Readings that are copies of others, which are left out."""
 
     @classmethod
-    def of(
-        cls, rows: Rows, friction: Array, stated: Array | None = None, *, timed: bool = False
-    ) -> "Readings":
-        """Return single readings; of many, means of cells."""
+    def of(cls, rows: Rows, friction: Array, stated: Array | None = None) -> "Readings":
+        """Return single readings; of many, means of cells.
+
+        Where all readings at a setting are equal, they are copies of one.
+        """
         n = len(friction)
         single = cls(
             rows=rows,
@@ -220,9 +225,12 @@ class Readings:
             stated=np.zeros(n) if stated is None else np.asarray(stated, dtype=float),
             count=np.ones(n),
             within=np.zeros(n),
-            timed=timed,
         )
-        return single if n <= MOST_ROWS else single.condensed()
+        setting = np.column_stack([rows.velocity, rows.load, rows.run, *rows.inputs.values()])
+        first = np.unique(setting, axis=0, return_index=True)[1]
+        if len(first) == len(np.unique(np.column_stack([setting, friction]), axis=0)):
+            single = replace(single.where(np.sort(first)), copies=n - len(first))
+        return single if len(single.friction) <= MOST_ROWS else single.condensed()
 
     @property
     def total(self) -> int:
@@ -240,13 +248,10 @@ class Readings:
             within=self.within[kept],
         )
 
-    def _range(self, name: str) -> float:
-        """Return the range of an input, of a temperature what changes friction at least."""
-        return max(float(np.ptp(self.rows.inputs[name])), KELVINS * (name == "temperature"))
-
     def condensed(self) -> "Readings":
         """Return means of cells: readings of like speed, load, inputs and of one run."""
         rows, width = self.rows, CELL
+        least = {"temperature": KELVINS}  # what changes friction at least
         while True:
             parts = [
                 rows.direction,
@@ -254,7 +259,10 @@ class Readings:
                 np.round(np.log(rows.load) / max(NEAR_LOAD, width)),
                 rows.run,
                 *(
-                    np.floor((x - x.min()) / (self._range(name) * max(NEAR_LOAD, width) + 1e-12))
+                    np.floor(
+                        (x - x.min())
+                        / (max(np.ptp(x), least.get(name, 0.0)) * max(NEAR_LOAD, width) + 1e-12)
+                    )
                     for name, x in rows.inputs.items()
                 ),
             ]
@@ -274,7 +282,6 @@ class Readings:
             stated=np.sqrt(mean(self.stated**2)),
             count=count,
             within=np.asarray(np.bincount(cell, (self.friction - middle[cell]) ** 2), dtype=float),
-            timed=self.timed,
         )
         return result.where(np.argsort(result.rows.order, kind="stable"))
 
@@ -536,21 +543,6 @@ def finer(
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothCurve:
-    """Friction by the speed, as running medians have it."""
-
-    frame: Frame
-    logs: Array
-    friction: Array
-    """Friction at rising logarithms of the speed (n,), over how it grows with the load."""
-
-    def __call__(self, rows: Rows) -> Array:
-        """Return the curve at rows (n,)."""
-        over = np.interp(np.log(rows.speed), self.logs, self.friction)
-        return np.asarray(over * self.frame.grown(rows))
-
-
-@dataclass(frozen=True, eq=False)
 class LawCurve:
     """A law; without one, the size of friction.
 
@@ -605,7 +597,7 @@ class TableModel(Model):
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
-        self.ordered_by, self.is_sorted = ("", False) if readings.timed else order_of(readings)
+        self.ordered_by, self.is_sorted = order_of(readings)
         self.scales = self._scales()
         self._columns, self.groups = self.random(readings.rows)
         self._laws: tuple[tuple[Column, ...], Array, Array] | None = None
@@ -979,8 +971,10 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
     known = [tuple(item.split()) for item in FAMILIES] if families is None else [*families]
     grown, order = frame.grown(readings.rows), np.argsort(readings.rows.speed, kind="stable")
     over = running_medians(readings, grown)
-    smooth = SmoothCurve(frame, np.log(readings.rows.speed[order]), over[order])
-    reference = Reference(frame, smooth)
+    smooth = np.log(readings.rows.speed[order]), over[order]
+    reference = Reference(
+        frame, lambda rows: np.interp(np.log(rows.speed), *smooth) * frame.grown(rows)
+    )
     weights = first_weights(readings, frame, over * grown)
     model = TableModel(readings, frame, weights, reference)
     structures, priors = structures_of(frame, grid, known)

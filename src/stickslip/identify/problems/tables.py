@@ -123,7 +123,7 @@ class TableProblem(Problem):
     table: Readings
     fit: TableFit
     turning: bool = False
-    rests: Array | None = None
+    rests: Array = field(default_factory=lambda: np.zeros(0))
     """Velocities of the readings that are taken to be at rest (k,)."""
     families: Sequence[Family] | None = None
     load_error: float = 0.0
@@ -164,7 +164,7 @@ class TableProblem(Problem):
         usual = [tuple(item.split()) for item in FAMILIES]
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
-        fit, rests = fitted(table, known), None
+        fit, rests = fitted(table, known), table.at_rest
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow):
@@ -174,7 +174,8 @@ class TableProblem(Problem):
                 size = np.abs(np.median(np.abs(moving.friction)))
                 rest_prior = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
                 if other.posterior.evidence + rest_prior > fit.posterior.evidence:
-                    rests, table, fit = table.rows.velocity[slow], moving, other
+                    rests = np.append(rests, table.rows.velocity[slow])
+                    table, fit = moving, other
         unsure = load_error_of(mechanism, measurement)
         return cls(table, fit, turning=turning, rests=rests, families=families, load_error=unsure)
 
@@ -242,9 +243,7 @@ class TableProblem(Problem):
 
     def usual(self, rows: Rows) -> Array:
         plain: Structure = (("level", ()), ("offset", ()), ("viscous", ()))
-        own = self.design(
-            plain, self.at(*(getattr(self.table.rows, x) for x in ("velocity", "load")))
-        )
+        own = self.design(plain, self.at(self.table.rows.velocity, self.table.rows.load))
         c = np.linalg.lstsq(own, self.table.friction, rcond=None)[0]
         return np.asarray(self.design(plain, rows) @ c)
 
@@ -532,19 +531,18 @@ class TableProblem(Problem):
 
     def _law(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return the laws of draws at rows (k, n)."""
-        columns: dict[Column, Array] = {}
-        result = []
-        for draw in draws:
-            curve = np.zeros((draw.random.shape[1], len(rows.velocity)))
-            for column, c in zip(draw.structure, draw.law, strict=True):
-                if is_break(column[0]):
-                    curve += c[:, None] * self._breaks(rows, column, len(c))
-                    continue
-                if column not in columns:
-                    columns[column] = law_column(column, rows, self.model.frame)
-                curve += np.outer(c, columns[column])
-            result.append(curve)
-        return np.vstack(result)
+        usual = [item for draw in draws for item in draw.structure if not is_break(item[0])]
+        place = {item: k for k, item in enumerate(dict.fromkeys(usual))}
+        x = [law_column(item, rows, self.model.frame) for item in place]
+        ends = np.cumsum([0, *(draw.random.shape[1] for draw in draws)])
+        c, breaks = np.zeros((ends[-1], len(x))), np.zeros((ends[-1], len(rows.velocity)))
+        for first, last, draw in zip(ends, ends[1:], draws, strict=False):
+            for column, own in zip(draw.structure, draw.law, strict=True):
+                if column in place:
+                    c[first:last, place[column]] = own
+                else:
+                    breaks[first:last] += own[:, None] * self._breaks(rows, column, len(own))
+        return np.asarray(c @ np.reshape(x, (len(x), -1)) + breaks) if x else breaks
 
     def _breaks(self, rows: Rows, column: Column, count: int) -> Array:
         """Return columns (k, n) of a jump or kink anywhere in its gap, at evenly many places."""
@@ -557,7 +555,7 @@ class TableProblem(Problem):
         """Return drawn curves alone (k, n): midway unless stated, in the mean of the runs."""
         x, group = self.model.random(rows)
         x = x * (group != "run")
-        beside = np.vstack([draw.random.T @ x.T for draw in draws])
+        beside = np.hstack([draw.random for draw in draws]).T @ x.T
         return np.asarray(self._law(rows, draws) + beside)
 
     def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
@@ -623,8 +621,9 @@ class TableProblem(Problem):
     def _far_ends(self) -> list[int]:
         """Readings alone at an end that are far from the others, and may be friction."""
         rows, result = self.table.rows, list[int]()
-        draws = self.posterior.draws(DRAWS, seed=3)
-        for row in np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)).tolist():
+        suspects = np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)).tolist()
+        draws = self.posterior.draws(DRAWS, seed=3) if suspects else []
+        for row in suspects:
             alike = (rows.direction == rows.direction[row]) & (
                 np.abs(np.log(rows.speed / rows.speed[row])) < NEAR
             )
@@ -661,11 +660,10 @@ class TableProblem(Problem):
         for draw in draws:
             shape = (draw.random.shape[1], n)
             noise = rng.standard_t(6.0, size=shape) * math.sqrt(4.0 / 6.0)
-            own = model.sigma(draw.node) * model.growth(rows, draw.node) * noise
-            own = own + BETA[draw.node[3]] * model.repeats * model.sigma(draw.node) * rng.normal(
-                size=shape
-            )
-            own = own + float(np.median(self.table.stated)) * rng.normal(size=shape)
+            sigma = model.sigma(draw.node)
+            own = sigma * model.growth(rows, draw.node) * noise
+            own += sigma * BETA[draw.node[3]] * model.repeats * rng.normal(size=shape)
+            own += float(np.median(self.table.stated)) * rng.normal(size=shape)
             result.append(own + model.step * (rng.random(shape) - 0.5))
         return np.vstack(result)
 
@@ -690,6 +688,11 @@ class TableProblem(Problem):
         frame, rows, result = self.model.frame, self.table.rows, list[str]()
         if "offset" not in self.model.groups and not frame.loaded:
             result.append(f"{ONE_WAY} Measure in the other direction, too.")
+        if copies := self.table.copies:
+            result.append(
+                "Readings at the same setting are all equal, and taken to be copies, which say"
+                f" nothing of the noise: {copies} are left out."
+            )
         if not 1 < frame.runs < len(rows.run):
             return result
         of_runs = (rows.run[:, None] == np.arange(frame.runs)).astype(float)
@@ -724,12 +727,8 @@ class TableProblem(Problem):
     def _drift(self, draws: Sequence[Draws]) -> Finding:
         """Return what friction changes by from the first reading to the last."""
         frame, at = self.model.frame, self.at(self._middle_speed)
-        ends = []
-        for time in (0.0, 1.0):
-            x, group = self.model.random(replace(at, order=np.full(1, time)))
-            x = x * ~np.isin(group, ("run",))
-            curve = self._law(at, draws) + np.vstack([draw.random.T @ x.T for draw in draws])
-            ends.append(np.abs(curve[:, 0]))
+        times = [replace(at, order=np.full(1, time)) for time in (0.0, 1.0)]
+        ends = [np.abs(self.steady(x, draws)[:, 0]) for x in times]
         change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
         unit = "N m" if self.turning else "N"
         first, last = (quantity(float(np.median(end)), unit, 3) for end in ends)
@@ -829,8 +828,8 @@ class TableProblem(Problem):
         """Readings that are far from the others, with how many deviations."""
         if np.any(self.table.count > 1.0):
             return {}
-        far = np.flatnonzero(self.fit.far > THRESHOLDS.outlying)
-        return {int(row): float(self.fit.far[row]) for row in far}
+        far, places = self.fit.far, np.rint(self.table.rows.order * self.table.last)
+        return {int(places[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
 
 
 def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
@@ -868,6 +867,7 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
     records = measurement.records()
     tables = [_table(mechanism, record) for record in records]
     parts, frictions, stated = list[Rows](), list[Array](), list[Array]()
+    rests = list[Array]()
     begun, total = 0, sum(len(friction) for _, friction in tables)
     for k, ((table, friction), record) in enumerate(zip(tables, records, strict=True)):
         v, count = table.velocity, len(friction)
@@ -877,6 +877,7 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
         order = np.arange(begun, begun + count) / max(total - 1, 1)
         parts.append(replace(table, run=run, order=order).where(v != 0.0))
         frictions.append(friction[v != 0.0])
+        rests.append(np.asarray(record.values("velocity"), dtype=float)[v == 0.0])
         own_errors = record.uncertainty.get("friction", 0.0)
         stated.append(np.broadcast_to(np.asarray(own_errors, dtype=float), (count,))[v != 0.0])
         begun += count
@@ -892,7 +893,8 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
             f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
             f" and this table has {most}: measure friction at more speeds."
         )
-    return Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+    result = Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+    return replace(result, last=total - 1, at_rest=np.concatenate(rests))
 
 
 def _refuse_others(record: Measurement) -> None:
@@ -910,24 +912,9 @@ def _refuse_others(record: Measurement) -> None:
     if not {"velocity", "position"} & set(known):
         raise InputError(
             f"a force map needs velocity (v) [m/s] or position (x) [m] beside friction, and {had}."
-            f"{_other_way(record)}"
+            + " Friction under a load point is fitted by rate-and-state laws: leave out the route,"
+            " or give route='rate-state'." * ("pull" in known)
         )
-    size = len(np.atleast_1d(record.values("friction")))
-    if size < FEWEST:
-        raise InputError(
-            f"a table of friction needs at least {FEWEST} rows, and {label} has {size}: measure"
-            " friction at more speeds."
-        )
-
-
-def _other_way(record: Measurement) -> str:
-    """Return what fits friction under a load point, if there is one."""
-    if "pull" not in record.quantities():
-        return ""
-    return (
-        " Friction under a load point is fitted by rate-and-state laws: leave out the route, or"
-        " give route='rate-state'."
-    )
 
 
 def _table(mechanism: Mechanism, record: Measurement) -> tuple[Rows, Array]:
