@@ -234,7 +234,7 @@ class RecordProblem(Problem):
             return False
         own = [
             np.diff(self.model.split(draw.node, draw.random)["load"][::-1], axis=0)[0]
-            for draw in self.posterior.draws(DRAWN, seed=5)
+            for draw in self._usual
         ]
         slope = np.concatenate(own) / self.size
         return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
@@ -297,7 +297,7 @@ class RecordProblem(Problem):
         asked = {name for family in self.families or () for name in family if "*" in name}
         if asked or self.families is not None:
             return tuple(sorted(asked))
-        draws = self.posterior.draws(DRAWN, seed=5)
+        draws = self._usual
         # which of the parts changes is told less well than how friction does
         changes = {of: self._change_with(of, draws) for of in self.model.frame.inputs}
         sure = [
@@ -314,7 +314,7 @@ class RecordProblem(Problem):
         frame = self.model.frame
         if len(frame.sides) < 2:
             return ()
-        draws = self.posterior.draws(DRAWN, seed=5)
+        draws = self._usual
         v = resolved_speeds(self.model, PLACES)
         top = min(v.max(), -v.min())
         low = min(max(v[v > 0.0].min(), -v[v < 0.0].max()), 0.5 * top)
