@@ -617,9 +617,7 @@ class Posterior:
     def _is_positive(self, structure: Structure) -> NDArray[np.bool_]:
         return np.array([name not in self.model.signed for name, _ in structure], dtype=bool)
 
-    def _moments(
-        self, system: System, inverse: Array, structure: Structure
-    ) -> tuple[Array, Array]:
+    def _moments(self, system: System, inverse: Array, structure: Structure) -> tuple[Array, Array]:
         """Return mean and a root of the covariance of random and law coefficients (m + d).
 
         With the `inverse_root` of the random columns. Laws whose coefficient is known have none.

@@ -506,9 +506,7 @@ class Balance:
                 groups["damping"] = np.gradient(levels[:, -1:], piece.step, axis=0)
         return groups
 
-    def of_laws(
-        self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array
-    ) -> Array:
+    def of_laws(self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array) -> Array:
         """Return the columns of laws at the samples (n, p), whose levels lag with a bristle."""
         v, z, through = piece.velocity, state * self.load(piece), self.transmitted(piece)
         lagging, flat, parts = self._lags(memory), np.ones(len(v)), list[Array]()
@@ -678,8 +676,8 @@ class Balance:
 
     def above(self, which: int, limit: float) -> Array:
         """Return the share of the force above a limit, with its sign, at the rows (n,)."""
-        late = [piece.held + self.acting.delay for piece in self.pieces]
-        return self.rows(which).seen([piece.above(limit) for piece in self.pieces], late=late)
+        parts = [piece.above(limit) for piece in self.pieces]
+        return self.rows(which).seen(parts, acting=self.acting)
 
     def excess(self, limit: float) -> float:
         """Return by how much forces are above a limit in the mean, with their noise [N].

@@ -218,6 +218,10 @@ LEAST = 1e-6
 """Least size over that of the friction."""
 DELAYS = np.linspace(-3.0, 3.0, 61)
 """Delays of forces that are looked at, over 1/cutoff."""
+ORDERS = (0, 1, 2)
+"""Orders of the low pass that makes them late; 0 of none ..."""
+ABOUT_IT = np.linspace(0.6, 1.6, 6)
+"""... and its delays, over that of none."""
 NARROWER = 0.98
 """What is left with the widest band of velocities over that with the usual one, up to which it is
 taken: noise moves turns as well."""
@@ -245,10 +249,6 @@ ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
 BESIDE = ("spring", "relaxing", "zone", "drift", "place", "force", "others")
 """Scales of what may stand for another: each is compared with the best without it."""
-PUSHED = {"push": 2, "input": 2}
-"""Where an input moves a constant force and friction by much."""
-WRONG = {"given": 3}
-"""Where what is given has another unit."""
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
 LOOKED = ("given", "inertia", "offset")
@@ -729,18 +729,25 @@ class RecordModel(Model):
     def _delayed(self, columns: Sequence[Array]) -> tuple[Acting, float]:
         """Return the likeliest delay, and the logarithm of what it gains over what is linear.
 
-        That is by rows that all count and have the same noise.
+        That is by rows that all count and have the same noise. Low passes are looked at about it.
         """
         balance, count = self.balance, self.balance.rows(MIDDLE).count
 
-        def likely(delay: float, solvers: Sequence[Solver]) -> float:
-            y = balance.response(MIDDLE, replace(balance.acting, delay=delay))
+        def likely(delay: float, solvers: Sequence[Solver], order: int = 0) -> float:
+            y = balance.response(MIDDLE, replace(balance.acting, delay=delay, order=order))
             return -0.5 * count * math.log(min(capped(of(y)[1]) for of in solvers) + TINY)
 
         without = [soft_solver(x[:, :-1]) for x in columns]
         best, most = likeliest(lambda x: likely(x, without), DELAYS / balance.pieces[0].cutoff)
-        gain = most - likely(0.0, [soft_solver(x) for x in columns])
-        return replace(balance.acting, delay=best), gain * (gain > 0.5 * count * math.log(HALVED))
+        linear = likely(0.0, [soft_solver(x) for x in columns])
+        if most - linear <= 0.5 * count * math.log(HALVED):
+            return replace(balance.acting, delay=best), 0.0
+        every = [(most, best, 0)]
+        for order in ORDERS[1:]:
+            delay, value = likeliest(lambda x, n=order: likely(x, without, n), ABOUT_IT * best)
+            every.append((value, delay, order))
+        most, best, order = max(every)
+        return replace(balance.acting, delay=best, order=order), most - linear
 
     def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
         """Return the likeliest limit of the force, and the logarithm of what it gains.
@@ -818,16 +825,12 @@ class RecordModel(Model):
     def _starts(self, acting: int) -> list[Node]:
         """Return nodes from which a search begins, too, by bristle.
 
-        At some nothing changes along a record, whose noise is large: a search that begins only
-        where much changes may stay where that follows the noise. At others a spring relaxes by
-        much, or a unit is wrong, for little of that is not better than none.
+        Nothing changes along a record, whose noise is large: a search that begins only where much
+        changes may stay where that follows the noise.
         """
-        most = {name: len(SCALES[name][0]) - 1 for name in self.names}
-        result, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
-        for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
-            sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
-            result += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
-        return result
+        still = {"noise": len(SCALES["noise"][0]) - 1, **dict.fromkeys(ALONG, 0)}
+        sizes = [still.get(name, USUAL[name]) for name in self.names]
+        return [(*sizes, acting, k, 0) for k in range(len(self.memories))]
 
     def _here(self, *nodes: Node) -> Posterior:
         """Return the posterior of nodes alone."""
@@ -1218,7 +1221,10 @@ def odds_of(acting: Acting) -> float:
     >>> odds_of(Acting())
     1
     """
-    each = {len(DELAYS): acting.delay != 0.0, len(LIMITS): math.isfinite(acting.limit)}
+    each = {
+        len(DELAYS) * len(ORDERS): acting.delay != 0.0,
+        len(LIMITS): math.isfinite(acting.limit),
+    }
     return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)
 
 

@@ -36,6 +36,7 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.record_columns import (
+    COSINES,
     FORCE,
     GEAR,
     LEVELS,
@@ -808,7 +809,9 @@ class RecordProblem(Problem):
         columns = balance.forces(rows.position)
         parts = [columns @ self.model.split(x.node, x.random)["force"] for x in draws]
         force = np.hstack([x - np.mean(x, axis=0) for x in parts])
-        stiffness = position @ force / (position @ position)
+        waves = columns[:, COSINES : COSINES + 2 * len(balance.waves[0])]  # cogging is no spring
+        beside = np.column_stack([position, waves - np.mean(waves, axis=0)])
+        stiffness = np.linalg.lstsq(beside, force, rcond=None)[0][0]
         bent = np.sum((force - np.outer(position, stiffness)) ** 2, axis=0)
         if float(np.median(bent / np.sum(force**2, axis=0))) > BENT**2:
             return ""
