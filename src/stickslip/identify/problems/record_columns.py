@@ -311,7 +311,8 @@ class Balance:
         *,
         rests: bool = False,
     ) -> None:
-        self._rests = rests
+        self.rests = rests
+        """Whether the rows are those at rest, where friction is anywhere up to its level."""
         cutoff = None if like is None else like.pieces[0].cutoff
         if like is None:
             checked(records)
@@ -408,7 +409,7 @@ class Balance:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
             self._rows[which] = BalanceRows(
-                self.pieces, which, self._every, self.acting, rests=self._rests
+                self.pieces, which, self._every, self.acting, rests=self.rests
             )
         return self._rows[which]
 
@@ -433,7 +434,7 @@ class Balance:
         self._seen = {key: x for key, x in self._seen.items() if key[1] in keys}
 
     def _state(self, memory: Memory, piece: Piece) -> Array:
-        if self._rests:  # it may be stretched in either direction
+        if self.rests:  # it may be stretched in either direction
             return np.ones(len(piece.way))
         if memory.length == 0.0:
             return piece.direction
@@ -499,7 +500,7 @@ class Balance:
         if self._lags(memory):
             lagged = [hats]
             if memory.ratio is not None:
-                lagged.append(self.lengths(memory, piece)[:, None] / memory.length)
+                lagged.append(np.reshape(self.lengths(memory, piece), (-1, 1)) / memory.length)
             levels = self._lagging(memory, piece, np.hstack(lagged))
             groups["common"] = levels[:, : hats.shape[1]]
             if memory.ratio is not None:  # the damping of bristles is what the lag changes by

@@ -22,7 +22,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain, product
 from typing import TypeAlias
 
@@ -113,11 +113,6 @@ viscous friction of another run, and of one of a joint, in which is what its rig
 left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
 that are given, over these, of which the last are wrong units. They say what a careful experimenter
 would expect."""
-SHARED = {"zero": "force"}
-"""Groups that have the scale of another: a force beside friction changes with the place and in
-time."""
-PARTS_OF = {FORCE: "push"}
-"""Scales of what changes with an input, where that is no friction."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
     "relaxing": 0, "stretch": 3,
@@ -249,6 +244,10 @@ ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
 BESIDE = ("spring", "relaxing", "zone", "drift", "place", "force", "others")
 """Scales of what may stand for another: each is compared with the best without it."""
+PUSHED = {"push": 2, "input": 2}
+"""Where an input moves a constant force and friction by much."""
+WRONG = {"given": 3}
+"""Where what is given has another unit."""
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
 LOOKED = ("given", "inertia", "offset")
@@ -497,8 +496,7 @@ class RecordModel(Model):
             self._fixed[which] = {**self.balance.fixed(which), "turn": turns}
         every = {**groups, **self._fixed[which]}
         state, slope = every.pop("state"), every.pop("slope")
-        parts = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
-        stretch = parts[:, None] == np.arange(STRETCHES)
+        stretch = stretches(rows.count)[:, None] == np.arange(STRETCHES)
         every["stretch"] = np.hstack([state * stretch, slope * stretch])
         if self.balance.runs > 1:
             of = self.balance.run[rows.piece][:, None] == np.arange(self.balance.runs)
@@ -598,7 +596,9 @@ class RecordModel(Model):
                 result[at] = SIZES[name] * size
             else:
                 part, times, _ = name.partition("*")
-                scale = SHARED.get(name, name) if not times else PARTS_OF.get(part, "input")
+                with_input = "push" if part == FORCE else "input"
+                # a force beside friction changes with the place and in time
+                scale = with_input if times else name.replace("zero", "force")
                 result[at] = max(self.at(node, scale), LEAST) * size
                 if name == "force" and self.balance.pulled:
                     result[np.flatnonzero(at)[-1]] = self._of_spring(node, of_force)
@@ -729,7 +729,7 @@ class RecordModel(Model):
     def _delayed(self, columns: Sequence[Array]) -> tuple[Acting, float]:
         """Return the likeliest delay, and the logarithm of what it gains over what is linear.
 
-        That is by rows that all count and have the same noise. Low passes are looked at about it.
+        That is by rows that all count and have the same noise.
         """
         balance, count = self.balance, self.balance.rows(MIDDLE).count
 
@@ -744,8 +744,8 @@ class RecordModel(Model):
             return replace(balance.acting, delay=best), 0.0
         every = [(most, best, 0)]
         for order in ORDERS[1:]:
-            delay, value = likeliest(lambda x, n=order: likely(x, without, n), ABOUT_IT * best)
-            every.append((value, delay, order))
+            near = likeliest(partial(likely, solvers=without, order=order), ABOUT_IT * best)
+            every.append((near[1], near[0], order))
         most, best, order = max(every)
         return replace(balance.acting, delay=best, order=order), most - linear
 
@@ -825,12 +825,16 @@ class RecordModel(Model):
     def _starts(self, acting: int) -> list[Node]:
         """Return nodes from which a search begins, too, by bristle.
 
-        Nothing changes along a record, whose noise is large: a search that begins only where much
-        changes may stay where that follows the noise.
+        At some nothing changes along a record, whose noise is large: a search that begins only
+        where much changes may stay where that follows the noise. At others a spring relaxes by
+        much, or a unit is wrong, for little of that is not better than none.
         """
-        still = {"noise": len(SCALES["noise"][0]) - 1, **dict.fromkeys(ALONG, 0)}
-        sizes = [still.get(name, USUAL[name]) for name in self.names]
-        return [(*sizes, acting, k, 0) for k in range(len(self.memories))]
+        most = {name: len(SCALES[name][0]) - 1 for name in self.names}
+        result, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
+        for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
+            sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
+            result += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
+        return result
 
     def _here(self, *nodes: Node) -> Posterior:
         """Return the posterior of nodes alone."""
@@ -1072,12 +1076,7 @@ class RecordModel(Model):
 
     def _keep(self, memories: list[Memory]) -> None:
         """Keep some bristles, and forget what was computed of others."""
-        old = {id(item): k for k, item in enumerate(self.memories)}
-        numbers = {old[id(item)]: k for k, item in enumerate(memories) if id(item) in old}
-        self._designs = {
-            (which, numbers[k]): x for (which, k), x in self._designs.items() if k in numbers
-        }
-        self._plain, self._grams = {}, {}
+        self._designs, self._plain, self._grams = {}, {}, {}
         self.memories = memories
         self.balance.forget(memories)
 
@@ -1122,6 +1121,11 @@ class RecordModel(Model):
                 self.spread[which, own[-3]], self.kappas[which] = 0.0, self.kappas[MIDDLE]
                 self._again(self._here(own))
         return result
+
+
+def stretches(count: int) -> Places:
+    """Return the number of the stretch of each of so many rows (n,)."""
+    return np.minimum(np.arange(count) * STRETCHES // count, STRETCHES - 1)
 
 
 def share_of(scores: Array) -> float:

@@ -47,12 +47,12 @@ from stickslip.identify.problems.record_columns import (
 )
 from stickslip.identify.problems.record_curves import (
     OtherRows,
-    RestRows,
     SteadyRows,
     beyond,
     of_another_run,
     readings,
     resolved_speeds,
+    slips_of,
     steady_column,
     steady_curves,
 )
@@ -170,10 +170,7 @@ class RecordProblem(Problem):
         return result
 
     def slips(self, rows: SteadyRows) -> Slips:
-        balance = self.model.balance
-        through = np.asarray(rows.transmitted) * rows.ratio
-        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record, through)
-        return Slips(velocity=rows.velocity, load=rows.load, inputs=inputs)
+        return slips_of(self.model.balance, rows)
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -249,9 +246,9 @@ class RecordProblem(Problem):
         c = np.linalg.lstsq(own.plain(), own.rows(MIDDLE).response, rcond=None)[0]
         return np.asarray(rows.balance.plain() @ c)
 
-    def at_rest(self, records: Sequence[Record]) -> RestRows:
+    def at_rest(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records at rest, where friction is up to its level."""
-        return RestRows.of(self.model, records)
+        return OtherRows.of(self.model, records, rests=True)
 
     def curve_rows(self) -> SteadyRows:
         """Return rows through which a curve is drawn as a law."""
