@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
+from scipy.signal import lfilter
 
 from stickslip import (
     Axis,
@@ -362,6 +363,21 @@ def test_friction_that_is_recorded_late_is_a_delay_with_its_size(delay: float) -
     other = problem.like([Record(time=t, position=x, force=friction, friction=True)])
     band = judgement.reading_band(other)
     assert np.mean((band.low <= other.response) & (other.response <= band.high)) > 0.9
+
+
+def test_a_low_pass_of_the_recorded_force_is_told_from_a_delay() -> None:
+    """A pure delay alone makes the inertia behind such a channel too small."""
+    record = driven(noise=0.0)
+    kept = math.exp(-0.002 / 0.012)
+    force = lfilter([1.0 - kept], [1.0, -kept], record.force)
+    noise = np.random.default_rng(3).normal(size=(2, len(force)))
+    late = replace(
+        record, force=force + 0.02 * noise[0], position=record.position + 1e-6 * noise[1]
+    )
+    problem = judged(late).problem
+    assert problem.model.acting(problem.posterior.best).order == 1
+    inertia = problem.rig(problem.posterior.draws(200))["inertia"]
+    assert np.median(inertia) == pytest.approx(INERTIA, rel=0.01)
 
 
 @pytest.mark.parametrize("delay", [0.012, -0.012, 0.03])

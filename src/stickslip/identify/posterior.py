@@ -602,19 +602,21 @@ class Posterior:
         for a in np.flatnonzero(numbers.any(axis=1)).tolist():
             node = self.nodes[a]
             system = self.model.system(node, self.columns)
+            inverse = inverse_root(system)
             for k in np.flatnonzero(numbers[a]).tolist():
                 rng = np.random.default_rng([seed, *node, k])
-                law = self.structures[k]
-                result.append(self._drawn(node, system, law, int(numbers[a, k]), rng))
+                moments = self._moments(system, inverse, self.structures[k])
+                result.append(self._drawn(node, system, k, moments, int(numbers[a, k]), rng))
         return result
 
     def _drawn(
-        self, node: Node, system: System, structure: Structure, count: int, rng: np.random.Generator
-    ) -> Draws:
-        """Return draws of the coefficients of one structure at one node."""
-        whole, known = structure, self.known_of(structure)
+        self, node: Node, system: System, at: int, moments: tuple[Array, Array], count: int,
+        rng: np.random.Generator,
+    ) -> Draws:  # fmt: skip
+        """Return draws of the coefficients of one structure at one node, of moments."""
+        whole, known = self.structures[at], self.known_of(self.structures[at])
         structure = tuple(item for item in whole if item not in known)
-        mean, root = self._moments(system, structure, known)
+        mean, root = moments
         m = len(system.deviations)
         x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
         is_positive = self._is_positive(structure)
@@ -636,28 +638,34 @@ class Posterior:
     def _is_positive(self, structure: Structure) -> NDArray[np.bool_]:
         return np.array([name not in self.model.signed for name, _ in structure], dtype=bool)
 
-    def _moments(
-        self, system: System, structure: Structure, known: Mapping[Column, float]
-    ) -> tuple[Array, Array]:
-        """Return mean and a root of the covariance of random and law coefficients (m + d)."""
-        m, q = len(system.deviations), system.deviations
-        at = np.array([*range(m), *(m + self.columns.index(item) for item in structure)])
-        unit = np.concatenate([q, np.full(len(structure), COEFFICIENT)])
-        k = unit[:, None] * system.gram[at[:, None], at] * unit
-        k.flat[:: len(k) + 1] += 1.0
-        inverse, _ = lapack.dtrtri(cholesky(k, lower=True), lower=1)
-        moment = system.gram[at, -1]
+    def _moments(self, system: System, inverse: Array, structure: Structure) -> tuple[Array, Array]:
+        """Return mean and a root of the covariance of random and law coefficients (m + d).
+
+        With the `inverse_root` of the random columns. Laws whose coefficient is known have none.
+        """
+        known, m = self.known_of(structure), len(system.deviations)
+        free = [m + self.columns.index(item) for item in structure if item not in known]
+        d, q, gram = len(free), system.deviations, system.gram
+        across = COEFFICIENT * inverse @ (q[:, None] * gram[:m, free])
+        own = COEFFICIENT**2 * gram[np.ix_(free, free)] - across.T @ across + np.eye(d)
+        last = np.linalg.inv(cholesky(own, lower=True)) if d else own
+        root = np.zeros((m + d, m + d))
+        root[:m, :m], root[:m, m:] = inverse.T, -inverse.T @ across @ last.T
+        root[m:, m:] = last.T
+        root *= np.r_[q, np.full(d, COEFFICIENT)][:, None]
+        at = np.r_[np.arange(m), free].astype(int)
+        moment = gram[at, -1]
         for column, x in known.items():
             place = self.columns.index(column)
-            moment = moment - system.gram[at, m + place] * (x / system.sizes[place])
-        return unit * (inverse.T @ (inverse @ (unit * moment))), unit[:, None] * inverse.T
+            moment = moment - gram[at, m + place] * (x / system.sizes[place])
+        return root @ (root.T @ moment), root
 
     def effective(self, node: Node, structure: Structure) -> float:
         """Return the number of coefficients that the measurement tells at a node."""
-        system, known = self.model.system(node, self.columns), self.known_of(structure)
-        structure = tuple(item for item in structure if item not in known)
-        _, root = self._moments(system, structure, known)
-        unit = np.r_[system.deviations, np.full(len(structure), COEFFICIENT)]
+        system = self.model.system(node, self.columns)
+        _, root = self._moments(system, inverse_root(system), structure)
+        unit = np.full(len(root), COEFFICIENT)
+        unit[: len(system.deviations)] = system.deviations
         return float(len(unit) - np.sum((root / unit[:, None]) ** 2))
 
     def estimate(self, node: Node, structure: Structure) -> tuple[Array, Array]:
@@ -667,13 +675,22 @@ class Posterior:
         """
         system, known = self.model.system(node, self.columns), self.known_of(structure)
         free = tuple(item for item in structure if item not in known)
-        mean, root = self._moments(system, free, known)
+        mean, root = self._moments(system, inverse_root(system), structure)
         held_to_zero(mean[:, None], root, np.array(system.positive, dtype=np.intp))
         m = len(system.deviations)
         law = dict(known)
         for entry, x in zip(free, mean[m:].tolist(), strict=True):
             law[entry] = x * system.sizes[self.columns.index(entry)]
         return np.array([law[item] for item in structure]), mean[:m]
+
+
+def inverse_root(system: System) -> Array:
+    """Return the inverse of a root of the precision of random coefficients (m, m), scaled to 1."""
+    m, q = len(system.deviations), system.deviations
+    k = q[:, None] * system.gram[:m, :m] * q
+    k[np.diag_indices(m)] += 1.0
+    inverse, _ = lapack.dtrtri(cholesky(k, lower=True), lower=1)
+    return np.asarray(inverse)
 
 
 def allotted(weights: Array, count: int) -> Places:

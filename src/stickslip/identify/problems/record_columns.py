@@ -311,7 +311,8 @@ class Balance:
         *,
         rests: bool = False,
     ) -> None:
-        self._rests = rests
+        self.rests = rests
+        """Whether the rows are those at rest, where friction is anywhere up to its level."""
         cutoff = None if like is None else like.pieces[0].cutoff
         if like is None:
             checked(records)
@@ -343,6 +344,7 @@ class Balance:
         self.relaxation: float = like.relaxation if like else float(CONSTANTS[20])
         """Likeliest time constant of what relaxes, over the duration of the records."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
+        self._seen: dict[tuple[int, int], tuple[Memory, dict[str, Array], dict[Column, Array]]] = {}
 
     @property
     def measured(self) -> bool:
@@ -399,7 +401,7 @@ class Balance:
 
     def take(self, pieces: Sequence[Piece]) -> None:
         """Take pieces as they are now, with other rows."""
-        self.pieces, self._rows, self._states = [*pieces], {}, {}
+        self.pieces, self._rows, self._states, self._seen = [*pieces], {}, {}, {}
         for name in ("_given", "_likely"):
             self.__dict__.pop(name, None)
 
@@ -407,7 +409,7 @@ class Balance:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
             self._rows[which] = BalanceRows(
-                self.pieces, which, self._every, self.acting, rests=self._rests
+                self.pieces, which, self._every, self.acting, rests=self.rests
             )
         return self._rows[which]
 
@@ -426,12 +428,13 @@ class Balance:
         return self._states[id(memory)][1]
 
     def forget(self, kept: Sequence[Memory]) -> None:
-        """Forget the states of all memories but some."""
+        """Forget states and columns of all memories but some."""
         keys = {id(item) for item in kept}
         self._states = {key: x for key, x in self._states.items() if key in keys}
+        self._seen = {key: x for key, x in self._seen.items() if key[1] in keys}
 
     def _state(self, memory: Memory, piece: Piece) -> Array:
-        if self._rests:  # it may be stretched in either direction
+        if self.rests:  # it may be stretched in either direction
             return np.ones(len(piece.way))
         if memory.length == 0.0:
             return piece.direction
@@ -460,24 +463,12 @@ class Balance:
         x = piece.record.inputs.get(name)
         return 0.0 * piece.velocity if x is None else (x - mean) / size
 
-    def moving(
-        self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array,
-    ) -> tuple[dict[str, Array], Array]:  # fmt: skip
-        """Return what depends on a bristle at the samples (n, ...): by group, and of laws."""
+    def moving(self, memory: Memory, piece: Piece, state: Array) -> dict[str, Array]:
+        """Return what depends on a bristle at the samples (n, ...), by group."""
         frame, v = self.frame, piece.velocity
         z = state * self.load(piece)
         hats = frame.hats(piece.velocity)
         course = frame.course(piece.record.time)
-        through = self.transmitted(piece)
-        # speeds that are passed in a moment of a turn tell no shape but where bristles are seen
-        x = np.column_stack(
-            [
-                self._slope(law, piece, state)
-                if is_slope(law[0])
-                else law_column(law, v, z, frame.low, through)
-                for law in laws
-            ]
-        )
         groups = {
             "state": z[:, None],
             "common": z[:, None] * hats,
@@ -506,9 +497,38 @@ class Balance:
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
             groups["load"] = z[:, None] * powers_of_load(self.load(piece))
-        if memory.length > SHORT * frame.noise and memory.lags:
-            self._lag(memory, laws, piece, hats, x, groups)
-        return groups, x
+        if self._lags(memory):
+            lagged = [hats]
+            if memory.ratio is not None:
+                lagged.append(np.reshape(self.lengths(memory, piece), (-1, 1)) / memory.length)
+            levels = self._lagging(memory, piece, np.hstack(lagged))
+            groups["common"] = levels[:, : hats.shape[1]]
+            if memory.ratio is not None:  # the damping of bristles is what the lag changes by
+                groups["damping"] = np.gradient(levels[:, -1:], piece.step, axis=0)
+        return groups
+
+    def of_laws(self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array) -> Array:
+        """Return the columns of laws at the samples (n, p), whose levels lag with a bristle."""
+        v, z, through = piece.velocity, state * self.load(piece), self.transmitted(piece)
+        lagging, flat, parts = self._lags(memory), np.ones(len(v)), list[Array]()
+        for law in laws:
+            if is_slope(law[0]):
+                parts.append(self._slope(law, piece, state))
+            elif lagging and law[0] in LEVELS:
+                level = law_column(law, np.abs(v), flat, self.frame.least, through)
+                parts.append(self._lagging(memory, piece, level[:, None])[:, 0])
+            else:  # speeds that are passed in a moment of a turn tell no shape but with bristles
+                parts.append(law_column(law, v, z, self.frame.low, through))
+        return np.column_stack([np.zeros((len(v), 0)), *parts])
+
+    def _lags(self, memory: Memory) -> bool:
+        """Return whether levels lag with a bristle by as much as the place tells."""
+        return memory.length > SHORT * self.frame.noise and memory.lags
+
+    def _lagging(self, memory: Memory, piece: Piece, levels: Array) -> Array:
+        """Return levels (n, p) as they lag with a bristle, times the load."""
+        load, length = np.reshape(self.load(piece), (-1, 1)), self.lengths(memory, piece)
+        return load * relaxed(piece.along(memory.length), length, levels)
 
     def _slope(self, column: Column, piece: Piece, state: Array) -> Array:
         """Return the column of a term of a law of any form at the samples (n,)."""
@@ -528,26 +548,6 @@ class Balance:
     def _first(self) -> float:
         """Length of further bristles where the law has none."""
         return self.first or 0.01 * self.frame.span
-
-    def _lag(
-        self, memory: Memory, laws: Sequence[Column], piece: Piece, hats: Array, x: Array,
-        groups: dict[str, Array],
-    ) -> None:  # fmt: skip
-        """Let levels of laws and the curve lag; damping of bristles is what the lag changes by."""
-        lagging = [k for k, (name, _) in enumerate(laws) if name in LEVELS]
-        load = np.reshape(self.load(piece), (-1, 1))
-        speed, through = np.abs(piece.velocity), self.transmitted(piece)
-        flat = np.ones(len(speed))
-        levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
-        length = self.lengths(memory, piece)
-        parts = [hats, *(level[:, None] for level in levels)]
-        if memory.ratio is not None:
-            parts.append(np.asarray(length)[:, None] / memory.length)
-        result = load * relaxed(piece.along(memory.length), length, np.hstack(parts))
-        groups["common"] = result[:, : hats.shape[1]]
-        x[:, lagging] = result[:, hats.shape[1] : hats.shape[1] + len(lagging)]
-        if memory.ratio is not None:
-            groups["damping"] = np.gradient(result[:, -1:], piece.step, axis=0)
 
     def fixed(self, which: int) -> dict[str, Array]:
         """Return what depends on no bristle, at the rows (n, ...), by group."""
@@ -677,8 +677,8 @@ class Balance:
 
     def above(self, which: int, limit: float) -> Array:
         """Return the share of the force above a limit, with its sign, at the rows (n,)."""
-        late = [piece.held + self.acting.delay for piece in self.pieces]
-        return self.rows(which).seen([piece.above(limit) for piece in self.pieces], late=late)
+        parts = [piece.above(limit) for piece in self.pieces]
+        return self.rows(which).seen(parts, acting=self.acting)
 
     def excess(self, limit: float) -> float:
         """Return by how much forces are above a limit in the mean, with their noise [N].
@@ -835,23 +835,29 @@ class Balance:
         self, which: int, memory: Memory, laws: Sequence[Column]
     ) -> tuple[dict[str, Array], Array]:
         """Return columns that depend on a bristle at the rows of a cutoff, and those of laws."""
-        parts = [
-            self.moving(memory, laws, piece, state)
-            for piece, state in zip(self.pieces, self.states(memory), strict=True)
-        ]
-        names = list(parts[0][0])
-        widths = [parts[0][0][name].shape[1] for name in names]
-        rows = self.rows(which)
-        full = [np.hstack([*groups.values(), x]) for groups, x in parts]
-        del parts
-        total = full[0].shape[1]
-        seen = np.hstack(
-            [rows.seen([x[:, k : k + AT_ONCE] for x in full]) for k in range(0, total, AT_ONCE)]
-        )
-        ends = np.cumsum([0, *widths])
-        groups = {name: seen[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
-        groups["delay"] = self.delayed(which, memory)[:, None]
-        return groups, seen[:, ends[-1] :]
+        rows, each = self.rows(which), [*zip(self.pieces, self.states(memory), strict=True)]
+        if (which, id(memory)) not in self._seen:
+            parts = [self.moving(memory, piece, state) for piece, state in each]
+            ends = np.cumsum([0, *(x.shape[1] for x in parts[0].values())])
+            seen = self._in_turn(rows, [np.hstack([*groups.values()]) for groups in parts])
+            groups = {k: seen[:, a:b] for k, a, b in zip(parts[0], ends, ends[1:], strict=False)}
+            groups["delay"] = self.delayed(which, memory)[:, None]
+            self._seen[which, id(memory)] = memory, groups, {}
+        _, groups, known = self._seen[which, id(memory)]
+        new = [law for law in laws if law not in known]
+        if new:
+            x = self._in_turn(rows, [self.of_laws(memory, new, *item) for item in each])
+            known |= dict(zip(new, x.T, strict=True))
+        for law in {*known} - {*laws}:
+            del known[law]
+        result = [known[law] for law in laws]
+        return dict(groups), np.column_stack([np.zeros((rows.count, 0)), *result])
+
+    @staticmethod
+    def _in_turn(rows: BalanceRows, parts: Sequence[Array]) -> Array:
+        """Return columns of the pieces at the rows (n, p), of which a few are filtered at once."""
+        total = range(0, parts[0].shape[1], AT_ONCE)
+        return np.hstack([rows.seen([x[:, k : k + AT_ONCE] for x in parts]) for k in total])
 
     @cached_property
     def turned(self) -> bool:

@@ -15,7 +15,13 @@ from stickslip.identify.problems.record_columns import (
     law_column,
     powers_of_load,
 )
-from stickslip.identify.problems.record_model import BELOW, SCALES, STRETCHES, RecordModel
+from stickslip.identify.problems.record_model import (
+    BELOW,
+    SCALES,
+    STRETCHES,
+    RecordModel,
+    stretches,
+)
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 
@@ -72,9 +78,11 @@ class OtherRows:
     balance: Balance
 
     @classmethod
-    def of(cls, model: RecordModel, records: Sequence[Record]) -> "OtherRows":
-        """Return the rows of other records, filtered as those that were fitted."""
-        return cls(balance=Balance(records, like=model.balance))
+    def of(
+        cls, model: RecordModel, records: Sequence[Record], *, rests: bool = False
+    ) -> "OtherRows":
+        """Return the rows of other records, in motion or at rest, filtered as those fitted."""
+        return cls(balance=Balance(records, like=model.balance, rests=rests))
 
     @property
     def rows(self) -> BalanceRows:
@@ -92,22 +100,17 @@ class OtherRows:
         return self.rows.response
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RestRows(OtherRows):
-    """Rows of other records at rest, where friction is anywhere up to its level."""
-
-    @classmethod
-    def of(cls, model: RecordModel, records: Sequence[Record]) -> "RestRows":
-        """Return the rows at rest of other records."""
-        return cls(balance=Balance(records, like=model.balance, rests=True))
+def slips_of(balance: Balance, at: SteadyRows) -> Slips:
+    """Return steady sliding as laws of any form take it."""
+    through = np.asarray(at.transmitted) * at.ratio
+    inputs = balance.frame.raw(at.inputs, balance.pieces[0].record, through)
+    return Slips(velocity=at.velocity, load=at.load, inputs=inputs)
 
 
 def steady_column(balance: Balance, column: Column, at: SteadyRows) -> Array:
     """Return the column of a term of a law in steady sliding (n,); (k, n) for shapes of k draws."""
     if is_slope(column[0]):
-        through = np.asarray(at.transmitted) * at.ratio
-        inputs = balance.frame.raw(at.inputs, balance.pieces[0].record, through)
-        return slope_column(column, Slips(velocity=at.velocity, load=at.load, inputs=inputs))
+        return slope_column(column, slips_of(balance, at))
     return law_column(column, at.velocity, np.sign(at.velocity) * at.ratio, 0.0, at.transmitted)
 
 
@@ -209,8 +212,7 @@ def readings(
     rng = np.random.default_rng([seed, 11])
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
-    again, rests = full_doubts(model, draws), isinstance(other, RestRows)
-    maker = _Readings(model, other.balance, rng, again=again, rests=rests)
+    maker = _Readings(model, other.balance, rng, again=full_doubts(model, draws))
     result = np.concatenate([maker.of(draw, fixed) for draw in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
@@ -263,9 +265,10 @@ class _Readings:
 
     def __init__(
         self, model: RecordModel, other: Balance, rng: np.random.Generator, *,
-        again: Mapping[str, float], rests: bool = False,
+        again: Mapping[str, float],
     ) -> None:  # fmt: skip
-        self.model, self.other, self.rng, self.rests, self.again = model, other, rng, rests, again
+        self.model, self.other, self.rng, self.again = model, other, rng, again
+        self.rests = other.rests
         self.rows, frame = other.rows(MIDDLE), model.frame
         self.pulses = other.pulses(MIDDLE)
         own = model.balance.rows(MIDDLE)
@@ -283,9 +286,7 @@ class _Readings:
         self.course = frame.course(frame.start + self.rows.time - begins)
         """Course in time of another record (n, p)."""
         self.first, self.last = frame.course(np.array([frame.start, ends]))
-        self.parts = np.minimum(
-            np.arange(self.rows.count) * STRETCHES // self.rows.count, STRETCHES - 1
-        )
+        self.parts = stretches(self.rows.count)
         self.seen: dict[int, tuple[dict[str, Array], Array]] = {}
 
     def columns(self, memory: int) -> tuple[dict[str, Array], Array]:

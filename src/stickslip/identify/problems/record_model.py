@@ -22,7 +22,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain, product
 from typing import TypeAlias
 
@@ -113,11 +113,6 @@ viscous friction of another run, and of one of a joint, in which is what its rig
 left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
 that are given, over these, of which the last are wrong units. They say what a careful experimenter
 would expect."""
-SHARED = {"zero": "force"}
-"""Groups that have the scale of another: a force beside friction changes with the place and in
-time."""
-PARTS_OF = {FORCE: "push"}
-"""Scales of what changes with an input, where that is no friction."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
     "relaxing": 0, "stretch": 3,
@@ -218,6 +213,10 @@ LEAST = 1e-6
 """Least size over that of the friction."""
 DELAYS = np.linspace(-3.0, 3.0, 61)
 """Delays of forces that are looked at, over 1/cutoff."""
+ORDERS = (0, 1, 2)
+"""Orders of the low pass that makes them late; 0 of none ..."""
+ABOUT_IT = np.linspace(0.6, 1.6, 6)
+"""... and its delays, over that of none."""
 NARROWER = 0.98
 """What is left with the widest band of velocities over that with the usual one, up to which it is
 taken: noise moves turns as well."""
@@ -497,8 +496,7 @@ class RecordModel(Model):
             self._fixed[which] = {**self.balance.fixed(which), "turn": turns}
         every = {**groups, **self._fixed[which]}
         state, slope = every.pop("state"), every.pop("slope")
-        parts = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
-        stretch = parts[:, None] == np.arange(STRETCHES)
+        stretch = stretches(rows.count)[:, None] == np.arange(STRETCHES)
         every["stretch"] = np.hstack([state * stretch, slope * stretch])
         if self.balance.runs > 1:
             of = self.balance.run[rows.piece][:, None] == np.arange(self.balance.runs)
@@ -598,7 +596,9 @@ class RecordModel(Model):
                 result[at] = SIZES[name] * size
             else:
                 part, times, _ = name.partition("*")
-                scale = SHARED.get(name, name) if not times else PARTS_OF.get(part, "input")
+                with_input = "push" if part == FORCE else "input"
+                # a force beside friction changes with the place and in time
+                scale = with_input if times else name.replace("zero", "force")
                 result[at] = max(self.at(node, scale), LEAST) * size
                 if name == "force" and self.balance.pulled:
                     result[np.flatnonzero(at)[-1]] = self._of_spring(node, of_force)
@@ -733,14 +733,21 @@ class RecordModel(Model):
         """
         balance, count = self.balance, self.balance.rows(MIDDLE).count
 
-        def likely(delay: float, solvers: Sequence[Solver]) -> float:
-            y = balance.response(MIDDLE, replace(balance.acting, delay=delay))
+        def likely(delay: float, solvers: Sequence[Solver], order: int = 0) -> float:
+            y = balance.response(MIDDLE, replace(balance.acting, delay=delay, order=order))
             return -0.5 * count * math.log(min(capped(of(y)[1]) for of in solvers) + TINY)
 
         without = [soft_solver(x[:, :-1]) for x in columns]
         best, most = likeliest(lambda x: likely(x, without), DELAYS / balance.pieces[0].cutoff)
-        gain = most - likely(0.0, [soft_solver(x) for x in columns])
-        return replace(balance.acting, delay=best), gain * (gain > 0.5 * count * math.log(HALVED))
+        linear = likely(0.0, [soft_solver(x) for x in columns])
+        if most - linear <= 0.5 * count * math.log(HALVED):
+            return replace(balance.acting, delay=best), 0.0
+        every = [(most, best, 0)]
+        for order in ORDERS[1:]:
+            near = likeliest(partial(likely, solvers=without, order=order), ABOUT_IT * best)
+            every.append((near[1], near[0], order))
+        most, best, order = max(every)
+        return replace(balance.acting, delay=best, order=order), most - linear
 
     def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
         """Return the likeliest limit of the force, and the logarithm of what it gains.
@@ -1069,12 +1076,7 @@ class RecordModel(Model):
 
     def _keep(self, memories: list[Memory]) -> None:
         """Keep some bristles, and forget what was computed of others."""
-        old = {id(item): k for k, item in enumerate(self.memories)}
-        numbers = {old[id(item)]: k for k, item in enumerate(memories) if id(item) in old}
-        self._designs = {
-            (which, numbers[k]): x for (which, k), x in self._designs.items() if k in numbers
-        }
-        self._plain, self._grams = {}, {}
+        self._designs, self._plain, self._grams = {}, {}, {}
         self.memories = memories
         self.balance.forget(memories)
 
@@ -1119,6 +1121,11 @@ class RecordModel(Model):
                 self.spread[which, own[-3]], self.kappas[which] = 0.0, self.kappas[MIDDLE]
                 self._again(self._here(own))
         return result
+
+
+def stretches(count: int) -> Places:
+    """Return the number of the stretch of each of so many rows (n,)."""
+    return np.minimum(np.arange(count) * STRETCHES // count, STRETCHES - 1)
 
 
 def share_of(scores: Array) -> float:
@@ -1218,7 +1225,10 @@ def odds_of(acting: Acting) -> float:
     >>> odds_of(Acting())
     1
     """
-    each = {len(DELAYS): acting.delay != 0.0, len(LIMITS): math.isfinite(acting.limit)}
+    each = {
+        len(DELAYS) * len(ORDERS): acting.delay != 0.0,
+        len(LIMITS): math.isfinite(acting.limit),
+    }
     return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)
 
 

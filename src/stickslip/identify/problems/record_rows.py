@@ -295,8 +295,28 @@ class Acting:
 
     delay: float = 0.0
     """How much later than recorded [s]."""
+    order: int = 0
+    """Order of the low pass that makes it late: what was recorded has passed it if the delay is
+    below 0, what acts else. 0 if all frequencies are as late."""
     limit: float = math.inf
     """Force above which no more acts [N]."""
+
+    def passes(self, frequency: Array) -> Array:
+        """Return the share of frequencies (n,) [Hz] that acts, of what was recorded.
+
+        Examples
+        --------
+        >>> frequency = np.array([0.5 / np.pi])
+        >>> Acting(delay=-1.0, order=1).passes(frequency).tolist()
+        [(1+1j)]
+        >>> Acting(delay=1.0, order=2).passes(frequency).round(1).tolist()
+        [(0.4-0.8j)]
+        """
+        phase = 2j * np.pi * frequency * abs(self.delay)
+        if not self.order:
+            return np.asarray(np.exp(-math.copysign(1.0, self.delay) * phase))
+        low = 1.0 + phase + 0.5 * (self.order - 1) * phase**2
+        return np.asarray(low if self.delay < 0.0 else 1.0 / low)
 
 
 AS_RECORDED = Acting()
@@ -538,13 +558,16 @@ class BalanceRows:
         return np.concatenate([x[pick * piece.every] for x, pick, piece in each])
 
     def seen(
-        self, parts: Sequence[Array], *, slope: int = 0, late: Sequence[float] | None = None
+        self, parts: Sequence[Array], *, slope: int = 0, acting: Acting | None = None
     ) -> Array:
-        """Return columns of the pieces (n, ...) as the filter shows them, at the rows."""
-        each = zip(parts, self.picks, self.pieces, late or [0.0] * len(parts), strict=True)
-        return np.concatenate(
-            [p.filters[self.which](x, slope=slope, late=delay)[pick] for x, pick, p, delay in each]
-        )
+        """Return columns of the pieces (n, ...) as the filter shows them, or as they act."""
+        channel = acting.passes if acting and acting.delay else None
+        return np.concatenate([
+            piece.filters[self.which](
+                x, slope=slope, late=piece.held if acting else 0.0, channel=channel
+            )[pick]
+            for x, pick, piece in zip(parts, self.picks, self.pieces, strict=True)
+        ])  # fmt: skip
 
     def sensed(self, inertia: float) -> Array:
         """Return what the noise of sensors makes of the rows of a balance (n,) [N].
@@ -591,8 +614,7 @@ class BalanceRows:
     def driven(self, acting: Acting, slope: int = 0) -> Array:
         """Return recorded forces as they act (n,) [N], derived `slope` times."""
         forces = [piece.acted(acting.limit) for piece in self.pieces]
-        late = [piece.held + acting.delay for piece in self.pieces]
-        return self.seen(forces, slope=slope, late=late)
+        return self.seen(forces, slope=slope, acting=acting)
 
     @cached_property
     def response(self) -> Array:

@@ -353,10 +353,13 @@ class Filter:
         slope: int = 0,
         wider: float = 1.0,
         late: float = 0.0,
+        channel: Callable[[Array], Array] | None = None,
         full: bool = False,
         bent: bool = False,
     ) -> Array:
         """Return columns (n, ...) after the filter, derived `slope` times, `late` [s]; or rows.
+
+        A `channel` passes shares of frequencies [Hz].
 
         Columns are continued beyond their ends by the values there, twice, less the column. Those
         of accelerations then follow from places that are `bent` as at the ends.
@@ -380,7 +383,7 @@ class Filter:
         pass_ = (2j * np.pi * f) ** slope / (1.0 + (f / (wider * self.band)) ** 8)
         if late:
             pass_ = pass_ * np.exp(-2j * np.pi * f * late)
-        pass_ = pass_ * (count / size)
+        pass_ = pass_ * (count / size) * (channel(f) if channel else 1.0)
         kept = fft.rfft(whole, axis=0)[: len(f)] * pass_.reshape(-1, *(1,) * (x.ndim - 1))
         result = fft.irfft(kept, count, axis=0, overwrite_x=True)
         return np.asarray(result[pad : pad + self.count] if full else result[: self.rows])

@@ -36,6 +36,7 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.record_columns import (
+    COSINES,
     FORCE,
     GEAR,
     LEVELS,
@@ -46,12 +47,12 @@ from stickslip.identify.problems.record_columns import (
 )
 from stickslip.identify.problems.record_curves import (
     OtherRows,
-    RestRows,
     SteadyRows,
     beyond,
     of_another_run,
     readings,
     resolved_speeds,
+    slips_of,
     steady_column,
     steady_curves,
 )
@@ -169,10 +170,7 @@ class RecordProblem(Problem):
         return result
 
     def slips(self, rows: SteadyRows) -> Slips:
-        balance = self.model.balance
-        through = np.asarray(rows.transmitted) * rows.ratio
-        inputs = balance.frame.raw(rows.inputs, balance.pieces[0].record, through)
-        return Slips(velocity=rows.velocity, load=rows.load, inputs=inputs)
+        return slips_of(self.model.balance, rows)
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -234,7 +232,7 @@ class RecordProblem(Problem):
             return False
         own = [
             np.diff(self.model.split(draw.node, draw.random)["load"][::-1], axis=0)[0]
-            for draw in self.posterior.draws(DRAWN, seed=5)
+            for draw in self._usual
         ]
         slope = np.concatenate(own) / self.size
         return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
@@ -248,9 +246,9 @@ class RecordProblem(Problem):
         c = np.linalg.lstsq(own.plain(), own.rows(MIDDLE).response, rcond=None)[0]
         return np.asarray(rows.balance.plain() @ c)
 
-    def at_rest(self, records: Sequence[Record]) -> RestRows:
+    def at_rest(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records at rest, where friction is up to its level."""
-        return RestRows.of(self.model, records)
+        return OtherRows.of(self.model, records, rests=True)
 
     def curve_rows(self) -> SteadyRows:
         """Return rows through which a curve is drawn as a law."""
@@ -297,7 +295,7 @@ class RecordProblem(Problem):
         asked = {name for family in self.families or () for name in family if "*" in name}
         if asked or self.families is not None:
             return tuple(sorted(asked))
-        draws = self.posterior.draws(DRAWN, seed=5)
+        draws = self._usual
         # which of the parts changes is told less well than how friction does
         changes = {of: self._change_with(of, draws) for of in self.model.frame.inputs}
         sure = [
@@ -314,7 +312,7 @@ class RecordProblem(Problem):
         frame = self.model.frame
         if len(frame.sides) < 2:
             return ()
-        draws = self.posterior.draws(DRAWN, seed=5)
+        draws = self._usual
         v = resolved_speeds(self.model, PLACES)
         top = min(v.max(), -v.min())
         low = min(max(v[v > 0.0].min(), -v[v < 0.0].max()), 0.5 * top)
@@ -808,7 +806,9 @@ class RecordProblem(Problem):
         columns = balance.forces(rows.position)
         parts = [columns @ self.model.split(x.node, x.random)["force"] for x in draws]
         force = np.hstack([x - np.mean(x, axis=0) for x in parts])
-        stiffness = position @ force / (position @ position)
+        waves = columns[:, COSINES : COSINES + 2 * len(balance.waves[0])]  # cogging is no spring
+        beside = np.column_stack([position, waves - np.mean(waves, axis=0)])
+        stiffness = np.linalg.lstsq(beside, force, rcond=None)[0][0]
         bent = np.sum((force - np.outer(position, stiffness)) ** 2, axis=0)
         if float(np.median(bent / np.sum(force**2, axis=0))) > BENT**2:
             return ""
