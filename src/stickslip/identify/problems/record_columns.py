@@ -541,13 +541,11 @@ class Balance:
         levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
         length = self.lengths(memory, piece)
         parts = [hats, *(level[:, None] for level in levels)]
-        if memory.ratio is not None:
-            parts.append(np.asarray(length)[:, None] / memory.length)
+        parts.append((length / memory.length * flat)[:, None])
         result = load * relaxed(piece.along(memory.length), length, np.hstack(parts))
         groups["common"] = result[:, : hats.shape[1]]
         x[:, lagging] = result[:, hats.shape[1] : hats.shape[1] + len(lagging)]
-        if memory.ratio is not None:
-            groups["damping"] = np.gradient(result[:, -1:], piece.step, axis=0)
+        groups["damping"] = np.gradient(result[:, -1:], piece.step, axis=0)
 
     def fixed(self, which: int) -> dict[str, Array]:
         """Return what depends on no bristle, at the rows (n, ...), by group."""
