@@ -498,13 +498,11 @@ class Balance:
         if frame.load != 1.0:
             groups["load"] = z[:, None] * powers_of_load(self.load(piece))
         if self._lags(memory):
-            lagged = [hats]
-            if memory.ratio is not None:
-                lagged.append(np.reshape(self.lengths(memory, piece), (-1, 1)) / memory.length)
-            levels = self._lagging(memory, piece, np.hstack(lagged))
-            groups["common"] = levels[:, : hats.shape[1]]
-            if memory.ratio is not None:  # the damping of bristles is what the lag changes by
-                groups["damping"] = np.gradient(levels[:, -1:], piece.step, axis=0)
+            length = self.lengths(memory, piece) / memory.length * np.ones(len(v))
+            levels = self._lagging(memory, piece, np.column_stack([hats, length]))
+            groups["common"] = levels[:, :-1]
+            # the damping of bristles is what the lag changes by
+            groups["damping"] = np.gradient(levels[:, -1:], piece.step, axis=0)
         return groups
 
     def of_laws(self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array) -> Array:

@@ -650,6 +650,8 @@ class RecordModel(Model):
                 own += [(z * balance.input(piece, name))[:, None] for name in frame.inputs]
                 if frame.transmitted:
                     own.append((z * balance.transmitted(piece))[:, None])
+                if memory.lags and memory.length:
+                    own.append(np.gradient(z, piece.step)[:, None])
                 parts.append(np.hstack(own))
             return np.hstack([fixed, rows.seen(parts)])
 
@@ -1040,21 +1042,23 @@ class RecordModel(Model):
         speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
         speed = max(speed, frame.low)
         forms = [bristle] * (bristle.ratio is None)
-        ratios = [*self._ratios(search, node, speed)] if bristle.lags else []
-        if ratios:
-            following = [replace(bristle, exponent=LUGRE, ratio=x, speed=speed) for x in ratios]
+        # the other kind is followed, too: the coarse one, of one length, tells little of it
+        lagging = next((x for x in (bristle, *self.memories) if x.lags and x.length), None)
+        ratios = [*self._ratios(search, node, speed)] if lagging else []
+        if lagging and ratios:
+            following = [replace(lagging, exponent=LUGRE, ratio=x, speed=speed) for x in ratios]
             forms.append(max(following, key=look))
         slower = max(0.0, 1.0 - math.log(speed / frame.low))
         looked = list[tuple[float, list[Memory]]]()
         for form in forms:
             grows = form.ratio is not None and bristle.ratio is None
             factors = np.array(FOLLOWING if grows else AGAIN)
-            values = [look(replace(form, length=bristle.length * x)) for x in factors]
+            values = [look(replace(form, length=form.length * x)) for x in factors]
             k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
             bend, step = _top(np.log(factors[k - 1 : k + 2]), np.array(values[k - 1 : k + 2]))
-            length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
+            length = form.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
             if look(replace(form, length=length)) < max(values):
-                length = bristle.length * float(factors[np.argmax(values)])
+                length = form.length * float(factors[np.argmax(values)])
             width = 0.1 if bend >= 0.0 else float(np.clip(math.sqrt(-0.5 / bend), *WIDTHS))
             unknown = frame.noise / length
             if form.ratio is not None:
