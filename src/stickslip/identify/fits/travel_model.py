@@ -19,7 +19,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import with_inputs
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
-from stickslip.quantities import parameters, structure, vary
+from stickslip.quantities import fields_of, parameters, structure, vary
 from stickslip.show.formatting import number, quantity
 
 Array: TypeAlias = NDArray[np.float64]
@@ -35,6 +35,10 @@ STEADY = 1.98
 LEAST_ERROR = 1e-5
 """Share of the mean travel below which readings are not told apart: runs are exact to 1e-8, and no
 travel was ever measured to this."""
+SOONER, LOOKED = 0.2, 128
+"""Share of a run after which it is seen whether a body on bristles is at rest, and times in the
+last quarter of that part at which it is seen: undamped bristles ring for as long as a run lasts,
+thousands of times."""
 
 
 SOLVER = EventDriven(tier="compiled", tolerance=1e-8, stiff_tolerance=1e-6)
@@ -134,6 +138,25 @@ def driven_on(mechanism: Mechanism) -> bool:
     parts = (getattr(mechanism, item.name) for item in dataclasses.fields(mechanism))
     carried = any(isinstance(part, Motor) for part in parts)
     return repeats(mechanism) or (carried and bool(mechanism.drives()))
+
+
+def quiet_from(mechanism: Mechanism) -> float:
+    """Return when the drives of a mechanism change last [s]; infinity if they go on.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, SpringBlock
+    >>> from stickslip.mechanisms.drives import Pulse
+    >>> quiet_from(Axis(inertia=1.0, drive=Pulse(level=1.0, duration=0.1)))
+    0.1
+    >>> quiet_from(SpringBlock(mass=1.0))
+    0.0
+    """
+    drives = mechanism.drives().values()
+    smooth = any(drive.smooth_bound() != (0, 0) for drive in drives)
+    if driven_on(mechanism) or mechanism.carried() or smooth:
+        return math.inf
+    return max((drive.pieces()[-1].start for drive in drives if drive.pieces()), default=0.0)
 
 
 def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> tuple[Trial, ...]:
@@ -298,13 +321,37 @@ class TravelModel:
         result: dict[Hashable, Array] = {}
         for alike in self._alike(trials):
             end = alike[0].until(self.t_end)
-            ends = self._together(alike, rows, (0.0, end), end)
-            self.runs += ends.shape[0] * ends.shape[1]
+            made = self._to_rest(alike, rows, end)
+            self.runs += made.size
             if self.watch is not None:
                 self.watch(self.runs)
-            made = ends[:, :, 1] - ends[:, :, 0]
             result |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
         return np.stack([result[trial.run] for trial in trials], axis=1)
+
+    def _to_rest(self, trials: Sequence[Trial], rows: Array, end: float) -> Array:
+        """Return the travels (n, k) of trials alike; of bristles, from where a body is at rest.
+
+        It is at rest where it rings by less than readings are told apart by, and its mean would go
+        no farther until the end at the speed that it has: a body that slows down goes less far.
+        """
+        part, live = SOONER * end, np.arange(len(rows))
+        result = np.full((len(trials), len(rows)), math.nan)
+        damped = any(item.scale == "damping" for item in fields_of(type(self.law)).values())
+        rings = bool(self.law.states) and not damped and not any(map(is_rig, self.free))
+        if rings and max(quiet_from(trial.mechanism) for trial in trials) < 0.75 * part:
+            times = np.r_[0.0, part * np.linspace(0.75, 1.0, LOOKED)]
+            seen = self._together(trials, rows, times.tolist(), part)
+            way = seen[:, :, 1:] - seen[:, :, :1]
+            window = np.hanning(LOOKED // 2)
+            before, mean = (x @ window / window.sum() for x in np.split(way, 2, axis=2))
+            left = np.abs(mean - before) / (0.125 * part) * (end - part) + np.ptp(way, axis=2)
+            least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials]))
+            done = np.all(left <= least, axis=0)
+            result[:, done], live = mean[:, done], live[~done]
+        if len(live):
+            ends = self._together(trials, rows[live], (0.0, end), end)
+            result[:, live] = ends[:, :, 1] - ends[:, :, 0]
+        return result
 
     def _alike(self, trials: Sequence[Trial]) -> list[list[Trial]]:
         """Return trials whose runs can be one ensemble, one of each run."""
