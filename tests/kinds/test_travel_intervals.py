@@ -73,7 +73,7 @@ def test_intervals_do_not_turn_on_the_last_bits_of_travels(seed, monkeypatch):
     monkeypatch.setattr(TravelModel, "table", rounded)
     found = fit(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), Stribeck, THREE)
     first = found.estimates[0]
-    assert (f"{first.low:.2g}", f"{first.high:.3g}") == ("0.14", "0.254")
+    assert (f"{first.low:.2g}", f"{first.high:.3g}") == ("0.11", "0.254")
 
 
 @pytest.mark.slow

@@ -65,6 +65,8 @@ AGAIN = 6
 """Rounds of draws at most."""
 TAILS = THRESHOLDS.freedom
 """Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
+POWERS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+"""Powers of weights of which few count."""
 WHITE = 0.7
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
@@ -550,9 +552,7 @@ class SimulatedPosterior:
         result = []
         counts = allotted(np.ones(len(proposals)), self.problem.proposed)
         for (centre, root), count in zip(proposals, counts, strict=True):
-            z = self._rng.normal(size=(count, len(centre)))
-            t = np.sqrt(TAILS / self._rng.chisquare(TAILS, size=(count, 1)))
-            result.append(centre + (z * t) @ root.T)
+            result.append(centre + students(self._rng, count, len(centre)) @ root.T)
         return np.concatenate(result)
 
     def _along(self, name: str, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
@@ -590,7 +590,7 @@ class SimulatedPosterior:
     @staticmethod
     def _closer(points: Array, value: Array, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
         """Return proposals with one about the weighed draws beside the former ones."""
-        w = _tempered(value)
+        w = tempered(value, 0.1 * len(value))
         centre = w @ points
         off = points - centre
         spread = (off.T * w) @ off
@@ -684,12 +684,21 @@ def effective_draws(logarithms: Array) -> float:
     return float(np.exp(2.0 * logsumexp(logarithms) - logsumexp(2.0 * logarithms)))
 
 
-def _tempered(value: Array) -> Array:
-    """Return weights (k,), in sum 1, to a power at which a tenth of the draws is effective."""
-    power = next((x for x in (1.0, 0.7, 0.5, 0.35, 0.25, 0.15) if effective_draws(x * value)
-                  > 0.1 * len(value)), 0.1)  # fmt: skip
-    w = np.exp(power * (value - value.max()))
+def tempered(logarithms: Array, least: float) -> Array:
+    """Return weights (k,), in sum 1, to a power at which more draws than `least` are effective."""
+    best = float(np.max(logarithms))
+    if not math.isfinite(best):
+        return np.full(len(logarithms), 1.0 / len(logarithms))
+    effective = (effective_draws(power * logarithms) for power in POWERS)
+    power = next((p for p, x in zip(POWERS, effective, strict=True) if x > least), POWERS[-1])
+    w = np.exp(power * (logarithms - best))
     return np.asarray(w / w.sum())
+
+
+def students(rng: np.random.Generator, count: int, size: int) -> Array:
+    """Return draws (count, size) of Student's t of `TAILS` degrees of freedom."""
+    normal = rng.normal(size=(count, size))
+    return np.asarray(normal * np.sqrt(TAILS / rng.chisquare(TAILS, size=(count, 1))))
 
 
 def mixture_density(points: Array, proposals: Sequence[_Proposal]) -> Array:

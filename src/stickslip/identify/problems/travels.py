@@ -69,7 +69,13 @@ from stickslip.identify.problems.travel_laws import (
     TravelStructure,
     moving_back,
 )
-from stickslip.identify.simulated import UNTOLD, effective_draws, mixture_density
+from stickslip.identify.simulated import (
+    UNTOLD,
+    effective_draws,
+    mixture_density,
+    students,
+    tempered,
+)
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
@@ -363,15 +369,13 @@ class TravelJudgement:
 
     def _repeats(self) -> Array:
         """Return what repeats of a setting scatter by, in proportion to the travel (n,) [m]."""
-        known = list(dict.fromkeys(trial.setting for trial in self.trials))
-        same = np.array([known.index(trial.setting) for trial in self.trials])
-        means = np.bincount(same, self.measured) / np.bincount(same)
-        freedom = len(same) - len(known)
+        freedom = len(self.trials) - len(self.counts)
         if freedom < FEWEST - 1:
             return np.zeros(len(self.measured))
-        mean = np.where(means == 0.0, 1.0, means)[same]
-        share = math.sqrt(float(np.sum((self.measured / mean - 1.0) ** 2)) / freedom)
-        return np.asarray(share * np.abs(mean))
+        mean = (np.bincount(self.blocks, self.measured) / self.counts)[self.blocks]
+        left = self.measured / np.where(mean == 0.0, 1.0, mean) - 1.0
+        share = math.sqrt(float(np.sum(left**2)) / freedom)
+        return np.asarray(share * np.abs(np.where(mean == 0.0, 1.0, mean)))
 
     def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
         shared = self._shared(errors)
@@ -571,7 +575,8 @@ class TravelJudgement:
             self._weighed[name, wanted] = self._proposals(own, wanted, rng)
         draws, log = self._weighed[name, wanted]
         least = min(COUNTING, 1.0 + COUNTING * count / TRIED)
-        pick = np.searchsorted(np.cumsum(_tempered(log, least)), (np.arange(count) + 0.5) / count)
+        weights = tempered(log, min(least, 0.5 * np.isfinite(log).sum()))
+        pick = np.searchsorted(np.cumsum(weights), (np.arange(count) + 0.5) / count)
         at = np.minimum(pick, len(log) - 1)
         return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
 
@@ -620,7 +625,7 @@ class TravelJudgement:
         Student's t along the slope, infinite of draws that do not meet the readings.
         """
         low, high = (float(x[0]) for x in draws.law.bounds(self.size))
-        noise = rng.normal(size=travels.shape) / _scales(len(travels), rng)
+        noise = students(rng, *travels.shape)
         goal = self.measured + self.errors * noise
         unknowns, here = draws.unknowns.copy(), travels.copy()
         live, change = np.arange(len(unknowns)), -1e-3 * np.abs(unknowns[:, 0])  # room above or not
@@ -659,8 +664,9 @@ class TravelJudgement:
         size, k = best.count, self.nuisances_count
         rows, smooth = [], []
         for entry, n in zip(own, allotted(shares, count), strict=True):
-            scale = _scales(n, rng) if self.assumed else 1.0
-            values = entry.values + rng.normal(size=(n, len(entry.values))) / scale @ entry.root
+            size_of = n, len(entry.values)
+            drawn = students(rng, *size_of) if self.assumed else rng.normal(size=size_of)
+            values = entry.values + drawn @ entry.root
             rows.append(values[:, : size + k])
             smooth.append(values[:, size + k :] * entry.linear.bending)
         points = np.vstack(rows)
@@ -696,8 +702,7 @@ class TravelJudgement:
 
         The second densities are those of all values but the first.
         """
-        normal = rng.normal(size=(count, len(one.values))) / _scales(count, rng)
-        values = one.values + normal @ one.root
+        values = one.values + students(rng, count, len(one.values)) @ one.root
         law, c = one.linear.structure.law, one.linear.structure.count
         # the fit itself meets the readings, whatever linear proposals do
         values[0, :c], values[0, c:] = one.linear.centre[:c], 0.0
@@ -862,23 +867,6 @@ def _set(trials: Sequence[Trial], path: str) -> list[float]:
         float({p: v for p, _, v in parameters(trial.mechanism, "mechanism")}[path])
         for trial in trials
     ]
-
-
-def _scales(count: int, rng: np.random.Generator) -> Array:
-    """Return what normal draws are over to be of Student's t (count, 1)."""
-    nu = THRESHOLDS.freedom
-    return np.sqrt(rng.chisquare(nu, (count, 1)) / nu)
-
-
-def _tempered(log: Array, least: float) -> Array:
-    """Return weights (d,) in sum 1: powers of likelihoods of which at least so many draws count."""
-    finite = np.isfinite(log)
-    if not finite.any():
-        return np.full(len(log), 1.0 / len(log))
-    power = 1.0
-    while effective_draws(power * log) < min(least, finite.sum() / 2.0) and power > 1e-3:
-        power *= 0.7
-    return np.asarray(softmax(np.where(finite, power * log, -np.inf)))
 
 
 def _root(covariance: Array) -> Array:
