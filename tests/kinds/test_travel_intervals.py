@@ -132,3 +132,13 @@ def test_a_body_on_ringing_bristles_has_the_travel_of_its_whole_run(incline):
             rig, vary(law, "friction", {"friction.kinetic_coefficient": level}), t_end=10.0
         )
         assert got == pytest.approx(float(np.diff(run.at((0.0, 10.0))["x"])[0]), rel=2e-5)
+
+
+def test_draws_that_are_led_to_the_readings_count():
+    """By linear proposals alone, 4 of them did."""
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    found = fit(rig, PowerViscous, THREE)
+    assert found.to_dict()["effective_draws"] > 15.0
+    low, high = found.estimates[0].low, found.estimates[0].high
+    assert low < found.estimates[0].value < high
+    assert "effective number of draws" in " ".join(found.verdict.words.cannot_tell)
