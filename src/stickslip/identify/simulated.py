@@ -65,8 +65,6 @@ AGAIN = 6
 """Rounds of draws at most."""
 TAILS = THRESHOLDS.freedom
 """Degrees of freedom of proposals: weights stay bounded where the posterior has wider tails."""
-POWERS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
-"""Powers of weights of which few count."""
 WHITE = 0.7
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
@@ -689,8 +687,8 @@ def tempered(logarithms: Array, least: float) -> Array:
     best = float(np.max(logarithms))
     if not math.isfinite(best):
         return np.full(len(logarithms), 1.0 / len(logarithms))
-    effective = (effective_draws(power * logarithms) for power in POWERS)
-    power = next((p for p, x in zip(POWERS, effective, strict=True) if x > least), POWERS[-1])
+    powers = 1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001
+    power = next((x for x in powers if effective_draws(x * logarithms) > least), powers[-1])
     w = np.exp(power * (logarithms - best))
     return np.asarray(w / w.sum())
 

@@ -36,10 +36,6 @@ STEADY = 1.98
 LEAST_ERROR = 1e-5
 """Share of the mean travel below which readings are not told apart: runs are exact to 1e-8, and no
 travel was ever measured to this."""
-SOONER, LOOKED = 0.2, 128
-"""Share of a run after which it is seen whether a body on bristles is at rest, and times in the
-last quarter of that part at which it is seen: undamped bristles ring for as long as a run lasts,
-thousands of times."""
 
 
 SOLVER = EventDriven(tier="compiled", tolerance=1e-8, stiff_tolerance=1e-6)
@@ -339,15 +335,16 @@ class TravelModel:
         It is at rest where it rings by less than readings are told apart by, and its mean would go
         no farther until the end at the speed that it has: a body that slows down goes less far.
         """
-        part, live = SOONER * end, np.arange(len(rows))
+        # undamped bristles ring for as long as a run lasts, thousands of times
+        part, live = 0.2 * end, np.arange(len(rows))
         result = np.full((len(trials), len(rows)), math.nan)
         damped = any(item.scale == "damping" for item in fields_of(type(self.law)).values())
         rings = bool(self.law.states) and not damped and not any(map(is_rig, self.free))
         if rings and max(quiet_from(trial.mechanism) for trial in trials) < 0.75 * part:
-            times = np.r_[0.0, part * np.linspace(0.75, 1.0, LOOKED)]
+            times = np.r_[0.0, part * np.linspace(0.75, 1.0, AFTER - 1)]
             seen = self._together(trials, rows, times.tolist(), part)
             way = seen[:, :, 1:] - seen[:, :, :1]
-            window = np.hanning(LOOKED // 2)
+            window = np.hanning(AFTER // 2)
             before, mean = (x @ window / window.sum() for x in np.split(way, 2, axis=2))
             left = np.abs(mean - before) / (0.125 * part) * (end - part) + np.ptp(way, axis=2)
             least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials]))

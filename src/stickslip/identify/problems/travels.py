@@ -107,10 +107,8 @@ PROPOSED = 2
 """Draws that are simulated for each that is kept ..."""
 SLOW = 8
 """... but no more of a law with bristles, whose runs take long."""
-NEWTON, NEAR, ASIDE = 4, 0.05, 0.5
-"""Steps by which leading coefficients are made to meet the readings, where few draws count; and
-what a step changes of travels over their errors below which no further step is made, and from which
-a draw does not meet them."""
+NEWTON = 4
+"""Steps by which leading coefficients are made to meet the readings, where few draws count."""
 COUNTING, TRIED = 5.0, 50
 """Effective number of draws of a family at least, where there are this many."""
 LEAST = float(np.finfo(float).eps)
@@ -624,6 +622,7 @@ class TravelJudgement:
         come their travels, and log densities (d,) of the leading unknown given the others: that of
         Student's t along the slope, infinite of draws that do not meet the readings.
         """
+        aside = 0.5  # over errors of readings: a draw that is farther off does not meet them
         low, high = (float(x[0]) for x in draws.law.bounds(self.size))
         noise = students(rng, *travels.shape)
         goal = self.measured + self.errors * noise
@@ -643,7 +642,7 @@ class TravelJudgement:
             change = np.sum(steep * left, 1) / np.maximum(np.sum(steep**2, 1), 1e-300)
             change = np.clip(change, -0.5 * size, 0.5 * size)
             change = np.clip(unknowns[live, 0] + change, low, high) - unknowns[live, 0]
-            far = np.linalg.norm(steep * change[:, None], axis=1) > NEAR
+            far = np.linalg.norm(steep * change[:, None], axis=1) > 0.1 * aside
             live, change = live[far], change[far]
             if not len(live):
                 break
@@ -653,7 +652,7 @@ class TravelJudgement:
         )
         density = np.log(steep) + mixture_density(along[:, None], [(np.zeros(1), np.eye(1))])
         # it ended elsewhere, or hardly moves the travels
-        density[~(np.abs(left) < ASIDE) | (steep * np.abs(unknowns[:, 0]) < ASIDE)] = math.inf
+        density[~(np.abs(left) < aside) | (steep * np.abs(unknowns[:, 0]) < aside)] = math.inf
         return replace(draws, unknowns=unknowns), here, density
 
     def _curve_drawn(self, count: int, rng: np.random.Generator) -> TravelDraws:
