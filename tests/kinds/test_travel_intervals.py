@@ -7,6 +7,7 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
+    Dahl,
     Measurement,
     PowerViscous,
     SpringBlock,
@@ -14,7 +15,7 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.identify.fits import TravelModel
+from stickslip.identify.fits import TravelModel, trials_of
 from stickslip.mechanisms import slip_of
 from stickslip.mechanisms.drives import Pulse
 from stickslip.quantities import vary
@@ -72,7 +73,7 @@ def test_intervals_do_not_turn_on_the_last_bits_of_travels(seed, monkeypatch):
     monkeypatch.setattr(TravelModel, "table", rounded)
     found = fit(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), Stribeck, THREE)
     first = found.estimates[0]
-    assert (f"{first.low:.2g}", f"{first.high:.3g}") == ("0.15", "0.254")
+    assert (f"{first.low:.2g}", f"{first.high:.3g}") == ("0.11", "0.254")
 
 
 @pytest.mark.slow
@@ -116,3 +117,28 @@ def test_a_fit_that_leaves_more_than_the_readings_errors_says_so():
     wrong, right = (fit(rig, law, measurement).verdict for law in (Coulomb, CoulombViscous))
     assert "where 0.1 mm is stated" in wrong.sentence
     assert right.sentence == "Use Coulomb + viscous friction."
+
+
+@pytest.mark.parametrize("incline", [0.0, 0.1])
+def test_a_body_on_ringing_bristles_has_the_travel_of_its_whole_run(incline):
+    """On an incline it creeps: a fifth of the run ends 4e-4 of the travel off."""
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, incline=incline)
+    law = Dahl(kinetic_coefficient=0.3, bristle_stiffness=1e4)
+    (trial,) = trials_of(rig, Measurement(travel=0.15), 10.0)
+    rows = np.array([[0.3], [0.31]])
+    made = TravelModel(law, ["friction.kinetic_coefficient"], 10.0).table([trial], rows)[:, 0]
+    for level, got in zip(rows[:, 0].tolist(), made.tolist(), strict=True):
+        run = simulate(
+            rig, vary(law, "friction", {"friction.kinetic_coefficient": level}), t_end=10.0
+        )
+        assert got == pytest.approx(float(np.diff(run.at((0.0, 10.0))["x"])[0]), rel=2e-5)
+
+
+def test_draws_that_are_led_to_the_readings_count():
+    """By linear proposals alone, 4 of them did."""
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    found = fit(rig, PowerViscous, THREE)
+    assert found.to_dict()["effective_draws"] > 15.0
+    low, high = found.estimates[0].low, found.estimates[0].high
+    assert low < found.estimates[0].value < high
+    assert "effective number of draws" in " ".join(found.verdict.words.cannot_tell)

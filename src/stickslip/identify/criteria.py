@@ -19,7 +19,7 @@ from stickslip.identify.fits import (
     Fit,
 )
 from stickslip.maths import Latches, Scalar
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.quantities import parameters
 from stickslip.show.described import Described
 from stickslip.show.formatting import capital, percent, quantity
@@ -81,8 +81,7 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
     >>> criteria_of(run, rig).velocity_never_negative
     False
     """
-    slip = slip_of(mechanism)
-    rate = mechanism.rates[mechanism.coordinates.index(slip)]
+    slip, rate = slip_names(mechanism)
     times = np.union1d(np.linspace(*run.span, GRID), run.t)
     seen = run.at(times)
     x, v = seen[slip], seen[rate]
@@ -238,8 +237,7 @@ def compare_fixed_steps(
     rows = []
     settings: list[tuple[float | None, bool]] = [(None, True)]
     settings += [(dt, stick_rule) for dt in steps for stick_rule in (True, False)]
-    slip = slip_of(mechanism)
-    rate = mechanism.rates[mechanism.coordinates.index(slip)]
+    _, rate = slip_names(mechanism)
     for dt, stick_rule in settings:
         solver = None
         if dt is not None:
@@ -275,8 +273,7 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
     """
     if not law.states:
         return None
-    slip = slip_of(mechanism)
-    rate = mechanism.rates[mechanism.coordinates.index(slip)]
+    _, rate = slip_names(mechanism)
     seen = run.at(np.union1d(np.linspace(*run.span, GRID), run.t))
     deflections = [seen[name] for name in law.states]
     fastest = 0.0

@@ -3,7 +3,7 @@
 from functools import partial
 
 from stickslip.identify.candidates import Verdict
-from stickslip.identify.figures import draw_band
+from stickslip.identify.figures import BandDrawing, draw_band
 from stickslip.identify.fits import Estimate
 from stickslip.identify.ladder import ladder_texts, probability_text
 from stickslip.identify.verdict import BandVerdict, importance
@@ -91,12 +91,6 @@ def facts(verdict: Verdict) -> list[Fact]:
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
     """Return the figure of the readings, the band and the law."""
-    svg = inline_svg(
-        draw_band(verdict.drawing()),
-        alt="Friction against velocity: readings, the 95 % band and the named law",
-        prefix=f"{prefix}-figure",
-        **MAP_SIZES,
-    )
     text = (
         "**Friction.** Points: readings, hollow where they lie far from the others. Line:"
         f" {verdict.closest.title}. Band: where friction lies with 95 % at each velocity, whichever"
@@ -104,8 +98,20 @@ def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
     )
     if verdict.places:
         text += " Dotted: where further readings narrow the band most."
-    block = Figure(svg=svg, caption=text)
-    return Section(id="band", nav="Band", heading="Friction over the speed", blocks=(block,))
+    names = "Friction against velocity", "Friction over the speed"
+    return band_section(verdict.drawing(), *names, text, prefix)
+
+
+def band_section(
+    drawing: BandDrawing, alt: str, heading: str, caption: str, prefix: str = "band"
+) -> Section:
+    """Return the section with the figure of a band."""
+    svg = inline_svg(
+        draw_band(drawing), alt=f"{alt}: readings, the 95 % band and the named law",
+        prefix=f"{prefix}-figure", **MAP_SIZES,
+    )  # fmt: skip
+    block = Figure(svg=svg, caption=caption)
+    return Section(id="band", nav="Band", heading=heading, blocks=(block,))
 
 
 def laws_section(verdict: BandVerdict) -> Section:

@@ -505,8 +505,11 @@ class SimulatedPosterior:
                 and self._searches[name].at.shape[1]]  # fmt: skip
         weighed: dict[str, tuple[Array, Array, Array]] = {}
         for number in range(AGAIN):
-            todo = [name for name in near
-                    if name not in weighed or _effective(weighed[name][1]) < ENOUGH]  # fmt: skip
+            todo = [
+                name
+                for name in near
+                if name not in weighed or effective_draws(weighed[name][1]) < ENOUGH
+            ]
             if not todo:
                 break
             for name in todo:
@@ -518,8 +521,10 @@ class SimulatedPosterior:
             for name in todo:
                 unknowns = self._searches[name].unknowns
                 value = self._value(unknowns, points[name], left[name])
-                value = value - _density(points[name], proposals[name])
-                if name not in weighed or _effective(value) >= _effective(weighed[name][1]):
+                value = value - mixture_density(points[name], proposals[name])
+                if name not in weighed or effective_draws(value) >= effective_draws(
+                    weighed[name][1]
+                ):
                     weighed[name] = points[name], value, left[name]
         return {
             name: self._family(name, rough[name], weighed.get(name), proposals)
@@ -545,9 +550,7 @@ class SimulatedPosterior:
         result = []
         counts = allotted(np.ones(len(proposals)), self.problem.proposed)
         for (centre, root), count in zip(proposals, counts, strict=True):
-            z = self._rng.normal(size=(count, len(centre)))
-            t = np.sqrt(TAILS / self._rng.chisquare(TAILS, size=(count, 1)))
-            result.append(centre + (z * t) @ root.T)
+            result.append(centre + students(self._rng, count, len(centre)) @ root.T)
         return np.concatenate(result)
 
     def _along(self, name: str, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
@@ -585,7 +588,7 @@ class SimulatedPosterior:
     @staticmethod
     def _closer(points: Array, value: Array, proposals: "Sequence[_Proposal]") -> "list[_Proposal]":
         """Return proposals with one about the weighed draws beside the former ones."""
-        w = _tempered(value)
+        w = tempered(value, 0.1 * len(value))
         centre = w @ points
         off = points - centre
         spread = (off.T * w) @ off
@@ -616,7 +619,7 @@ class SimulatedPosterior:
         else:
             drawn, value, left = weighed
             evidence = float(logsumexp(value) - math.log(len(value)))
-            effective = _effective(value)
+            effective = effective_draws(value)
             order = np.argsort(drawn[:, 0], kind="stable")
             counts = allotted(np.exp(value - value.max())[order], PROPOSED)
             kept = np.repeat(order, counts)
@@ -672,22 +675,31 @@ def _root(curvature: Array, deviation: Array) -> Array:
     return np.asarray(deviation[:, None] * root * np.sign(np.diag(root)), dtype=np.float64)
 
 
-def _effective(logarithms: Array) -> float:
+def effective_draws(logarithms: Array) -> float:
     """Return the effective number of draws with logarithms of weights (k,)."""
     if not np.isfinite(logarithms).any():
         return 0.0
     return float(np.exp(2.0 * logsumexp(logarithms) - logsumexp(2.0 * logarithms)))
 
 
-def _tempered(value: Array) -> Array:
-    """Return weights (k,), in sum 1, to a power at which a tenth of the draws is effective."""
-    power = next((x for x in (1.0, 0.7, 0.5, 0.35, 0.25, 0.15) if _effective(x * value)
-                  > 0.1 * len(value)), 0.1)  # fmt: skip
-    w = np.exp(power * (value - value.max()))
+def tempered(logarithms: Array, least: float) -> Array:
+    """Return weights (k,), in sum 1, to a power at which more draws than `least` are effective."""
+    best = float(np.max(logarithms))
+    if not math.isfinite(best):
+        return np.full(len(logarithms), 1.0 / len(logarithms))
+    powers = 1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001
+    power = next((x for x in powers if effective_draws(x * logarithms) > least), powers[-1])
+    w = np.exp(power * (logarithms - best))
     return np.asarray(w / w.sum())
 
 
-def _density(points: Array, proposals: Sequence[_Proposal]) -> Array:
+def students(rng: np.random.Generator, count: int, size: int) -> Array:
+    """Return draws (count, size) of Student's t of `TAILS` degrees of freedom."""
+    normal = rng.normal(size=(count, size))
+    return np.asarray(normal * np.sqrt(TAILS / rng.chisquare(TAILS, size=(count, 1))))
+
+
+def mixture_density(points: Array, proposals: Sequence[_Proposal]) -> Array:
     """Return the logarithm of the density (k,) of a mixture of Student's t at points (k, p)."""
     p = points.shape[1]
     norm = gammaln(0.5 * (TAILS + p)) - gammaln(0.5 * TAILS) - 0.5 * p * math.log(TAILS * math.pi)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.data import Measurement, command_of
 from stickslip.errors import InputError
 from stickslip.identify.fits.settings import ROUNDING
-from stickslip.mechanisms import Mechanism, motor_of, slip_of
+from stickslip.mechanisms import Mechanism, motor_of, slip_names, slip_of
 from stickslip.quantities import turned, vary
 
 Array = NDArray[np.float64]
@@ -76,9 +76,8 @@ def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """
     if not drives_itself(mechanism, measurement):
         return ()
-    slip = slip_of(mechanism)
-    own = {slip, mechanism.rates[mechanism.coordinates.index(slip)]}
-    return tuple(name for name in (*mechanism.coordinates, *mechanism.rates) if name not in own)
+    names = slip_names(mechanism)
+    return tuple(name for name in (*mechanism.coordinates, *mechanism.rates) if name not in names)
 
 
 def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:

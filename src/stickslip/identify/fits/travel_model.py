@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from stickslip.data import QUANTITIES, Measurement, scale_of
 from stickslip.engine.simulation import ensemble, simulate
 from stickslip.engine.solver import EventDriven, Samples
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import ConvergenceError, InputError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import with_inputs
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
-from stickslip.quantities import parameters, structure, vary
+from stickslip.quantities import fields_of, parameters, structure, vary
 from stickslip.show.formatting import number, quantity
 
 Array: TypeAlias = NDArray[np.float64]
@@ -83,6 +84,11 @@ class Trial:
         known.update(law.states)
         return {name: value for name, value in self.initial.items() if name in known}
 
+    def simulated(self, law: FrictionLaw, t_end: float, *, throw: bool = False) -> Trajectory:
+        """Return its run with a law, to `t_end` [s] or over its cycles; as far as it works."""
+        start = self.start(law)
+        return simulate(self.mechanism, law, t_end=self.until(t_end), y0=start, throw=throw)
+
     def as_read(self, travel: float) -> str:
         """Return a travel [m] of this trial as what was read, with its unit."""
         return quantity(travel / self.scale, QUANTITIES[self.quantity].unit)
@@ -134,6 +140,25 @@ def driven_on(mechanism: Mechanism) -> bool:
     parts = (getattr(mechanism, item.name) for item in dataclasses.fields(mechanism))
     carried = any(isinstance(part, Motor) for part in parts)
     return repeats(mechanism) or (carried and bool(mechanism.drives()))
+
+
+def quiet_from(mechanism: Mechanism) -> float:
+    """Return when the drives of a mechanism change last [s]; infinity if they go on.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, SpringBlock
+    >>> from stickslip.mechanisms.drives import Pulse
+    >>> quiet_from(Axis(inertia=1.0, drive=Pulse(level=1.0, duration=0.1)))
+    0.1
+    >>> quiet_from(SpringBlock(mass=1.0))
+    0.0
+    """
+    drives = mechanism.drives().values()
+    smooth = any(drive.smooth_bound() != (0, 0) for drive in drives)
+    if driven_on(mechanism) or mechanism.carried() or smooth:
+        return math.inf
+    return max((drive.pieces()[-1].start for drive in drives if drive.pieces()), default=0.0)
 
 
 def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> tuple[Trial, ...]:
@@ -276,10 +301,9 @@ class TravelModel:
         self.runs += 1
         if self.watch is not None:
             self.watch(self.runs)
-        law, trial = self.with_values(values), self.set_up(trial, values)
-        run = simulate(trial.mechanism, law, t_end=trial.until(self.t_end), y0=trial.start(law))
-        coordinate = slip_of(trial.mechanism)
-        ends = run.at(run.span)[coordinate]
+        trial = self.set_up(trial, values)
+        run = trial.simulated(self.with_values(values), self.t_end, throw=True)
+        ends = run.at(run.span)[slip_of(trial.mechanism)]
         return float(ends[1] - ends[0])
 
     def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
@@ -298,13 +322,38 @@ class TravelModel:
         result: dict[Hashable, Array] = {}
         for alike in self._alike(trials):
             end = alike[0].until(self.t_end)
-            ends = self._together(alike, rows, (0.0, end), end)
-            self.runs += ends.shape[0] * ends.shape[1]
+            made = self._to_rest(alike, rows, end)
+            self.runs += made.size
             if self.watch is not None:
                 self.watch(self.runs)
-            made = ends[:, :, 1] - ends[:, :, 0]
             result |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
         return np.stack([result[trial.run] for trial in trials], axis=1)
+
+    def _to_rest(self, trials: Sequence[Trial], rows: Array, end: float) -> Array:
+        """Return the travels (n, k) of trials alike; of bristles, from where a body is at rest.
+
+        It is at rest where it rings by less than readings are told apart by, and its mean would go
+        no farther until the end at the speed that it has: a body that slows down goes less far.
+        """
+        # undamped bristles ring for as long as a run lasts, thousands of times
+        part, live = 0.2 * end, np.arange(len(rows))
+        result = np.full((len(trials), len(rows)), math.nan)
+        damped = any(item.scale == "damping" for item in fields_of(type(self.law)).values())
+        rings = bool(self.law.states) and not damped and not any(map(is_rig, self.free))
+        if rings and max(quiet_from(trial.mechanism) for trial in trials) < 0.75 * part:
+            times = np.r_[0.0, part * np.linspace(0.75, 1.0, AFTER - 1)]
+            seen = self._together(trials, rows, times.tolist(), part)
+            way = seen[:, :, 1:] - seen[:, :, :1]
+            window = np.hanning(AFTER // 2)
+            before, mean = (x @ window / window.sum() for x in np.split(way, 2, axis=2))
+            left = np.abs(mean - before) / (0.125 * part) * (end - part) + np.ptp(way, axis=2)
+            least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials]))
+            done = np.all(left <= least, axis=0)
+            result[:, done], live = mean[:, done], live[~done]
+        if len(live):
+            ends = self._together(trials, rows[live], (0.0, end), end)
+            result[:, live] = ends[:, :, 1] - ends[:, :, 0]
+        return result
 
     def _alike(self, trials: Sequence[Trial]) -> list[list[Trial]]:
         """Return trials whose runs can be one ensemble, one of each run."""
@@ -368,38 +417,24 @@ class TravelModel:
         Mean velocities and travels per cycle are those of the run, at rest or not, and so are
         travels under a drive that goes on.
         """
-        least: dict[Hashable, tuple[Trial, float]] = {}
+        least, ends = dict[Hashable, float](), list[Trial]()
         for trial, error in zip(trials, errors, strict=True):
             if trial.quantity == "travel" and not driven_on(trial.mechanism):
-                _, known = least.get(trial.run, (trial, math.inf))
-                least[trial.run] = trial, min(known, error)
-        for trial, error in self._moving([*least.values()], values):
-            self._check_rest(trial, values, error)
-
-    def _moving(
-        self, found: Sequence[tuple[Trial, float]], values: Sequence[float]
-    ) -> list[tuple[Trial, float]]:
-        """Return the trials, each with its error, that are not at rest beyond doubt.
-
-        Ensembles tell that for less than whole runs do.
-        """
-        if any(map(is_rig, self.free)):
-            return [*found]
-        times = np.linspace(self.t_end, 2.0 * self.t_end, AFTER)
-        errors = {trial.run: error for trial, error in found}
-        moving = []
-        for alike in self._alike([trial for trial, _ in found]):
-            seen = self._together(alike, np.array([values]), times.tolist(), 2.0 * self.t_end)[:, 0]
+                ends.append(self.set_up(trial, values))
+                known = least.get(ends[-1].run, math.inf)
+                least[ends[-1].run] = min(error, known)
+        fitted = TravelModel(self.with_values(values), (), self.t_end)
+        times = np.linspace(self.t_end, 2.0 * self.t_end, AFTER).tolist()
+        for alike in fitted._alike(ends):  # ensembles tell who is at rest for less than runs do
+            seen = fitted._together(alike, np.zeros((1, 0)), times, times[-1])[:, 0]
             way = np.max(np.abs(seen - seen[:, :1]), axis=1)
             for trial, moved in zip(alike, way.tolist(), strict=True):
-                if not moved <= CLEARLY * errors[trial.run]:
-                    moving.append((trial, errors[trial.run]))
-        return moving
+                if not moved <= CLEARLY * least[trial.run]:
+                    fitted._check_rest(trial, least[trial.run])
 
-    def _check_rest(self, trial: Trial, values: Sequence[float], error: float) -> None:
-        law, end = self.with_values(values), self.t_end
-        run = simulate(trial.mechanism, law, t_end=2.0 * end, y0=trial.start(law), throw=False)
-        slip = slip_of(trial.mechanism)
+    def _check_rest(self, trial: Trial, error: float) -> None:
+        end, slip = self.t_end, slip_of(trial.mechanism)
+        run = trial.simulated(self.law, 2.0 * end)
         index = trial.mechanism.coordinates.index(slip)
         last = min(2.0 * end, float(run.span[1]))
         if last <= end:
@@ -415,7 +450,8 @@ class TravelModel:
         steady = halves[1] >= STEADY * halves[0]
         cure = "It does not slow down: measure mean_velocity over the run instead."
         raise ConvergenceError(
-            f"{law.title} friction does not bring the body to rest: at t_end = {number(end)} s it"
-            f" still moves at {speed}, and travels up to {quantity(float(way.max()), unit)}"
-            f" farther in the same time again. {cure if steady else 'Increase t_end.'}"
+            f"{self.law.title} friction does not bring the body to rest: at t_end ="
+            f" {number(end)} s it still moves at {speed}, and travels up to"
+            f" {quantity(float(way.max()), unit)} farther in the same time again."
+            f" {cure if steady else 'Increase t_end.'}"
         )

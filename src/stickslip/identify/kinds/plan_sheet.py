@@ -477,7 +477,7 @@ def _settings(plan: Plan) -> Section:
         rows = [
             Row(
                 cells=(
-                    Name(text=plan.laws[name].title, aside=_values_of(plan.laws[name])),
+                    Name(text=plan.laws[name].title, aside=values_text(plan.laws[name])),
                     *(fixed(1e3 * x, decimals) for x in values),
                 ),
                 chosen=name == plan.reference,
@@ -500,8 +500,8 @@ def _settings(plan: Plan) -> Section:
     return Section(id="settings", nav="Settings", heading=heading, blocks=tuple(tables))
 
 
-def _values_of(law: FrictionLaw) -> str:
-    """Return the values of a law that were counted on."""
+def values_text(law: FrictionLaw) -> str:
+    """Return the values of a law that are not 0, with symbols and units."""
     return ", ".join(
         f"${asked.symbol}$ = {quantity(value, asked.unit)}"
         for _, asked, value in parameters(law, "friction")

@@ -138,13 +138,18 @@ class SimulatedFit(JudgedFit[AnyLaw_co]):
         """
         return self.kind.errors(self, measurement)
 
-    def law_estimates(self) -> LawEstimates:
+    @property
+    def correlation(self) -> tuple[tuple[float, ...], ...]:
+        """Of the estimates (p, p); 0 with what is not told."""
         table = correlation_of(np.array([self.draws[estimate.path] for estimate in self.estimates]))
         np.fill_diagonal(table, 1.0)
+        return tuple(map(tuple, table.tolist()))
+
+    def law_estimates(self) -> LawEstimates:
         return estimates_for(
             self.law,
             self.estimates,
-            table,
+            np.array(self.correlation),
             levels=self.kind.levels or levels_at(self.mechanism),
             largest_speed=self.kind.largest_speed(self),
         )

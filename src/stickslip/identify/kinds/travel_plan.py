@@ -32,6 +32,7 @@ from stickslip.identify import (
     knob_of,
     propagated,
 )
+from stickslip.identify.candidates import plain
 from stickslip.identify.fits import (
     LEAST_ERROR,
     READINGS,
@@ -55,6 +56,7 @@ from stickslip.identify.kinds.plan_sheet import (
     Separation,
     Telling,
     setting_text,
+    values_text,
 )
 from stickslip.identify.kinds.simulated import estimated
 from stickslip.identify.kinds.travels import (
@@ -66,8 +68,9 @@ from stickslip.identify.kinds.travels import (
     unit_of,
     words_of,
 )
+from stickslip.identify.problems.travel_laws import room_for
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
-from stickslip.quantities import Quantity, fields_of, parameters, vary
+from stickslip.quantities import Quantity, all_paths, parameters, vary
 from stickslip.show.formatting import joined, number, percent, quantity
 
 # What to measure before the runs of a plan, by which simple means, and how well.
@@ -91,10 +94,6 @@ LIFTED = 20.0
 
 def _values(mechanism: Mechanism) -> dict[str, float]:
     return {path: value for path, _, value in parameters(mechanism, "mechanism")}
-
-
-def _unit(mechanism: Mechanism, path: str) -> str:
-    return next(q.unit for name, q, _ in parameters(mechanism, "mechanism") if name == path)
 
 
 def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> str:
@@ -297,7 +296,7 @@ def plan(
     trials = done or (_assumed(mechanism, start, t_end, error),)
     now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
     remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
-    asked_knob = next(q for path, q, _ in parameters(mechanism, "mechanism") if path == knob)
+    asked_knob = all_paths(mechanism, "mechanism")[knob]
     unit = asked_knob.unit
     places = np.array([rounded_setting(item, unit) for item in np.linspace(*ends, count)])
     typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
@@ -529,15 +528,14 @@ def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float 
     """Return the travel that a law makes as the rig stands, as if it had been measured well."""
     trial = _trial(mechanism)
     signed = float(_travels(law, [trial], t_end)[0])
+    phrase = f"{law.title} friction ({plain(values_text(law))})"
     if (travel := abs(signed)) == 0.0:
         raise InputError(
-            f"{law.title} friction{_values_of(law)} holds the body at rest: lower the friction"
-            " level, or raise the setting of the rig."
+            f"{phrase} holds the body at rest: lower the friction level, or raise the setting of"
+            " the rig."
         )
     if said := _why_none(mechanism, law, t_end, SCATTER * travel if error is None else error):
-        raise InputError(
-            f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
-        )
+        raise InputError(f"there is no travel to plan with {phrase}: {said}")
     return replace(trial, travel=signed, half_width=THRESHOLDS.negligible * travel)
 
 
@@ -594,14 +592,6 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
     return ""
 
 
-def _values_of(law: FrictionLaw) -> str:
-    """Return the values of a law, as they stand behind its name."""
-    parts = [
-        f"{q.symbol} = {quantity(value, q.unit)}" for _, q, value in parameters(law, "friction")
-    ]
-    return f" ({', '.join(parts)})" if parts else ""
-
-
 def _range(
     mechanism: Mechanism,
     path: str,
@@ -652,7 +642,7 @@ def _stopping(
     travels of all laws in one place.
     """
     result, remarks = {}, []
-    unit = _unit(mechanism, path)
+    unit = all_paths(mechanism, "mechanism")[path].unit
     rigs = [vary(mechanism, "mechanism", {path: value}) for value in settings]
     for name, law in laws.items():
         size = error
@@ -678,7 +668,7 @@ def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Arra
     """Return settings at which the body moves, and which were left out, as sentences."""
     assert now.knob is not None
     path, _ = now.knob
-    unit = _unit(now.mechanism, path)
+    unit = all_paths(now.mechanism, "mechanism")[path].unit
     travels = np.abs(_travels(law, now.at(places), now.t_end))
     moves = travels > THRESHOLDS.material * np.max(travels)
     if moves.sum() < 2:
@@ -827,26 +817,9 @@ def _expected(
         for estimate in estimates:
             last = estimate.path.rpartition(".")[2]
             # off its limit, as `select` asks it to be
-            settled = estimate.bounded and estimate.low > limit_of(law, last)
+            settled = estimate.bounded and estimate.low > room_for(law, last, ())[0]
             advice = "" if settled else ADVICE.get(last, "")
             result.append(
                 Expectation(law=name, estimate=estimate, identified=settled, advice=advice)
             )
     return result
-
-
-def limit_of(law: FrictionLaw, name: str) -> float:
-    """Return the lowest value that a parameter of a law may have beside the others.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb
-    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
-    >>> limit_of(law, "kinetic_coefficient"), limit_of(law, "static_coefficient")
-    (0.0, 0.2)
-    """
-    quantity = fields_of(type(law))[name]
-    limits = [quantity.low, quantity.above or 0.0]
-    if quantity.at_least is not None:
-        limits.append(getattr(law, quantity.at_least))
-    return float(max(limits))

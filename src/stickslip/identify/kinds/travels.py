@@ -17,7 +17,6 @@ import numpy as np
 from scipy.special import ndtri, softmax
 
 from stickslip.data import Measurement, Rig, is_filmed, travels_of_films
-from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identify import (
@@ -27,12 +26,11 @@ from stickslip.identify import (
     PredictionBand,
     TravelJudgement,
     band_of,
-    draw_band,
     fitted_travels,
     judged_travels,
     sections_of,
 )
-from stickslip.identify.bands import Array, correlation_of, quantile_band
+from stickslip.identify.bands import Array, quantile_band
 from stickslip.identify.candidates import (
     check_any,
     check_apart,
@@ -67,11 +65,13 @@ from stickslip.identify.kinds.simulated import (
     Weighed,
     laws_section,
 )
+from stickslip.identify.page import band_section
+from stickslip.identify.problems.travel_laws import top_speed
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import propose
 from stickslip.identify.simulated import FamilyDraws, Readable
-from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, all_paths, fields_of, parameters
 from stickslip.show.formatting import (
     at_worst,
     capital,
@@ -85,9 +85,8 @@ from stickslip.show.formatting import (
     with_unit,
     within,
 )
-from stickslip.show.plots import MAP_SIZES, inline_svg
 from stickslip.show.report import Column as PageColumn
-from stickslip.show.report import Figure, Name, Origin, Row, Section, SectionMaker, Table
+from stickslip.show.report import Name, Origin, Row, Section, SectionMaker, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -97,7 +96,6 @@ if TYPE_CHECKING:
 
 T_END: Final = Rig.t_end
 """Time after which a body counts as stopped [s]."""
-SAMPLES = 2001
 WIDER = "the trials tell no more than that it is of this size"
 """Why an estimate is open whose interval is wider than the value."""
 BEYOND = (0.75, 1.5)
@@ -316,8 +314,7 @@ class JudgedTravels(Readable):
     @property
     def unit(self) -> str:
         """Unit of what is set [SI]; empty where there is none."""
-        known = parameters(self.judgement.mechanism, "mechanism")
-        return {path: asked.unit for path, asked, _ in known}.get(self.knob, "")
+        return all_paths(self.judgement.mechanism, "mechanism")[self.knob].unit if self.knob else ""
 
     def setting(self, value: float) -> str:
         """Return a setting with its unit."""
@@ -348,9 +345,8 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     def trials(self) -> tuple[Trial, ...]:
         """What was fitted."""
         model = self.judgement.law_of(self.name).model
-        known = {e.path: e.value for e in self.estimates}
         values = self.problem.read(self.name, self.family.mode[None], self.family.usual[None])
-        numbers = [known.get(path, float(x[0])) for path, x in values.items()]
+        numbers = [float(x[0]) for x in values.values()]
         return tuple(model.set_up(trial, numbers) for trial in self.judgement.trials)
 
     @property
@@ -382,13 +378,6 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     def misfit(self) -> bool:
         """Whether the travels are far from the law, for what was stated."""
         return self.judgement.misfit
-
-    @property
-    def correlation(self) -> tuple[tuple[float, ...], ...]:
-        """Of the estimates (p, p); 0 with what the travels do not tell."""
-        table = correlation_of(np.array([self.draws[estimate.path] for estimate in self.estimates]))
-        np.fill_diagonal(table, 1.0)
-        return tuple(map(tuple, table.tolist()))
 
     @property
     def residuals(self) -> tuple[float, ...]:
@@ -438,9 +427,7 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
 
 def _seen(trial: Trial, law: FrictionLaw, t_end: float) -> Criteria:
     """Return what a run does in the terms of the paper."""
-    end = trial.until(t_end)
-    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
-    return criteria_of(run, trial.mechanism, trial.travel)
+    return criteria_of(trial.simulated(law, t_end), trial.mechanism, trial.travel)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -997,7 +984,8 @@ class TravelKind(SimulatedKind):
 
     def largest_speed(self, fit: Any) -> float | None:
         settings = {trial.setting: trial for trial in fit.trials}.values()
-        return max((_largest_speed(trial, fit.law) for trial in settings), default=None)
+        t_end = fit.judgement.t_end
+        return max((top_speed(x, x.simulated(fit.law, t_end)) for x in settings), default=None)
 
     # texts
     def called(self, fit: Any) -> str:
@@ -1081,13 +1069,11 @@ class TravelKind(SimulatedKind):
         if not places:
             yield f"Further readings of the {what} hardly narrow its band."
             return
-        known = {
-            p: q.symbol for p, q, _ in parameters(fit.problem.judgement.mechanism, "mechanism")
-        }
+        symbol = all_paths(problem.judgement.mechanism, "mechanism")[problem.knob].symbol
         parts = [problem.setting(x) + f" ({n} runs)" * (n > 1) for x, n in Counter(places).items()]
         many = count(len(places), "reading there is", "readings there are")
         yield (
-            f"Set ${known[problem.knob]}$ to {joined(parts)}: {many} expected to narrow the band"
+            f"Set ${symbol}$ to {joined(parts)}: {many} expected to narrow the band"
             f" of the {what} to {percent(shrinks)} of its width."
         )
 
@@ -1119,7 +1105,7 @@ class TravelKind(SimulatedKind):
         return replace(super().summary(fit), heads=heads, rows=rows, limits=limits_of(fit))
 
     def sections(self, verdict: Any, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
-        middle = (band_section, laws_section, trials_section)
+        middle = (travels_section, laws_section, trials_section)
         return sections_of(verdict, origin, remark, *(partial(item, verdict) for item in middle))
 
 
@@ -1129,16 +1115,6 @@ def _read(request: Request) -> Request:
         return replace(request, t_end=T_END if request.t_end is None else request.t_end)
     read, t_end = travels_of_films(request.mechanism, request.measurement, request.t_end)
     return replace(request, measurement=read, t_end=t_end)
-
-
-def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
-    """Return the largest slip speed of a run that a travel was measured of [m/s]."""
-    mechanism = trial.mechanism
-    run = simulate(mechanism, law, t_end=T_END, y0=trial.start(law), throw=False)
-    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
-    return float(
-        np.abs(seen[mechanism.rates[mechanism.coordinates.index(slip_of(mechanism))]]).max()
-    )
 
 
 def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
@@ -1233,22 +1209,17 @@ def _trial_lines(verdict: TravelVerdict) -> list[str]:
     return ["   ".join(cell.rjust(w) for cell, w in zip(row, wide, strict=False)) for row in rows]
 
 
-def band_section(verdict: TravelVerdict) -> Section | None:
+def travels_section(verdict: TravelVerdict) -> Section | None:
     """Return the figure of the readings, the band and the law; None without a band."""
     if verdict.travel is None:
         return None
     drawing = verdict.drawing()
     word, what = drawing.names
-    svg = inline_svg(
-        draw_band(drawing),
-        alt=f"{capital(what)} against {word}: readings, the 95 % band and the named law",
-        prefix="band-figure",
-        **MAP_SIZES,
-    )
+    heading, alt = f"{capital(what)} over the {word}", f"{capital(what)} against {word}"
     laws = count(sum(verdict.laws_drawn.values()), "law")
     beside = f" and the curve as measured ({percent(verdict.curve_share)})"
     text = (
-        f"**{capital(what)} over the {word}.** Points: readings. Line: {verdict.closest.title}."
+        f"**{heading}.** Points: readings. Line: {verdict.closest.title}."
         f" Band: where the {what} lies with 95 % at each setting, by draws of {laws}"
         f"{beside if verdict.curve_share else ''}."
     )
@@ -1256,9 +1227,7 @@ def band_section(verdict: TravelVerdict) -> Section | None:
         text += f" It has the error that they leave elsewhere, {quantity(error, 'm/s', 2)}."
     if verdict.places:
         text += " Dotted: where another reading narrows the band most."
-    block = Figure(svg=svg, caption=text)
-    heading = f"{capital(what)} over the {word}"
-    return Section(id="band", nav="Band", heading=heading, blocks=(block,))
+    return band_section(drawing, alt, heading, text)
 
 
 def trials_section(verdict: TravelVerdict) -> Section | None:

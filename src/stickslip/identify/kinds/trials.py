@@ -361,60 +361,43 @@ class _Differences:
         weights = np.array([1.0 / np.diag(trial.covariance) for trial in trials])
         middle = np.sum(weights * y.reshape(count, width), axis=0) / weights.sum(axis=0)
         size = np.maximum(np.abs(middle), np.min(np.sqrt(1.0 / weights), axis=0))
-        columns = _columns(trials)
-        noise = block_diag(*(trial.covariance for trial in trials))
-        mean: Array = np.kron(np.ones((count, 1)), np.diag(BROAD * size)).astype(float)
-        effects: dict[str, Array] = {
-            name: np.kron(x, np.diag(size)).astype(float) for name, x in columns.items()
-        }
-        logs, nodes = list[float](), list[tuple[float, ...]]()
+        columns, noise = _columns(trials), block_diag(*(trial.covariance for trial in trials))
+        shapes = np.full((count, 1), BROAD), *columns.values(), np.eye(count)
+        parts = [np.kron(x, np.diag(size)) for x in shapes]
+        left, logs, solved = y - np.tile(middle, count), list[float](), []
         shares = [zip(RUNS, RUNS_PRIOR, strict=True)]
-        shares += [zip(INPUT, INPUTS_PRIOR, strict=True) for _ in effects]
+        shares += [zip(INPUT, INPUTS_PRIOR, strict=True) for _ in columns]
         for node in itertools.product(*map(list, shares)):
-            sizes = tuple(x for x, _ in node)
-            prior = sum(math.log(p) for _, p in node)
-            covariance = noise + mean @ mean.T
-            covariance += sizes[0] ** 2 * np.kron(np.eye(count), np.diag(size**2))
-            for b, x in zip(sizes[1:], effects.values(), strict=True):
-                covariance += b**2 * (x @ x.T)
-            root = np.linalg.cholesky(covariance)
-            z = np.linalg.solve(root, y - mean @ (middle / size / BROAD))
-            logs.append(prior - float(np.sum(np.log(np.diag(root)))) - 0.5 * float(z @ z))
-            nodes.append(sizes)
-        weight = np.exp(np.array(logs) - logsumexp(logs))
-        least = [sizes == (RUNS[0], *(INPUT[0] for _ in effects)) for sizes in nodes]
-        random = np.random.default_rng(0)
-        draws = np.zeros((0, count * width))
-        slopes: dict[str, list[Array]] = {name: [] for name in effects}
-        levels = list[Array]()
-        for sizes, number_of in zip(nodes, allotted(weight, DRAWS).tolist(), strict=True):
-            if not number_of:
-                continue
-            parts = [b * x for b, x in zip(sizes[1:], effects.values(), strict=True)]
-            alone = sizes[0] * np.kron(np.eye(count), np.diag(size))
-            every = np.hstack([mean, *parts, alone])
+            run, *sizes = (x for x, _ in node)
+            factors = (1.0, *sizes, run)
+            every = np.hstack([b * x for b, x in zip(factors, parts, strict=True)])
             inner = every.T @ np.linalg.solve(noise, every) + np.eye(every.shape[1])
-            c = np.linalg.solve(inner, every.T @ np.linalg.solve(noise, y))
-            root = np.linalg.cholesky(np.linalg.inv(inner))
-            drawn = c[:, None] + root @ random.normal(size=(len(c), number_of))
+            root = np.linalg.cholesky(inner)
+            z = np.linalg.solve(root, every.T @ np.linalg.solve(noise, left))
+            prior = sum(math.log(p) for _, p in node)
+            logs.append(prior - float(np.sum(np.log(np.diag(root)))) + 0.5 * float(z @ z))
+            solved.append((factors, every, root, z))
+        weight = np.exp(np.array(logs) - logsumexp(logs))
+        random, levels = np.random.default_rng(0), list[Array]()
+        slopes: dict[str, list[Array]] = {name: [] for name in columns}
+        ends = np.cumsum([x.shape[1] for x in parts])[:-1]
+        for (factors, every, root, z), n in zip(solved, allotted(weight, DRAWS), strict=True):
+            drawn = np.linalg.solve(root.T, z[:, None] + random.normal(size=(len(z), n)))
             levels.append((every @ drawn).T)
-            at = width
-            for b, name in zip(sizes[1:], effects, strict=True):
-                own = effects[name].shape[1]
-                slopes[name].append((b * drawn[at : at + own]).T)
-                at += own
+            each = zip(columns, factors[1:], np.split(drawn, ends)[1:], strict=False)
+            for name, b, block in each:
+                slopes[name].append((b * block).T)
         draws = np.vstack(levels)
         first = draws.reshape(len(draws), count, width)[:, :, 0]
         apart = np.std(first, axis=1, ddof=1) / size[0]
         low, median, high = np.quantile(apart, (0.025, 0.5, 0.975)).tolist()
-        acts = {
-            name: float(weight[[sizes[1 + k] > INPUT[0] for sizes in nodes]].sum())
-            for k, name in enumerate(effects)
-        }
+        at = np.array([factors for factors, *_ in solved])
         told = {
-            name: (acts[name], np.vstack(x) * np.tile(size, effects[name].shape[1] // width))
-            for name, x in slopes.items()
-        }
+            name: (float(weight[at[:, k] > INPUT[0]].sum()),
+                   np.vstack(slopes[name]) * np.tile(size, x.shape[1]))
+            for k, (name, x) in enumerate(columns.items(), 1)
+        }  # fmt: skip
+        least = (at[:, 1:-1] == INPUT[0]).all(axis=1) & (at[:, -1] == RUNS[0])
         return cls(
             probability=float(1.0 - weight[least].sum()), spread=(median, low, high),
             lines=tuple(_lines(trials, told, middle)), texts=tuple(_texts(trials, told, middle)),

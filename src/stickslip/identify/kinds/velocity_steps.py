@@ -49,7 +49,6 @@ from stickslip.identify.propose import width_after
 from stickslip.identify.simulated import ENOUGH, WHITE
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.show.formatting import (
-    EstimateText,
     fixed,
     joined,
     number,
@@ -86,11 +85,6 @@ def _rate_of(one: SimulatedCandidate) -> Estimate | None:
     return one.fit.derived[0] if one.fit and one.fit.derived else None
 
 
-def _rate_text(one: SimulatedCandidate) -> EstimateText | None:
-    rate = _rate_of(one)
-    return None if rate is None else rate.parts
-
-
 class VelocityStepKind(SimulatedKind):
     """A slider without inertia behind a spring, fitted to the coefficient of friction."""
 
@@ -108,7 +102,7 @@ class VelocityStepKind(SimulatedKind):
         Column(
             key="a_minus_b", title="a − b", page="a − b\n95 % interval", phone="label",
             value=lambda item: getattr(_rate_of(item), "value", None),
-            text=_rate_text,
+            text=lambda item: getattr(_rate_of(item), "parts", None),
         ),
     )  # fmt: skip
 

@@ -410,7 +410,9 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
     result = slips_of(force, max(1, round(0.5 / natural / step)))
     events, waiting = result.place, step * np.diff(result.place)
-    slow = _is_slow(waiting, natural)
+    # it sticks between slips that are far apart
+    several = len(waiting) >= THRESHOLDS.fewest
+    slow = several and float(np.median(waiting)) * natural > LONG
     read = frequency_of(force, step, natural=natural, slips=events if slow else None)
     regime: Regime = "stick-slip" if slow else _regime(force, read, natural)
     if regime == "stick-slip" and not slow:
@@ -477,11 +479,6 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
             " stiffness of the block."
         )
     return step, np.interp(time[0] + step * np.arange(count), time, force)
-
-
-def _is_slow(waiting: Array, natural: float) -> bool:
-    """Whether slips are so far apart that the block sticks between them."""
-    return len(waiting) >= THRESHOLDS.fewest and float(np.median(waiting)) * natural > LONG
 
 
 def _regime(force: Array, frequency: float, natural: float) -> Regime:

@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from stickslip.engine.simulation import simulate
+from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import Array
 from stickslip.identify.fits import TravelModel, Trial, is_rig, required_of, under_cycles
-from stickslip.mechanisms import slip_of
+from stickslip.mechanisms import slip_names, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters
 
 LEVELS = np.geomspace(1e-5, 1e5, 61)
@@ -84,6 +84,8 @@ REFINED, WIDE = 3, 2.0
 tried; and the prior spread of shapes over themselves."""
 FAILED = 1e6
 """Standardised residual of a run that cannot be made."""
+SAMPLES = 2001
+"""Times at which a run is looked at."""
 APART, WORSE = 1e-2, 20.0
 """Relative distance from which minima are apart, and how much worse the best may leave them."""
 
@@ -282,7 +284,11 @@ class TravelLaw:
         # of what is driven, hardly any motion may be nearer to the travels than another: no size
         best = 0.0 if under_cycles(self.trials) else levels[0]
         level = max(best, top / HOLDING)
-        force, speed = force_and_speed(self.model, self.trials, [level, *self.means[1:].tolist()])
+        longest = max(self.trials, key=lambda item: abs(item.travel))
+        law = self.model.with_values([level, *self.means[1:].tolist()])
+        run = longest.simulated(law, self.t_end)
+        force = level * float(np.median(run["normal_force"]))
+        speed = max(top_speed(longest, run), 1e-6)
         return Size(levels=levels, level=level, force=force, speed=speed)
 
     def shapes(self, size: Size) -> Array:
@@ -401,20 +407,12 @@ class TravelLaw:
         )
         kept = list[int]()
         for i in np.argsort(np.round(costs, 6), kind="stable").tolist():
-            same = [
-                k for k in kept if np.allclose(points[k, self.count :], points[i, self.count :])
-            ]
-            near = any(
-                np.all(
-                    np.abs(points[k] - points[i]) <= APART * np.maximum(np.abs(points[k]), scale)
-                )
-                for k in same
-            )
-            if (
-                not near
-                and (not same or costs[i] <= costs[same[0]] + WORSE)
-                and len(same) < BRANCHES
-            ):
+            alike = [np.allclose(points[k, self.count :], points[i, self.count :]) for k in kept]
+            same = np.array(kept, dtype=np.intp)[alike]
+            sizes = np.maximum(np.abs(points[same]), scale)
+            near = np.all(np.abs(points[same] - points[i]) <= APART * sizes, axis=1).any()
+            worse = len(same) and costs[i] > costs[same[0]] + WORSE
+            if not near and not worse and len(same) < BRANCHES:
                 kept.append(i)
         points = points[kept]
         every = np.ones(len(low), dtype=bool)
@@ -546,26 +544,18 @@ class TravelLaw:
 
     def _from(self, simpler: Sequence["TravelLaw"], shapes: Array) -> Array:
         """Return the points of the law without bristles that has most of the parameters."""
-        own = self.names
-        nearest = max(simpler, key=lambda item: len({*item.names} & {*own}))
-        starts = list[Array]()
-        for shape in shapes:
-            row = np.zeros(len(own))
-            row[self.count :] = shape
-            best = None
-            for structure in nearest.structures:
-                both = dict(zip(structure.law.names, structure.unknowns.tolist(), strict=True))
-                off = sum(
-                    abs(math.log(both[name] / row[own.index(name)]))
-                    for name in own[self.count :]
-                    if name in both
-                )
-                if best is None or off < best[0]:
-                    best = off, both
-            for name, value in (best[1] if best else {}).items():
-                if name in own[: self.count]:
-                    row[own.index(name)] = value
-            starts.append(row)
+        nearest = max(simpler, key=lambda item: len({*item.names} & {*self.names}))
+        every = [
+            dict(zip(nearest.names, structure.unknowns.tolist(), strict=True))
+            for structure in nearest.structures
+        ]
+        coefficients, names = self.names[: self.count], self.names[self.count :]
+        starts = list[list[float]]()
+        for shape in shapes.tolist():
+            same = {name: x for name, x in zip(names, shape, strict=True) if name in nearest.names}
+            off = [sum(abs(math.log(item[name] / x)) for name, x in same.items()) for item in every]
+            near = every[int(np.argmin(off))] if every else {}
+            starts.append([*(near.get(name, 0.0) for name in coefficients), *shape])
         return np.array(starts)
 
 
@@ -693,18 +683,10 @@ def spread_out(trials: Sequence[Trial], most: int) -> list[Trial]:
     return [different[min(i, len(different) - 1)] for i in dict.fromkeys(chosen.tolist())]
 
 
-def force_and_speed(
-    model: TravelModel, trials: Sequence[Trial], values: Sequence[float]
-) -> tuple[float, float]:
-    """Return the friction [N] of the first parameter as a level, and the largest speed [m/s]."""
-    trial = max(trials, key=lambda item: abs(item.travel))
-    law = model.with_values(values)
-    end = trial.until(model.t_end)
-    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
-    slip = slip_of(trial.mechanism)
-    rate = trial.mechanism.rates[trial.mechanism.coordinates.index(slip)]
-    force = values[0] * float(np.median(run["normal_force"]))
-    return force, max(float(np.max(np.abs(run[rate]))), 1e-6)
+def top_speed(trial: Trial, run: Trajectory) -> float:
+    """Return the largest speed of slip of a run of a trial [m/s]."""
+    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    return float(np.abs(seen[slip_names(trial.mechanism)[1]]).max())
 
 
 def room_for(law: FrictionLaw, name: str, free: Collection[str]) -> tuple[float, float]:
@@ -723,9 +705,8 @@ def room_for(law: FrictionLaw, name: str, free: Collection[str]) -> tuple[float,
 def moving_back(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> bool:
     """Return whether the body turns back in a trial: only then do directions differ."""
     for trial in {item.run: item for item in trials}.values():
-        end = trial.until(t_end)
-        run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
-        path = run.at(np.linspace(*run.span, 801))[slip_of(trial.mechanism)]
+        run = trial.simulated(law, t_end)
+        path = run.at(np.linspace(*run.span, SAMPLES))[slip_of(trial.mechanism)]
         if np.abs(np.diff(path)).sum() > 1.001 * abs(float(path[-1] - path[0])):
             return True
     return False

@@ -18,7 +18,9 @@ r"""Travels: laws fitted, weighed and drawn; the travel at a setting over all la
    mean over the draws is its *share* (pseudo-BMA+ [YV]_).
 5. *Ensemble*: coefficients and nuisances are drawn from Student's t about each fit, *simulated* at
    the measured settings, and drawn again by their likelihood there; so the linear problem is a
-   proposal, not a result. A band is the quantiles of their travels at a setting.
+   proposal, not a result. Where few of them count, the leading coefficient of each is led to
+   travels about the readings, and its density is that with which it was led there. A band is the
+   quantiles of their travels at a setting.
 6. *Discrepancy*: what a body does that carries its drive jumps where it changes from one motion to
    another, so no smooth factor stands for what all laws lack. Instead mean velocities have an error
    of variance :math:`\tau^2` beside what the readings and the coefficients make of them, if the
@@ -67,7 +69,13 @@ from stickslip.identify.problems.travel_laws import (
     TravelStructure,
     moving_back,
 )
-from stickslip.identify.simulated import UNTOLD
+from stickslip.identify.simulated import (
+    UNTOLD,
+    effective_draws,
+    mixture_density,
+    students,
+    tempered,
+)
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
@@ -359,15 +367,13 @@ class TravelJudgement:
 
     def _repeats(self) -> Array:
         """Return what repeats of a setting scatter by, in proportion to the travel (n,) [m]."""
-        known = list(dict.fromkeys(trial.setting for trial in self.trials))
-        same = np.array([known.index(trial.setting) for trial in self.trials])
-        means = np.bincount(same, self.measured) / np.bincount(same)
-        freedom = len(same) - len(known)
+        freedom = len(self.trials) - len(self.counts)
         if freedom < FEWEST - 1:
             return np.zeros(len(self.measured))
-        mean = np.where(means == 0.0, 1.0, means)[same]
-        share = math.sqrt(float(np.sum((self.measured / mean - 1.0) ** 2)) / freedom)
-        return np.asarray(share * np.abs(mean))
+        mean = (np.bincount(self.blocks, self.measured) / self.counts)[self.blocks]
+        left = self.measured / np.where(mean == 0.0, 1.0, mean) - 1.0
+        share = math.sqrt(float(np.sum(left**2)) / freedom)
+        return np.asarray(share * np.abs(np.where(mean == 0.0, 1.0, mean)))
 
     def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
         shared = self._shared(errors)
@@ -567,7 +573,8 @@ class TravelJudgement:
             self._weighed[name, wanted] = self._proposals(own, wanted, rng)
         draws, log = self._weighed[name, wanted]
         least = min(COUNTING, 1.0 + COUNTING * count / TRIED)
-        pick = np.searchsorted(np.cumsum(_tempered(log, least)), (np.arange(count) + 0.5) / count)
+        weights = tempered(log, min(least, 0.5 * np.isfinite(log).sum()))
+        pick = np.searchsorted(np.cumsum(weights), (np.arange(count) + 0.5) / count)
         at = np.minimum(pick, len(log) - 1)
         return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
 
@@ -577,53 +584,76 @@ class TravelJudgement:
         """Return draws about the solutions of a family, and log weights (d,), when simulated."""
         shares = np.asarray(softmax([item.evidence for item in own]))
         law = own[0].linear.structure.law
-        rows, weights = [], []
+        rows, priors, densities = [], [], []
         k = self.nuisances_count
         for entry, n in zip(own, allotted(shares, wanted), strict=True):
             if not n:
                 continue
-            c = entry.linear.structure.count
+            linear = entry.linear
+            c = linear.structure.count
             values, density = self._proposed(entry, n, rng)
-            # the fit itself meets the readings, whatever linear proposals do
-            values[0, :c], values[0, c:] = entry.linear.centre[:c], 0.0
-            shape = np.tile(entry.linear.structure.unknowns[c:], (n, 1))
+            shape = np.tile(linear.structure.unknowns[c:], (n, 1))
             rows.append(np.column_stack([values[:, :c], shape, values[:, c : c + k]]))
-            off = values - entry.linear.means
-            prior = -0.5 * off**2 @ entry.linear.precisions
-            prior += 0.5 * float(np.sum(np.log(entry.linear.precisions)))
-            weights.append(prior - density - math.log(n / wanted) + entry.linear.prior)
-        points, log = np.vstack(rows), np.concatenate(weights)
+            prior = -0.5 * (values - linear.means) ** 2 @ linear.precisions + linear.prior
+            prior += 0.5 * float(np.sum(np.log(linear.precisions / (2.0 * math.pi))))
+            priors.append(prior - math.log(n / wanted))
+            densities.append(density)
+        points, prior, (density, others) = np.vstack(rows), np.hstack(priors), np.hstack(densities)
         size = len(law.names)
         draws = TravelDraws(law=law, unknowns=points[:, :size], nuisances=points[:, size:])
         c = own[0].linear.structure.count
         moved, freedom = own[0].linear.columns[:, c : c + k], own[0].freedom
-        result = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
-        if _counting(result, 1.0) < 0.6 * len(result) / PROPOSED:
-            draws = replace(draws, unknowns=self._met(draws, moved, rng))
-            result = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
+        travels = self._simulated(draws, self.trials, moved)
+        result = prior - density + self._likelihood(travels, freedom)
+        if effective_draws(result) < 0.6 * len(result) / PROPOSED:
+            met, travels, leading = self._met(draws, travels, moved, rng)
+            again = prior - others - leading + self._likelihood(travels, freedom)
+            if effective_draws(again) > effective_draws(result):
+                return met, again
         return draws, result
 
-    def _met(self, draws: TravelDraws, moved: Array, rng: np.random.Generator) -> Array:
-        """Return unknowns (d, p) whose leading one meets the readings, drawn again by their errors.
+    def _met(
+        self, draws: TravelDraws, travels: Array, moved: Array, rng: np.random.Generator
+    ) -> tuple[TravelDraws, Array, Array]:
+        """Return draws whose leading unknown meets the readings, drawn again by their errors.
 
-        Where coefficients make up for each other far from a fit, few linear proposals do.
+        Where coefficients make up for each other far from a fit, few linear proposals do. Slopes
+        are those of secants after the first step, and a draw that is there stays. With the draws
+        come their travels, and log densities (d,) of the leading unknown given the others: that of
+        Student's t along the slope, infinite of draws that do not meet the readings.
         """
-        unknowns = draws.unknowns.copy()
+        aside = 0.5  # over errors of readings: a draw that is farther off does not meet them
         low, high = (float(x[0]) for x in draws.law.bounds(self.size))
-        goal = self.measured + self.errors * rng.normal(size=(len(unknowns), len(self.measured)))
-        for _ in range(NEWTON):
-            step = -1e-3 * np.abs(unknowns[:, :1])  # down: room above may be none
-            other = unknowns.copy()
-            other[:, :1] += step
-            here = self._simulated(replace(draws, unknowns=unknowns), self.trials, moved)
-            there = self._simulated(replace(draws, unknowns=other), self.trials, moved)
-            slope = np.nan_to_num((there - here) / step / self.errors)
-            left = np.nan_to_num((goal - here) / self.errors)
-            change = np.sum(slope * left, axis=1) / np.maximum(np.sum(slope**2, axis=1), 1e-300)
-            size = np.abs(unknowns[:, 0])
-            unknowns[:, 0] += np.clip(change, -0.5 * size, 0.5 * size)
-            unknowns[:, 0] = np.clip(unknowns[:, 0], low, high)
-        return unknowns
+        noise = students(rng, *travels.shape)
+        goal = self.measured + self.errors * noise
+        unknowns, here = draws.unknowns.copy(), travels.copy()
+        live, change = np.arange(len(unknowns)), -1e-3 * np.abs(unknowns[:, 0])  # room above or not
+        slope = np.zeros(travels.shape)
+        for step in range(NEWTON + 1):
+            point = unknowns[live]
+            point[:, 0] += change
+            part = replace(draws, unknowns=point, nuisances=draws.nuisances[live])
+            there = self._simulated(part, self.trials, moved)
+            slope[live] = np.nan_to_num((there - here[live]) / change[:, None] / self.errors)
+            if step:
+                unknowns[live], here[live] = point, there
+            left = np.nan_to_num((goal[live] - here[live]) / self.errors)
+            size, steep = np.abs(unknowns[live, 0]), slope[live]
+            change = np.sum(steep * left, 1) / np.maximum(np.sum(steep**2, 1), 1e-300)
+            change = np.clip(change, -0.5 * size, 0.5 * size)
+            change = np.clip(unknowns[live, 0] + change, low, high) - unknowns[live, 0]
+            far = np.linalg.norm(steep * change[:, None], axis=1) > 0.1 * aside
+            live, change = live[far], change[far]
+            if not len(live):
+                break
+        steep = np.linalg.norm(slope, axis=1) + 1e-300
+        along, left = (
+            np.sum(slope * x, axis=1) / steep for x in (noise, (goal - here) / self.errors)
+        )
+        density = np.log(steep) + mixture_density(along[:, None], [(np.zeros(1), np.eye(1))])
+        # it ended elsewhere, or hardly moves the travels
+        density[~(np.abs(left) < aside) | (steep * np.abs(unknowns[:, 0]) < aside)] = math.inf
+        return replace(draws, unknowns=unknowns), here, density
 
     def _curve_drawn(self, count: int, rng: np.random.Generator) -> TravelDraws:
         """Return draws of the curve, whose factor is linear: so it stays beside the law."""
@@ -633,8 +663,9 @@ class TravelJudgement:
         size, k = best.count, self.nuisances_count
         rows, smooth = [], []
         for entry, n in zip(own, allotted(shares, count), strict=True):
-            scale = _scales(n, rng) if self.assumed else 1.0
-            values = entry.values + rng.normal(size=(n, len(entry.values))) / scale @ entry.root
+            size_of = n, len(entry.values)
+            drawn = students(rng, *size_of) if self.assumed else rng.normal(size=size_of)
+            values = entry.values + drawn @ entry.root
             rows.append(values[:, : size + k])
             smooth.append(values[:, size + k :] * entry.linear.bending)
         points = np.vstack(rows)
@@ -666,29 +697,33 @@ class TravelJudgement:
         return np.asarray(draws.off @ slopes + travels[0] * factor)
 
     def _proposed(self, one: Solved, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        """Return draws (d, q) about a solution, within its bounds, and their log densities (d,)."""
-        q = len(one.values)
-        scale = _scales(count, rng)
-        normal = rng.normal(size=(count, q)) / scale
-        values = one.values + normal @ one.root
-        law = one.linear.structure.law
+        """Return draws (d, q) about a solution, within its bounds, and their log densities (2, d).
+
+        The second densities are those of all values but the first.
+        """
+        values = one.values + students(rng, count, len(one.values)) @ one.root
+        law, c = one.linear.structure.law, one.linear.structure.count
+        # the fit itself meets the readings, whatever linear proposals do
+        values[0, :c], values[0, c:] = one.linear.centre[:c], 0.0
+        others = _root((one.root.T @ one.root)[1:, 1:])
+        density = mixture_density(values, [(one.values, one.root.T)])
+        rest = mixture_density(values[:, 1:], [(one.values[1:], others.T)])
         low, high = law.bounds(self.size)
-        c = one.linear.structure.count
         inside = values[:, :c]
         # reflected at what is least: it stays a draw, of about the same density
         inside = np.where(inside < low[:c], 2.0 * low[:c] - inside, inside)
         values[:, :c] = np.clip(inside, low[:c], high[:c])
-        nu, squares = THRESHOLDS.freedom, np.sum(normal**2, axis=1)
-        density = -0.5 * (nu + q) * np.log1p(squares / nu)
-        return values, density - float(np.sum(np.log(np.abs(np.diag(one.root)) + 1e-300)))
+        return values, np.array([density, rest])
 
     def _likelihood(self, travels: Array, freedom: float) -> Array:
         """Return log likelihoods (d,) of simulated travels (d, n)."""
         left = (self.measured - travels) / self.errors
         if self.assumed:  # the scale is not known either
             nu = max(freedom, 1.0)
-            return np.asarray(-0.5 * (nu + left.shape[1]) * np.log1p(np.sum(left**2, 1) / nu))
-        return -0.5 * setting_scores(left, self._shared(self.errors))
+            result = -0.5 * (nu + left.shape[1]) * np.log1p(np.sum(left**2, 1) / nu)
+        else:
+            result = -0.5 * setting_scores(left, self._shared(self.errors))
+        return np.where(np.isfinite(result), result, -np.inf)
 
     def travels(self, settings: Array) -> Array:
         """Return the travels (d, m) [m] at settings (m,) of the knob: of draws, and their error."""
@@ -738,7 +773,9 @@ class TravelJudgement:
     def effective(self, name: str) -> float:
         """Return how many of the draws of a law count, by their likelihoods when simulated."""
         self.draws_of(name)
-        return max(_counting(log, 1.0) for (of, _), (_, log) in self._weighed.items() if of == name)
+        return max(
+            effective_draws(log) for (of, _), (_, log) in self._weighed.items() if of == name
+        )
 
     def values(self, name: str) -> dict[str, Array]:
         """Return the parameters of the draws of a law (d,) by path."""
@@ -829,29 +866,6 @@ def _set(trials: Sequence[Trial], path: str) -> list[float]:
         float({p: v for p, _, v in parameters(trial.mechanism, "mechanism")}[path])
         for trial in trials
     ]
-
-
-def _scales(count: int, rng: np.random.Generator) -> Array:
-    """Return what normal draws are over to be of Student's t (count, 1)."""
-    nu = THRESHOLDS.freedom
-    return np.sqrt(rng.chisquare(nu, (count, 1)) / nu)
-
-
-def _counting(log: Array, power: float) -> float:
-    """Return how many draws count with powers of likelihoods as weights."""
-    finite = log[np.isfinite(log)]
-    return 1.0 / float(np.sum(softmax(power * finite) ** 2)) if len(finite) else 0.0
-
-
-def _tempered(log: Array, least: float) -> Array:
-    """Return weights (d,) in sum 1: powers of likelihoods of which at least so many draws count."""
-    finite = np.isfinite(log)
-    if not finite.any():
-        return np.full(len(log), 1.0 / len(log))
-    power = 1.0
-    while _counting(log, power) < min(least, finite.sum() / 2.0) and power > 1e-3:
-        power *= 0.7
-    return np.asarray(softmax(np.where(finite, power * log, -np.inf)))
 
 
 def _root(covariance: Array) -> Array:

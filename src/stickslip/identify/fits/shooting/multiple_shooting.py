@@ -34,7 +34,7 @@ from stickslip.identify.fits.shooting.sampled_loops import (
     run_through,
     without_steps,
 )
-from stickslip.mechanisms import Mechanism, slip_of, stops_of
+from stickslip.mechanisms import Mechanism, slip_names, slip_of, stops_of
 from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
@@ -475,10 +475,7 @@ def _slip_velocity(mechanism: Mechanism) -> int:
 
 def _state_of(mechanism: Mechanism, quantity: str) -> str:
     """Return the name of the state that a quantity is of the slipping body."""
-    slip = slip_of(mechanism)
-    if quantity == "position":
-        return slip
-    return mechanism.rates[mechanism.coordinates.index(slip)]
+    return slip_names(mechanism)[quantity != "position"]
 
 
 def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> ResidualJacobian:
