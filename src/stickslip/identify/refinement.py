@@ -11,7 +11,8 @@ of the mechanism, readings :math:`y` and what segments with free starts :math:`s
 
 where :math:`\theta_0` is what was given and :math:`\tau` is `PRIOR`.
 
-1. Steps of Levenberg and Marquardt along the sensitivities of the engine lead there.
+1. Steps of Levenberg and Marquardt along the sensitivities of the engine lead there, until one
+   would raise the logarithm of the posterior by less than `SETTLED`.
 2. The deviation :math:`\sigma` of a reading, and the share :math:`\kappa` of readings that count as
    independent (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times.
 3. The curvature there is the precision of :math:`\theta`, about which the balance is then judged.
@@ -43,6 +44,7 @@ from stickslip.identify.posterior import Array
 from stickslip.identify.problems.free_runs import ROUNDED, worth
 from stickslip.identify.problems.record_model import KAPPA
 from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.simulated import SETTLED
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import parameters, vary
 from stickslip.show.formatting import joined
@@ -53,6 +55,8 @@ TOLD = 0.5
 """Deviation after the runs over that before, beyond which they tell next to nothing."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
+STEPS = 10
+"""Steps of an initial state at each: where a body sticks and slips there are many, and long."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -164,7 +168,7 @@ def refined(
         mechanism=mechanism, law=BamM4, known={"fading_exponent": 1.0}, unknown=tuple(unknown)
     )
     choice = RouteChoice.of(mechanism, measurement, RecordSettings(hold=hold))
-    problem = simulated(choice, wanted, measurement, {}).problem
+    problem = replace(simulated(choice, wanted, measurement, {}).problem, steps=STEPS)
     free = problem.free_parameters
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     looked = [k for k, item in enumerate(free.items) if item.path in unknown]
@@ -175,7 +179,7 @@ def refined(
     for _ in range(ROUNDS):
         deviation = best.rms / math.sqrt(share)
         prior = _WithPrior(runs=problem, given=given, sizes=sizes, deviation=deviation)
-        end, _ = improve(prior, best.values)
+        end, _ = improve(prior, best.values, least=2.0 * SETTLED * deviation**2)
         best = problem.linearise(end.values, end)
         share = min(
             worth(best.slopes / best.rms, best.residual, prior.precision(end.values)), KAPPA

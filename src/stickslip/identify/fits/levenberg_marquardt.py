@@ -215,10 +215,12 @@ def improve(
     near: ResidualJacobian | None = None,
     counter: Callable[[ResidualJacobian], None] | None = None,
     rounds: int = ROUNDS,
+    least: float | None = None,
 ) -> tuple[ResidualJacobian, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
-    A descent that ended at these values, `near`, is continued.
+    A descent that ended at these values, `near`, is continued. It ends where a step lowers the cost
+    by no more than `least`, or a share of the cost if that is not given.
     """
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
@@ -233,7 +235,8 @@ def improve(
         for _ in range(rounds):
             table = here.slopes @ free_parameters.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
-            done = promised <= SETTLED * here.cost
+            enough = SETTLED * here.cost if least is None else least
+            done = promised <= enough
             trial = at if done else np.clip(at + step, low, high)
             there = problem.linearise(free_parameters.values(trial), here)
             if counter is not None:
@@ -244,7 +247,7 @@ def improve(
                 damping, growth = damping * _eased(gained, promised), GROWTH
             elif not done:
                 damping, growth = damping * growth, growth * GROWTH
-            if done and not gained > SETTLED * here.cost:
+            if done and not gained > enough:
                 break  # nor did initial states, which follow one step behind, gain anything
     except _StoppedError:
         return here, True

@@ -311,15 +311,20 @@ class LocalState:
 
 
 def settled(
-    guess: Array, rest: Array, shoot: Callable[[Array], LocalState | None], *, at_rest: bool
+    guess: Array,
+    rest: Array,
+    shoot: Callable[[Array], LocalState | None],
+    *,
+    at_rest: bool,
+    rounds: int = ROUNDS,
 ) -> LocalState | None:
     """Return a segment from the initial state that fits it best; None if no run succeeds.
 
     `rest` is the guess with rates of 0, but those that are known.
     """
     first = shoot(guess)
-    best = _descended(first, shoot) if first is not None and first.able else None
-    return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
+    best = _descended(first, shoot, rounds) if first is not None and first.able else None
+    return _or_at_rest(best, rest, shoot, rounds) if at_rest or best is None else best
 
 
 def followed(
@@ -329,6 +334,7 @@ def followed(
     shoot: Callable[[Array], LocalState | None],
     *,
     at_rest: bool,
+    rounds: int = ROUNDS,
 ) -> LocalState | None:
     """Return a segment where the unknowns have changed by (p,): from a state carried on.
 
@@ -343,13 +349,18 @@ def followed(
     best = None
     for item, well in sorted(tried, key=lambda pair: pair[0].misfit):
         if item.able:
-            best = _descended(replace(item, damping=before.damping).stepped(well=well), shoot)
+            best = _descended(
+                replace(item, damping=before.damping).stepped(well=well), shoot, rounds
+            )
             break
-    return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
+    return _or_at_rest(best, rest, shoot, rounds) if at_rest or best is None else best
 
 
 def _or_at_rest(
-    best: LocalState | None, rest: Array, shoot: Callable[[Array], LocalState | None]
+    best: LocalState | None,
+    rest: Array,
+    shoot: Callable[[Array], LocalState | None],
+    rounds: int,
 ) -> LocalState | None:
     """Return a segment from rest, unless an initial velocity fits it clearly better.
 
@@ -362,18 +373,20 @@ def _or_at_rest(
     first = shoot(rest)
     if first is None or not first.able:
         return best
-    rested = _descended(first, shoot)
+    rested = _descended(first, shoot, rounds)
     clearly = best is not None and best.misfit < (1.0 - AGREE) * rested.misfit
     return best if clearly else rested
 
 
-def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) -> LocalState:
+def _descended(
+    best: LocalState, shoot: Callable[[Array], LocalState | None], rounds: int
+) -> LocalState:
     """Return a segment from the best state met on the way down.
 
     What is projected out of slopes is what a state can do to first order: it is true only of one
     from which there is next to nothing left to do.
     """
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         if best.settled:
             break
         there = shoot(best.near())

@@ -20,7 +20,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.levenberg_marquardt import STEEPEST, ResidualJacobian
 from stickslip.identify.fits.parameters import MOVED, FreeParameters, not_whole
-from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, SURE
+from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, ROUNDS, SURE
 from stickslip.identify.fits.shooting.initial_states import (
     FirstDeflections,
     LocalState,
@@ -103,6 +103,8 @@ class Shooting:
     """What is compared: ``"position"`` or ``"velocity"``."""
     motions: tuple[RecordedMotion, ...] = ()
     """The measured motion of each record between gaps, as far as bristles are followed along it."""
+    steps: int = ROUNDS
+    """Steps of an initial state at most, each time: the next goes on from there."""
 
     @property
     def spans(self) -> Array:
@@ -172,9 +174,10 @@ class Shooting:
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
             shoot = partial(self._shot, segment, mechanism, law, begun[k])
             at_rest = _may_rest(segment, self.quantity)
+            how = {"at_rest": at_rest, "rounds": self.steps}
             if before is None:
-                return settled(segment.guess, segment.rest, shoot, at_rest=at_rest)
-            return followed(before, change, segment.rest, shoot, at_rest=at_rest)
+                return settled(segment.guess, segment.rest, shoot, **how)
+            return followed(before, change, segment.rest, shoot, **how)
 
         shots = on_threads(lambda k: one(k, known.get(k)), chosen)
         result = dict(zip(chosen, shots, strict=True))
