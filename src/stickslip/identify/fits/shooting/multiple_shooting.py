@@ -174,10 +174,10 @@ class Shooting:
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
             shoot = partial(self._shot, segment, mechanism, law, begun[k])
             at_rest = _may_rest(segment, self.quantity)
-            how = {"at_rest": at_rest, "rounds": self.steps}
+            own, most = segment.rest, self.steps
             if before is None:
-                return settled(segment.guess, segment.rest, shoot, **how)
-            return followed(before, change, segment.rest, shoot, **how)
+                return settled(segment.guess, own, shoot, at_rest=at_rest, rounds=most)
+            return followed(before, change, own, shoot, at_rest=at_rest, rounds=most)
 
         shots = on_threads(lambda k: one(k, known.get(k)), chosen)
         result = dict(zip(chosen, shots, strict=True))
