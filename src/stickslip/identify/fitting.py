@@ -60,7 +60,11 @@ def fitted_law(
         raise untold_states(kind)
     given_whole = isinstance(law, type) and not known
     own = whole if given_whole else OwnLaw(law=starting(law, known, load), varied=names)
-    verdict = select([own])
+    return alone(select([own]), kind)
+
+
+def alone(verdict: BandVerdict, kind: type[FrictionLaw]) -> LawFit:
+    """Return the fit of a law that was compared alone."""
     result = _as(verdict, kind, {})
     if result is None:
         reason = in_sentence(verdict.words.verdict).rstrip(".")

@@ -21,11 +21,12 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import Hold, goes_straight, inside, load_of
+from stickslip.identify.fits import Hold, RecordFit, goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
+from stickslip.identify.problems.driven_runs import DrivenProblem
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
@@ -174,7 +175,7 @@ def _foreseen_records(
 ) -> Foreseen:
     """Return what is foreseen of records of another run."""
     problem, records = judgement.problem, again(measurement)
-    assert isinstance(problem, RecordProblem | FreeMotionProblem)
+    assert isinstance(problem, RecordProblem | DrivenProblem | FreeMotionProblem)
     rows = problem.like(records)
     kind = "friction" if records[0].friction else "force"
     if isinstance(problem, FreeMotionProblem):
@@ -275,15 +276,22 @@ def select_record(
     hold: Hold | None = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
+    by_runs: RecordFit[Any] | None = None,
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is over all candidate laws.
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
-    samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
+    samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction. Of a
+    law that was fitted alone `by_runs`, these tell all.
     """
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)
     held = hold != "first" and _is_held(measurement)
+    if by_runs is not None:
+        return _driven_verdict(
+            by_runs, mechanism, measurement, partial(records_of, offset=False, held=held),
+            checks=checks, validate=validate, tolerance=tolerance, timed=hold is not None,
+        )  # fmt: skip
     made = partial(
         records_of, unknown=vary, offset=offset, held=held,
         doubts=doubts_of(mechanism, measurement, vary),
@@ -322,6 +330,41 @@ def select_record(
     )
 
 
+def _driven_verdict(
+    fit: RecordFit[Any],
+    mechanism: Mechanism,
+    measurement: Measurement,
+    made: Callable[..., list[Record]],
+    *,
+    checks: Checks,
+    validate: Measurement | None,
+    tolerance: float | None,
+    timed: bool,
+) -> BandVerdict:
+    """Return the verdict on a law that runs tell."""
+    rig = fit.mechanism
+    records = made(rig, with_gear(rig, measurement))
+    plain = problem_of_records(
+        rig, records, offset=False, turning=measurement.turning, timed=timed,
+        families=laws_for([type(fit.law)], records, load_of(rig)).alone,
+    )  # fmt: skip
+    assert isinstance(plain, RecordProblem)
+    problem = DrivenProblem(plain, fit)
+    return record_verdict(
+        problem,
+        mechanism,
+        measurement,
+        offset=False,
+        tolerance=tolerance,
+        checks=checks,
+        route="shooting",
+        second=validate,
+        other=validate,
+        again=partial(_records_again, rig, made),
+        remarks=[*map(str, checks.of("outliers")), problem.followed],
+    )
+
+
 def _refuse_outside(problem: RecordProblem) -> None:
     """Refuse parameters that end outside their range: with them nothing has a scale."""
     unknown = problem.records[0].unknown
@@ -354,7 +397,7 @@ def _values_of(problem: RecordProblem) -> dict[str, float]:
 
 
 def record_verdict(
-    problem: RecordProblem | FreeMotionProblem,
+    problem: RecordProblem | DrivenProblem | FreeMotionProblem,
     mechanism: Mechanism,
     measurement: Measurement,
     *,
@@ -391,7 +434,7 @@ def record_verdict(
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
     rows, next_, widths = problem.asked(), list[str](), tuple[float, ...]()
-    if isinstance(problem, RecordProblem):
+    if not isinstance(problem, FreeMotionProblem):
         widths = widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)
         proposal = Proposal(places=(), shrinks=widths[0])
     else:

@@ -660,12 +660,17 @@ class RecordProblem(Problem):
 
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of what the law and what acts beside it leave [N]."""
+        at = self.asked()
+        off = self._middle - self.design(rung.structure, at) @ rung.coefficients
+        return math.hypot(self.noise_of_rows, math.sqrt(float(np.mean(off**2))))
+
+    @property
+    def noise_of_rows(self) -> float:
+        """Root mean square of the deviations of the rows about what the posterior says."""
         noise, rows = self.model.noises[MIDDLE], self.model.balance.rows(MIDDLE)
         of = self.model.classes(self.model.balance, MIDDLE, noise)
         sizes = noise.deviations[of] * noise.pieces[rows.piece] * self._noisier
-        at = self.asked()
-        off = self._middle - self.design(rung.structure, at) @ rung.coefficients
-        return math.sqrt(float(np.mean(sizes**2)) + float(np.mean(off**2)))
+        return math.sqrt(float(np.mean(sizes**2)))
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return what changes along the records, with its probability."""
