@@ -18,7 +18,6 @@ from stickslip.identify.figures import plot_band as plot_band
 from stickslip.identify.fits import Estimate as Estimate
 from stickslip.identify.fits import Fit as Fit
 from stickslip.identify.fits import RecordFit as RecordFit
-from stickslip.identify.fitting import alone as alone
 from stickslip.identify.fitting import fitted_law as fitted_law
 from stickslip.identify.joints import JointLawFit as JointLawFit
 from stickslip.identify.joints import JointVerdict as JointVerdict

@@ -185,9 +185,6 @@ class Problem(ABC):
     """Number of runs or specimens that were measured."""
     looked_for: frozenset[str] = frozenset()
     """Terms beside every law that a user looks for."""
-    best: Draws | None = None
-    """The law that was fitted, as a draw: it is handed over, and draws of it have its parameters.
-    None where these are those of the law that is closest to a curve."""
     fitted: bool = False
     """Whether one law is fitted: it stays of its type, and a constant offset stands beside it."""
 
@@ -474,10 +471,6 @@ class Judgement:
 
         Draws that have the `same` shapes keep them, and stay near their coefficients.
         """
-        if self.problem.best is not None:
-            fitted, size = [self.problem.best] if draws is None else draws, len(rung.structure)
-            law = [x.law if x.structure else np.zeros((size, x.law.shape[1])) for x in fitted]
-            return np.hstack(law).T, rung.structure
         rows, weights = self._metric
         curves = self._middle if draws is None else self.problem.steady(rows, draws)
         free, coarse = ((), ()) if same else self.problem.free(rung)
@@ -735,8 +728,7 @@ class Judgement:
     @cached_property
     def rig(self) -> dict[str, Array]:
         """What was looked for of the rig (1,) by path."""
-        best = self.problem.best
-        drawn = self.problem.rig(self.draws if best is None else [best])
+        drawn = self.problem.rig(self.draws)
         return {path: np.median(x, keepdims=True) for path, x in drawn.items()}
 
     def values_of(self, draws: Sequence[Draws], rung: Rung | None = None) -> dict[str, Array]:

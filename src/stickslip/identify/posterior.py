@@ -324,7 +324,7 @@ class Posterior:
         doubted: Collection[str] = (),
     ) -> None:
         self.model, self.structures = model, tuple(structures)
-        self._priors = np.asarray(priors, dtype=float)
+        self.priors = np.asarray(priors, dtype=float)
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self._batches: dict[int, tuple[Batch, ...]] = {}
         self._given = [k for k, item in enumerate(model.scales) if not item.judged]
@@ -548,7 +548,7 @@ class Posterior:
             gain -= 0.5 * logarithm + size * math.log(COEFFICIENT)
             inside = brakes(c, inverse, positive, rows * sizes[of][:, None, :])
             result[at] = base + gain + inside
-        return np.asarray(result + self._priors + self.model.prior(node))
+        return np.asarray(result + self.priors + self.model.prior(node))
 
     @property
     def shares(self) -> Array:

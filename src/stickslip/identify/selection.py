@@ -21,12 +21,12 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import Hold, RecordFit, goes_straight, inside, load_of
+from stickslip.identify.fits import Hold, goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
-from stickslip.identify.problems.driven_runs import DrivenProblem
+from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, beside_law, followed
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
@@ -41,7 +41,6 @@ from stickslip.identify.propose import (
     widths_of_another,
     within_band,
 )
-from stickslip.identify.refinement import Refined, refined
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     NO_RECORDS,
@@ -190,13 +189,6 @@ def _records_again(
     return made(rig, with_gear(rig, measurement))
 
 
-def _known_by_runs(
-    runs: Refined, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
-) -> list[Record]:
-    """Return records of a mechanism that runs told."""
-    return runs.known(made(rig, measurement, linear=False))
-
-
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
@@ -276,22 +268,15 @@ def select_record(
     hold: Hold | None = None,
     validate: Measurement | None = None,
     tolerance: float | None = None,
-    by_runs: RecordFit[Any] | None = None,
 ) -> BandVerdict:
     """Judge records of one coordinate: which law, and what friction is over all candidate laws.
 
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
-    samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction. Of a
-    law that was fitted alone `by_runs`, these tell all.
+    samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
     """
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)
     held = hold != "first" and _is_held(measurement)
-    if by_runs is not None:
-        return _driven_verdict(
-            by_runs, mechanism, measurement, partial(records_of, offset=False, held=held),
-            checks=checks, validate=validate, tolerance=tolerance, timed=hold is not None,
-        )  # fmt: skip
     made = partial(
         records_of, unknown=vary, offset=offset, held=held,
         doubts=doubts_of(mechanism, measurement, vary),
@@ -300,11 +285,26 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    runs = refined(mechanism, measurement, vary, hold=hold)
-    if runs is None:
-        rig = settled(mechanism, measurement, vary, offset=offset)
-    else:
-        rig, made = runs.on(mechanism), partial(_known_by_runs, runs, made)
+    runs = followed(mechanism, measurement, vary, hold=hold)
+    if runs is not None:
+        made = partial(records_of, offset=False, held=held)
+        problem, rig = _driven_problem(
+            runs, mechanism, measurement, made, laws, timed=hold is not None
+        )
+        return record_verdict(
+            problem,
+            mechanism,
+            measurement,
+            offset=not offset,
+            tolerance=tolerance,
+            checks=checks,
+            route="balance",
+            second=validate,
+            other=validate,
+            again=partial(_records_again, rig, made),
+            remarks=[*map(str, checks.of("outliers")), runs.sentence],
+        )
+    rig = settled(mechanism, measurement, vary, offset=offset)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     asked = laws_for(laws, records, load_of(rig))
@@ -326,43 +326,37 @@ def select_record(
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),
-        remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
+        remarks=map(str, checks.of("outliers")),
     )
 
 
-def _driven_verdict(
-    fit: RecordFit[Any],
+def _driven_problem(
+    runs: DrivenRuns,
     mechanism: Mechanism,
     measurement: Measurement,
     made: Callable[..., list[Record]],
+    laws: Any,
     *,
-    checks: Checks,
-    validate: Measurement | None,
-    tolerance: float | None,
     timed: bool,
-) -> BandVerdict:
-    """Return the verdict on a law that runs tell."""
-    rig = fit.mechanism
+) -> tuple[DrivenProblem, Mechanism]:
+    """Return records under a voltage with what runs say of them, and the mechanism by these."""
+    rig = runs.on(mechanism)
+    beside = beside_law(runs.law, made(rig, with_gear(rig, measurement)))
+    runs = beside.after(runs, runs.law)
+    runs.refuse_untold()
+    rig = runs.on(mechanism)
     records = made(rig, with_gear(rig, measurement))
+    refuse_wrong_signs(records)
+    asked = laws_for(laws, records, load_of(rig))
     plain = problem_of_records(
-        rig, records, offset=False, turning=measurement.turning, timed=timed,
-        families=laws_for([type(fit.law)], records, load_of(rig)).alone,
-    )  # fmt: skip
-    assert isinstance(plain, RecordProblem)
-    problem = DrivenProblem(plain, fit)
-    return record_verdict(
-        problem,
-        mechanism,
-        measurement,
-        offset=False,
-        tolerance=tolerance,
-        checks=checks,
-        route="shooting",
-        second=validate,
-        other=validate,
-        again=partial(_records_again, rig, made),
-        remarks=[*map(str, checks.of("outliers")), problem.followed],
+        rig, records, offset=False, turning=measurement.turning, timed=timed, families=asked.alone
     )
+    assert isinstance(plain, RecordProblem)
+    problem: DrivenProblem = with_own_laws(DrivenProblem(plain, runs, beside), asked)
+    law = problem.likeliest()
+    if law is not None:  # values at knots are no law: what is beside the likeliest is small
+        problem = with_own_laws(DrivenProblem(plain, beside.after(runs, law), beside), asked)
+    return problem, rig
 
 
 def _refuse_outside(problem: RecordProblem) -> None:

@@ -1,7 +1,6 @@
 """Records in time, and measured friction."""
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
@@ -9,13 +8,12 @@ from typing import Any, cast
 
 from stickslip.data import QUANTITIES, Measurement, command_of, refuse_unused
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.friction import LuGre, SetValuedLaw
+from stickslip.friction import LuGre
 from stickslip.identify import (
     BandVerdict,
     Fit,
     LawFit,
     NotToldError,
-    alone,
     fitted_law,
     importance,
     ladder_rows,
@@ -118,9 +116,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
             second=second,
-            trials=None
-            if fit.route == SHOOTING
-            else compared(fit, lambda **given: self._fit(Request(**given))),
+            trials=compared(fit, lambda **given: self._fit(Request(**given))),
         )
 
     def sections(
@@ -142,16 +138,9 @@ class RecordKind(BandKind):
     def _route(self, request: Request) -> str:
         """Return how records are fitted."""
         law: Any = None if request.law is None else self.owner(request.law)
-        if law is not None and request.route is None and _voltage_hides(request, law):
-            return SHOOTING
         return route_of(request.mechanism, request.measurement, law, asked=request.route)
 
     def why_unused(self, name: str, request: Request) -> str:
-        hidden = self._hidden(request)
-        if hidden is not None:
-            if name == "horizon":
-                return "applies to predictions by segments: ask for the route shooting as well."
-            return ""
         route = None if request.law is None else self._route(request)
         if name in OF_BALANCE and not _holds(request, balanced=route == BALANCE):
             return (
@@ -193,21 +182,9 @@ class RecordKind(BandKind):
             except NotToldError:  # which runs under what was recorded may tell
                 if request.route is not None or "friction" in request.measurement.quantities():
                     raise
-        result = self._by_runs(request)
-        if self._hidden(request) is None or not tells_all(result):
-            return result
-        chosen = request.parameters(self.owner(request.law))
-        return alone(self._select(request, chosen, None, result), type(result.law))
-
-    def _by_runs(self, request: Request) -> RecordFit[Any]:
-        """Return the fit of a law by simulated segments."""
         self._refuse_signs(request)
         begin, late = self._begun(request)
         given = request.arguments("law", "progress", "settings")
-        if _voltage_hides(request, self.owner(request.law)):
-            # constants of a motor trade with friction of its gear: another end may fit as well
-            settings = request.settings or RecordSettings()
-            given["settings"] = replace(settings, starts=max(settings.starts, 2))
         return fit_records(begin=begin, late=late, **given)
 
     def _refuse_signs(self, request: Request) -> None:
@@ -246,36 +223,9 @@ class RecordKind(BandKind):
         return {}, None
 
     def select(self, request: Request) -> BandVerdict:
-        hidden, result = self._hidden(request), None
-        if hidden is not None:
-            with suppress(InputError, ConvergenceError):  # which leaves the law to the balance
-                result = self._by_runs(hidden)
-        by_runs = result if result is not None and tells_all(result) else None
-        return self._select(request, request.parameters(None), request.laws, by_runs)
+        return self._select(request, request.parameters(None), request.laws)
 
-    def _hidden(self, request: Request) -> Request | None:
-        """Return the fit of a law alone, where a voltage hides its motor; None if none does."""
-        laws = request.laws or ()
-        given: list[Any] = [*(laws.values() if isinstance(laws, Mapping) else laws)]
-        given = [request.law] if request.law is not None else given
-        if len(given) != 1 or request.route is not None:
-            return None
-        law, vary = self.law_and_parameters(given[0], request.vary, request.fixed or ())
-        own: Any = self.owner(law)
-        if not _voltage_hides(replace(request, vary=vary), own):
-            return None
-        watch = request.progress
-        if watch and request.law is None:
-            watch = partial(watch, own.name)
-        return replace(request, law=law, laws=None, vary=vary, progress=watch)
-
-    def _select(
-        self,
-        request: Request,
-        chosen: Parameters[Any],
-        laws: Any,
-        by_runs: RecordFit[Any] | None = None,
-    ) -> BandVerdict:
+    def _select(self, request: Request, chosen: Parameters[Any], laws: Any) -> BandVerdict:
         refuse_overrides(request.measurement, chosen.unknown)
         return select_record(
             chosen.mechanism,
@@ -286,7 +236,6 @@ class RecordKind(BandKind):
             hold=request.settings.hold if request.settings else None,
             validate=request.validate,
             tolerance=request.tolerance,
-            by_runs=by_runs,
         )
 
     def summary(
@@ -317,25 +266,6 @@ class RecordKind(BandKind):
             open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
         )
-
-
-def tells_all(fit: RecordFit[Any]) -> bool:
-    """Return whether runs tell all of a mechanism, and how friction may differ from a law."""
-    of_rig = (x for x in fit.estimates if not x.path.startswith("friction."))
-    plain = isinstance(fit.law, SetValuedLaw)
-    return plain and not fit.cancelled and all(estimate.known for estimate in of_rig)
-
-
-def _voltage_hides(request: Request, law: Any) -> bool:
-    """Return whether constants of a motor are looked for that a voltage alone drives.
-
-    Runs then know friction of the gear several times better than a balance does.
-    """
-    if motor_of(request.mechanism) is None:
-        return False
-    unknown = request.parameters(law).unknown
-    looked = any(path.startswith("mechanism.drive.") for path in unknown)
-    return looked and all(command_of(x) == "voltage" for x in request.measurement.records())
 
 
 def _holds(request: Request, *, balanced: bool) -> bool:

@@ -1,65 +1,75 @@
-r"""Driven runs: what runs under a recorded voltage say of one law, and of friction beside it.
+r"""Driven runs: what runs under a recorded voltage say of friction and of what it acts in.
 
-A force balance is blind where constants of a motor are looked for that a voltage drives: what it
-lacks, such as the error of a velocity, all goes to friction. Runs are not. With the parameters
-:math:`\theta` of a law and of the mechanism where segments of runs follow the readings best
-(`stickslip.identify.fits`), readings :math:`y` leave :math:`r`, and nearby
+A force balance is blind where constants of a motor are looked for that a voltage drives: noise of
+the velocity, the steps of an encoder and friction that a law lacks all move them. Runs are not.
+Parameters :math:`\phi` of the mechanism and friction of speed :math:`u` and of what a gear
+transmits, :math:`T`,
 
 .. math::
-    r = S\, (\theta - \hat\theta) + D\, w + e , \qquad
-    \delta(u, T) = F \sum_k (w_k + w_{K+k}\, |T| / T_0)\, N_k(\log (1 + u^2/u_1^2)) .
+    \tau(u, T) = \tau_0(u, T) + F \sum_k (w_k + w_{K+k}\, |T| / T_0)\, N_k(\log (1 + u^2/u_1^2)) ,
 
-1. **What no law says**, :math:`\delta`, is friction of speed :math:`u` and of what a gear
-   transmits, :math:`T`: Newton's polynomials through values at `KNOTS` speeds, over the size
-   :math:`F` of friction. Values are normal with a deviation of `SIZES` and Matern's correlation of
-   the logarithm of the speed. Their slopes :math:`D` are those of the same segments.
-2. Where :math:`\delta` is likelier than none, runs with it are linear about those that follow the
-   readings best, by steps of Levenberg and Marquardt with the prior of the likeliest size.
-3. :math:`\theta` is taken out of both, so that what a law of other values says is no
-   :math:`\delta`. The probability of each size follows from the rest, whose rows count by the sum
-   of their squared scores over that of blocks of rows (`problems.free_runs.worth`).
-4. **Draws** take a size and :math:`w`; :math:`\theta` follows these, and varies about that as much
-   as leaving out blocks of rows says (`RecordFit.inference`).
-5. **No friction** is judged by what runs without any leave, and the criterion of Schwarz.
+are unknown: Newton's polynomials through values at `KNOTS` speeds beside a plain law
+:math:`\tau_0`, over the size :math:`F` of friction. Each segment of the records starts as it fits
+best.
+
+1. The plain law and :math:`\phi` are found by steps of Levenberg and Marquardt along the
+   sensitivities of the engine, :math:`\log\phi` with a prior of deviation `PRIOR` about what was
+   given. Steps end where they would raise the logarithm of the posterior by less than `SETTLED`.
+2. So are :math:`w` and :math:`\phi`, with the plain law held: whatever friction is, runs follow it.
+   The deviation of a reading, and the share of readings that count as independent
+   (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times.
+3. About that, runs are linear: with slopes :math:`S` the column of a term :math:`g` of a law is
+   :math:`S_w\, g / F` at the knots, and the problem is one of `stickslip.identify.posterior`.
+   Laws and what no law says, normal values at the knots with Matern's correlation, are then judged
+   as those of free motions are, for all at once, with :math:`\phi` free.
 """
 
-import functools
+import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit, logsumexp, ndtr, stdtrit
+from scipy.optimize import least_squares
 
-from stickslip.friction import FrictionLaw, SetValuedLaw, bound
+from stickslip.data import Measurement
+from stickslip.friction import BamM3, CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
-    CHANCE,
     FreeParameter,
     FreeParameters,
-    RecordFit,
+    Hold,
+    Parameters,
+    RecordSettings,
     ResidualJacobian,
     Shooting,
+    Wanted,
     improve,
+    segments_and_hold,
+    simulated,
 )
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.judgement import DRAWS, Candidates, Problem
-from stickslip.identify.laws import Composition, compose, own_composition
-from stickslip.identify.own_laws import OwnLaw, Slips, Slope, is_slope
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
+from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
 from stickslip.identify.posterior import (
-    SPARE,
     Array,
+    Column,
     Draws,
     Family,
+    Model,
     Node,
+    Posterior,
+    Scale,
     Structure,
-    allotted,
+    System,
     family_of,
 )
 from stickslip.identify.problems.free_runs import (
+    ROUNDED,
     RUN_PRIOR,
     RUNS,
     SIZE_PRIOR,
@@ -71,32 +81,48 @@ from stickslip.identify.problems.free_runs import (
     nested,
     newton,
     place_of,
+    refined_shapes,
     worth,
 )
-from stickslip.identify.problems.record_curves import OtherRows, SteadyRows, beyond
-from stickslip.identify.problems.record_model import KAPPA
-from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.problems.records import RecordProblem
+from stickslip.identify.problems.record_columns import GEAR, Balance, through_gear
+from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
+from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
+from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
+from stickslip.identify.problems.records import ASKED, PLACES, RecordProblem, parts_of
 from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
-from stickslip.maths import Scalar
-from stickslip.quantities import Quantity
-from stickslip.show.formatting import quantity
+from stickslip.identify.vocabulary import SIGNED, Grid, parameters_of
+from stickslip.maths import Scalar, where
+from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.quantities import Quantity, parameters, vary
+from stickslip.show.formatting import joined
 
+PRIOR = 0.5
+"""Standard deviation of the logarithm of a parameter about the value that was given of it."""
+OPEN = 10.0
+"""That of a parameter that may be 0, over what runs leave of it."""
+MOST = 100.0
+"""Size of a coefficient at most, over the usual one of a parameter."""
+TOLD = 0.5
+"""Deviation after the runs over that before, beyond which they tell next to nothing."""
+ROUNDS = 3
+"""Times that the deviation of readings is taken again."""
+STEPS = 10
+"""Steps of an initial state at each: where a body sticks and slips there are many, and long."""
 KNOTS = 8
 """Speeds at which friction beside a law is free: about one for each e-fold that a servo has."""
-PLACES = leja(KNOTS)
-LEVELS = 200
-"""Draws by which a law is compared with the middle of friction."""
+AT = leja(KNOTS)
+QUICK = 0.995
+"""Part of the readings that are slower than the fastest speed."""
+DECADES = 100.0
+"""Range of speeds at most."""
+FOLLOWING = 5
+"""Size with which runs that follow are looked for."""
 UNSEEN = (
     "Runs do not tell whether friction changes with the place, in time or between records: the"
     " intervals hold for friction as it was on average."
 )
 """What is not looked for."""
-AGAIN = 3
-"""Times that the deviation of readings, and that runs, are taken again."""
-STEPS = 8
-"""Steps of the search for friction beside a law, each time."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,9 +144,9 @@ class BesideLaw(SetValuedLaw):
 
     def _beside(self, speed: Scalar) -> Scalar:
         x = place_of(speed, self.slowest, self.fastest)
-        result = nested(self.level, x, PLACES)
+        result = nested(self.level, x, AT)
         if self.gear:
-            result = result + abs(self.contact(TRANSMITTED)) * nested(self.gear, x, PLACES)
+            result = result + abs(self.contact(TRANSMITTED)) * nested(self.gear, x, AT)
         return result
 
     @property
@@ -131,335 +157,402 @@ class BesideLaw(SetValuedLaw):
         return self._bound.sliding(speed, load) + self._beside(speed)
 
     def break_away(self, load: Scalar) -> Scalar:
-        return self._bound.break_away(load) + self._beside(0.0)
+        at_rest = self._bound.break_away(load) + self._beside(0.0)
+        return where(at_rest > 0.0, at_rest, 0.0)
 
 
-@functools.cache
+@cache
 def _kind(inputs: tuple[str, ...]) -> type[BesideLaw]:
     """Return laws with friction beside them that see inputs of the contact."""
     return type("BesideLaw", (BesideLaw,), {"inputs": inputs})
 
 
-def _inner(path: str) -> str:
-    """Return the path of a parameter of a law that has friction beside it."""
-    return path.replace("friction.", "friction.law.", 1)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _WithPrior:
-    """Residuals of runs, and rows of what is known before of unknowns that are about 0."""
+    """Residuals of runs, and rows of what is known before."""
 
     runs: Shooting
+    given: Array
+    """Values that were given (p,)."""
+    sizes: Array
+    """Deviations of their logarithms (p,); infinite of those without."""
     rows: Array
-    """Unknowns over their deviations, in deviations of a reading (m, p)."""
+    """Unknowns about 0 over their deviations (m, p)."""
+    deviation: float
+    """Deviation of a reading that would be independent of others."""
 
     @property
     def free_parameters(self) -> FreeParameters:
         """What is looked for."""
         return self.runs.free_parameters
 
-    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals at values (p,), with the rows."""
-        return self.of(self.runs.linearise(values, near))
+    def slopes(self, values: Array) -> Array:
+        """Return how many deviations a unit of each value is (k, p)."""
+        told = np.isfinite(self.sizes)
+        logs = np.eye(len(values))[told] / (self.sizes[told] * values[told])[:, None]
+        return np.vstack([logs, self.rows])
 
-    def of(self, seen: ResidualJacobian) -> ResidualJacobian:
-        """Return residuals of runs with the rows."""
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals at values (p,), with one row for each that is known before."""
+        seen, told = self.runs.linearise(values, near), np.isfinite(self.sizes)
+        off = np.log(self.given[told] / values[told]) / self.sizes[told]
+        off = np.concatenate([off, -self.rows @ values])
         return ResidualJacobian(
-            values=seen.values,
-            residual=np.concatenate([seen.residual, -self.rows @ seen.values]),
-            slopes=lambda: np.vstack([seen.slopes, self.rows]),
-            segment=np.concatenate([seen.segment, np.full(len(self.rows), -1)]),
+            values=values,
+            residual=np.concatenate([seen.residual, self.deviation * off]),
+            slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
+            segment=np.concatenate([seen.segment, np.full(len(off), -1)]),
             memory=seen.memory,
         )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Told:
-    """What readings say of values at the knots, whatever the parameters of a law are."""
+class DrivenRuns:
+    """Runs that follow the readings, linear in what is unknown.
 
-    gram: Array
-    """Precision (m, m)."""
-    moment: Array
-    """That times the values (m,)."""
-    values: Array
-    """Parameters (p,) where values are in the middle ..."""
-    middle: Array
-    """... that runs are linear about (m,)."""
-    goes: Array
-    """How far parameters go against the values (p, m)."""
-    deviation: float
-    """Deviation of a reading that would be independent of others."""
+    Attributes
+    ----------
+    runs : Shooting
+        The runs, with what is unknown.
+    seen : ResidualJacobian
+        They where they follow the readings best.
+    given : Mapping of str to float
+        Parameters of the mechanism as they were given, by path.
+    share : float
+        Share of the readings that count as independent.
+    """
 
-    def at(self, root: Array) -> tuple[Array, Array, float]:
-        """Return mean and root of the covariance of values, and the evidence, by a prior root."""
-        inner = np.eye(len(self.gram)) + root.T @ self.gram @ root
-        turned = root.T @ self.moment
-        solved = np.linalg.solve(inner, turned)
-        evidence = 0.5 * float(turned @ solved - np.linalg.slogdet(inner)[1])
-        return root @ solved, root @ np.linalg.inv(np.linalg.cholesky(inner)).T, evidence
+    runs: Shooting
+    seen: ResidualJacobian
+    given: Mapping[str, float]
+    share: float = 1.0
+
+    @property
+    def items(self) -> tuple[FreeParameter, ...]:
+        """What is unknown."""
+        return self.runs.free_parameters.items
+
+    @property
+    def sizes(self) -> Array:
+        """Deviations of logarithms before the runs (p,); infinite of what has none."""
+        return np.array([PRIOR if x.log and x.path in self.given else math.inf for x in self.items])
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law with the values that were found."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return vary(
+            self.runs.law, "friction", {x.path: y for x, y in own if x.path not in self.given}
+        )
+
+    def on(self, mechanism: Mechanism) -> Mechanism:
+        """Return a mechanism with the values that were found."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return vary(mechanism, "mechanism", {x.path: y for x, y in own if x.path in self.given})
+
+    def settled(self, rows: Array | None = None) -> "DrivenRuns":
+        """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
+        best, share = self.seen, self.share
+        own = [self.given.get(item.path, 1.0) for item in self.items]
+        known = _WithPrior(
+            runs=self.runs, given=np.array(own), sizes=self.sizes, deviation=1.0,
+            rows=np.zeros((0, len(own))) if rows is None else rows,
+        )  # fmt: skip
+        for _ in range(ROUNDS):
+            deviation = best.rms / math.sqrt(share)
+            prior = replace(known, deviation=deviation)
+            end, _ = improve(prior, best.values, least=2.0 * SETTLED * deviation**2)
+            best = self.runs.linearise(end.values, end)
+            slopes = prior.slopes(end.values)
+            share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
+        return replace(self, seen=best, share=share)
+
+    @property
+    def sentence(self) -> str:
+        """What is said of the values."""
+        names = joined([path.removeprefix("mechanism.") for path in self.given])
+        return f"Runs of the mechanism under the recorded voltage determine {names} and friction."
+
+    def refuse_untold(self) -> None:
+        """Refuse records that leave a parameter of the mechanism nearly as open as it was."""
+        told = np.isfinite(self.sizes)
+        slopes = self.seen.slopes / self.seen.rms * math.sqrt(self.share)
+        prior = np.diag(np.where(told, self.sizes * self.seen.values, np.inf) ** -2.0)
+        covariance = np.linalg.pinv(slopes.T @ slopes + prior, hermitian=True)
+        left = np.sqrt(np.diag(prior @ covariance))
+        lost = [x.path for x, off in zip(self.items, left.tolist(), strict=True) if off > TOLD]
+        if lost:
+            names = joined([path.removeprefix("mechanism.") for path in lost])
+            raise NotToldError(
+                f"vary: these records do not tell {names} beside friction: give the value of one,"
+                " or record motion under other loads of the gear."
+            )
+
+
+def followed(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    *,
+    hold: Hold | None = None,
+) -> DrivenRuns | None:
+    """Return runs of a plain law; None where a balance tells what is unknown as well.
+
+    That is so where there is no motor, and where forces are linear in what is looked for.
+    """
+    if not unknown or motor_of(mechanism) is None:
+        return None
+    record = records_of(mechanism, measurement, unknown=unknown)[0]
+    if not any(column.bent for column in record.unknown.values()):
+        return None
+    unknown = [path for path in unknown if path in record.unknown]  # a constant force is not
+    law: type[FrictionLaw] = CoulombViscous if through_gear(record) is None else BamM3
+    wanted: Wanted = Parameters(mechanism=mechanism, law=law, known={}, unknown=tuple(unknown))
+    settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
+    runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
+    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    result = DrivenRuns(
+        runs=runs,
+        seen=runs.linearise(runs.free_parameters.start),
+        given={path: known.get(path, 0.0) for path in unknown},
+    ).settled()
+    return result
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrivenRuns:
-    """A fit of a law by runs, and what runs say of friction beside it.
+class Beside:
+    """Friction beside a law, as values at knots.
 
-    Parameters
+    Attributes
     ----------
-    fit : RecordFit
-        The law and the mechanism where segments of runs follow the readings best.
     slowest, fastest : float
         Range of the speeds that were seen [m/s].
     size : float
         Root mean square of the friction [N].
     transmitted : float
-        What the gear transmits in the middle [N]; 0 where that hardly changes.
+        What the gear transmits in the middle [N].
+    geared : bool
+        Whether that changes.
     """
 
-    fit: RecordFit
     slowest: float
     fastest: float
     size: float
     transmitted: float = 0.0
+    geared: bool = False
 
     @cached_property
-    def law(self) -> OwnLaw:
-        """The law with what is looked for of it."""
-        free = self.fit.free_parameters.paths
-        names = [path.removeprefix("friction.") for path in free if path.startswith("friction.")]
-        unknown = {x.path.removeprefix("friction.") for x in self.fit.estimates if not x.known}
-        return OwnLaw(
-            law=self.fit.law,
-            varied=tuple(name for name in names if name not in unknown),
-            untold=tuple(name for name in names if name in unknown),
-        )
-
-    @property
-    def paths(self) -> list[str]:
-        """Paths of what is looked for of the mechanism."""
-        every = self.fit.free_parameters.paths
-        return [path for path in every if not path.startswith("friction.")]
+    def speeds(self) -> Array:
+        """Speeds of the knots (k,) [m/s]."""
+        return np.asarray(np.exp(knots_of(AT, self.slowest, self.fastest)))
 
     @cached_property
     def waves(self) -> Array:
         """Coefficients of Newton's polynomials for values at the knots (k, k) [N]."""
-        return np.asarray(self.size * np.linalg.inv(newton(PLACES, PLACES)))
+        return np.asarray(self.size * np.linalg.inv(newton(AT, AT)))
+
+    @cached_property
+    def table(self) -> Array:
+        """The same with those by what the gear transmits (m, m)."""
+        sizes = [1.0, 1.0 / self.transmitted] if self.geared else [1.0]
+        return np.asarray(np.kron(np.diag(sizes), self.waves), dtype=float)
 
     @cached_property
     def root(self) -> Array:
-        """Root of the covariance of values at the knots, of a size of 1 (2k, 2k) or (k, k)."""
-        root = np.linalg.cholesky(alike(knots_of(PLACES, self.slowest, self.fastest)))
-        return np.kron(np.eye(2 if self.transmitted else 1), root)
+        """Root of the covariance of values at the knots, of a size of 1 (m, m)."""
+        own = np.linalg.cholesky(alike(np.log(self.speeds)))
+        return np.kron(np.eye(2 if self.geared else 1), own)
 
-    def beside(self, speed: Array, transmitted: Array | float) -> Array:
-        """Return friction for values of 1 at each knot alone at speeds (n, 2k) or (n, k) [N]."""
-        own = newton(np.asarray(place_of(speed, self.slowest, self.fastest)), PLACES) @ self.waves
-        if not self.transmitted:
+    def curves(self, speed: Array, transmitted: Array | float) -> Array:
+        """Return friction for values of 1 at each knot alone at speeds (n, m) [N]."""
+        seen = np.minimum(speed, self.fastest)
+        places = np.asarray(place_of(seen, self.slowest, self.fastest))
+        own = newton(places, AT) @ self.waves
+        if not self.geared:
             return np.asarray(own)
         share = np.abs(transmitted * np.ones(len(speed))) / self.transmitted
         return np.hstack([own, share[:, None] * own])
 
-    @cached_property
-    def _table(self) -> Array:
-        """Coefficients of Newton's polynomials for values at the knots (m, m)."""
-        sizes = [1.0, 1.0 / self.transmitted] if self.transmitted else [1.0]
-        return np.asarray(np.kron(np.diag(sizes), self.waves), dtype=float)
+    def values(self, friction: Callable[[Array, float], Array]) -> Array:
+        """Return friction of speeds and of what a gear transmits as values at the knots (m,)."""
+        usual = friction(self.speeds, self.transmitted)
+        if not self.geared:
+            return np.asarray(usual / self.size)
+        still = friction(self.speeds, 0.0)
+        return np.concatenate([still, usual - still]) / self.size
 
-    @cached_property
-    def _runs(self) -> Shooting:
-        """Runs of the law with friction beside it, from where the fit ended with none."""
-        fit, none = self.fit, tuple(Number(value=0.0) for _ in PLACES)
-        gear = none if self.transmitted else ()
-        inputs = dict.fromkeys((*fit.law.inputs, *([TRANSMITTED] if gear else [])))
-        law = _kind(tuple(inputs))(
-            law=fit.law, level=none, gear=gear, slowest=self.slowest, fastest=self.fastest
+    def after(self, first: DrivenRuns, law: FrictionLaw) -> DrivenRuns:
+        """Return runs with friction beside a law, from others, where they follow the readings."""
+        none = tuple(Number(value=0.0) for _ in AT)
+        gear = none if self.geared else ()
+        inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
+        beside = _kind(tuple(inputs))(
+            law=law, level=none, gear=gear, slowest=self.slowest, fastest=self.fastest
         )
         own = [
-            replace(item, start=at, path=_inner(item.path), above=_inner(item.above))
-            for item, at in zip(fit.free_parameters.items, fit.values.tolist(), strict=True)
+            replace(item, start=at)
+            for item, at in zip(first.items, first.seen.values.tolist(), strict=True)
+            if item.path in first.given
         ]
         own += [
             FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=0.0)
             for part, of_part in (("level", none), ("gear", gear))
             for k in range(len(of_part))
         ]
-        problem = replace(fit.problem.starting_from(fit.optimum.best), law=law)
-        return problem.with_free_parameters(FreeParameters(tuple(own)))
-
-    @cached_property
-    def _told(self) -> "_Told":
-        """What the readings say of friction beside the law, linear about where they lead."""
-        runs, count = self._runs, len(self.fit.values)
+        runs = replace(first.runs.starting_from(first.seen), law=beside)
+        runs = runs.with_free_parameters(FreeParameters(tuple(own)))
+        rows = np.linalg.inv(SIZES[FOLLOWING] * self.table @ self.root)
+        rows = np.hstack([np.zeros((len(rows), len(first.given))), rows])
         seen = runs.linearise(runs.free_parameters.start)
-        told = self._read(seen)
-        for _ in range(AGAIN):
-            likely = np.array([told.at(size * self.root)[2] for size in SIZES]) + np.log(SIZE_PRIOR)
-            size = SIZES[int(np.argmax(likely))]
-            if not size:
-                break
-            root = np.linalg.inv(size * self._table @ self.root)
-            prior = np.hstack([np.zeros((len(root), count)), root])
-            sought = _WithPrior(runs=runs, rows=told.deviation * prior)
-            end, _ = improve(
-                sought, seen.values, near=sought.of(seen), rounds=STEPS,
-                least=2.0 * SETTLED * told.deviation**2,
-            )  # fmt: skip
-            seen = runs.linearise(end.values, end)
-            told = self._read(seen)
-        return told
+        return replace(first, runs=runs, seen=seen).settled(rows)
 
-    def _read(self, seen: ResidualJacobian) -> "_Told":
-        """Return what linear runs say of the values at the knots, whatever the parameters are."""
-        count, scale = len(self.fit.values), self.fit.scale
-        table, beside = seen.slopes[:, :count] @ scale, seen.slopes[:, count:] @ self._table
-        middle = np.asarray(np.linalg.solve(self._table, seen.values[count:]), dtype=float)
-        inverse = np.linalg.pinv(table)
-        goes = inverse @ beside
-        beside = beside - table @ goes
-        left = seen.residual - table @ (inverse @ seen.residual) + beside @ middle
-        wide = SIZES[-1] ** 2 * self.root @ self.root.T
-        precision = np.asarray(np.linalg.inv(wide), dtype=float)
-        rest = left - beside @ middle
-        for _ in range(AGAIN):
-            deviation = math.sqrt(float(rest @ rest) / max(len(rest) - table.shape[1], 1))
-            share = min(worth(beside / deviation, rest, precision), KAPPA)
-            counted = share / deviation**2
-            gram, moment = counted * beside.T @ beside, counted * beside.T @ left
-            rest = left - beside @ np.linalg.solve(gram + precision, moment)
-        return _Told(
-            gram=gram,
-            moment=moment,
-            values=seen.values[:count],
-            middle=middle,
-            goes=scale @ goes,
-            deviation=deviation / math.sqrt(share),
-        )
 
-    @cached_property
-    def _spread(self) -> tuple[Array, Array]:
-        """Root of the correlation of the parameters (p, p), and their half widths (p,).
+def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
+    """Return friction beside a law, for the speeds of records."""
+    balance = Balance(records)
+    frame = balance.frame
+    speed = np.abs(np.concatenate([piece.velocity for piece in balance.pieces]))
+    top = float(np.quantile(speed, QUICK))
+    low = max(top / DECADES, float(np.quantile(speed, 1.0 - QUICK)))
+    through = [x for x in map(through_gear, records) if x is not None]
+    usual = float(np.median(np.abs(np.concatenate(through)))) if through else 0.0
+    own = bound(law, dict.fromkeys(law.inputs, usual)).steady(np.geomspace(low, top, ASKED), 1.0)
+    return Beside(
+        slowest=low,
+        fastest=top,
+        size=math.sqrt(float(np.mean(np.square(own)))),
+        transmitted=usual,
+        geared=bool(frame.transmitted),
+    )
 
-        What a bound holds stays there; others vary as they do with it there.
+
+class DrivenModel(Model):
+    """Readings under a voltage, linear about runs that follow them.
+
+    Unknown are friction at the knots, then what is looked for of the mechanism: logarithms of it,
+    but where it may be 0.
+    """
+
+    scales = (Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),)
+    signed = SIGNED
+
+    def __init__(self, runs: DrivenRuns, beside: Beside, plain: RecordProblem) -> None:
+        self.runs, self.beside, self.plain = runs, beside, plain
+        self.share, self.size = cache(self._share), cache(self._size)
+        items = [item for item in runs.items if item.path in runs.given]
+        self.paths = [item.path for item in items]
+        self.logs = np.array([item.log for item in items], dtype=bool)
+        count, seen = len(items), runs.seen
+        rig, given = seen.values[:count], np.array([runs.given[path] for path in self.paths])
+        self.given: Array = np.where(self.logs, given, rig)
+        """Values from which what is looked for of the mechanism counts (p,)."""
+        of_rig = seen.slopes[:, :count] * np.where(self.logs, rig, 1.0)
+        slopes = np.hstack([seen.slopes[:, count:] @ beside.table, of_rig])
+        self.free = slopes.shape[1]
+        freedom = max(len(seen.residual) - self.free, 1)
+        self.sigma = math.sqrt(float(seen.residual @ seen.residual) / freedom)
+        """Standard deviation of a reading."""
+        knots = np.linalg.solve(beside.table, seen.values[count:]) + beside.values(self._first)
+        away = np.where(self.logs, np.log(rig / self.given), 0.0)
+        y = seen.residual + slopes @ np.concatenate([knots, away])
+        table = np.column_stack([slopes, y])
+        self.gram = runs.share / self.sigma**2 * table.T @ table
+        told = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
+        wide = OPEN * np.sqrt(np.diag(np.linalg.pinv(self.gram[:-1, :-1])))[len(knots) :]
+        self._rig_deviations: Array = np.where(self.logs, PRIOR, np.maximum(wide, told))
+        self.deviations = np.concatenate([np.ones(len(knots)), self._rig_deviations])
+
+    def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
+        """Return the same for laws that are no sums of parts."""
+        result = copy.copy(self)
+        result.signed, result.certain = self.signed | signed_of(own), certain_of(own)
+        return result
+
+    def settled(self, structure: Structure, size: float) -> Structure:
+        """Return a law of any form about the values that are likeliest, with a size of the rest.
+
+        Runs are linear in the curve, but the curve is not in the values.
         """
-        fit, inference = self.fit, self.fit.inference
-        table, half = inference.correlation.copy(), inference.half_widths
-        still = ~np.isfinite(half)
-        still |= np.array([item.path in fit.at_bounds for item in fit.free_parameters.items])
-        across = table[:, still]
-        table = table - across @ np.linalg.pinv(table[np.ix_(still, still)]) @ across.T
-        table[still] = table[:, still] = 0.0
-        size = np.sqrt(np.maximum(np.diag(table), 0.0))
-        scale = np.where(size > 1e-12, size, 1.0)
-        value, vector = np.linalg.eigh(table / np.outer(scale, scale))
-        return vector * np.sqrt(np.maximum(value, 0.0)), np.where(still, 0.0, half) * size
+        law = next(name.own for name, _ in structure if is_slope(name))
+        if not law.varied:
+            return structure
+        count = len(self.beside.root)
+        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(self._before), hermitian=True)
+        middle = (covariance @ self.gram[:-1, -1])[:count]
+        root = size * self.beside.root
+        values, vectors = np.linalg.eigh(covariance[:count, :count] + root @ root.T)
+        weights = (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1]))).T
 
-    def evidence(self, size: float) -> float:
-        """Return the logarithm of the probability of the readings for a size."""
-        return self._told.at(size * self.root)[2]
+        def left(x: Array) -> Array:
+            return np.asarray(weights @ (self.beside.values(partial(friction, x)) - middle))
 
-    @cached_property
-    def without(self) -> float:
-        """Logarithm of the odds of friction against none, with another mechanism to first order.
+        def friction(x: Array, speed: Array, transmitted: float) -> Array:
+            rows = self.plain.at(speed, inputs={TRANSMITTED: transmitted})
+            return law.friction(x.tolist(), self.plain.slips(rows))
 
-        By the criterion of Schwarz: each parameter of friction costs half the logarithm of how many
-        readings count.
-        """
-        fit = self.fit
-        free = fit.free_parameters
-        sizes = [x.path.startswith("friction.") and x.low <= 0.0 and not x.log for x in free.items]
-        none = fit.problem.linearise(np.where(sizes, 0.0, fit.values), fit.optimum.best)
-        if not none.finite:
-            return math.inf
-        table = none.slopes[:, [not x.path.startswith("friction.") for x in free.items]]
-        left = none.residual - table @ np.linalg.lstsq(table, none.residual)[0]
-        least, spread = fit.optimum.best.cost, self._told.deviation**2
-        counted = max(least / spread, 1.0)
-        return 0.5 * float(left @ left - least) / spread - 0.5 * sum(sizes) * math.log(counted)
-
-    def drawn(
-        self, size: float, count: int, rng: np.random.Generator
-    ) -> tuple[Array, dict[str, Array]]:
-        """Return draws of the values at the knots (m, k), and of the parameters (k,) by path."""
-        told, fit = self._told, self.fit
-        mean, root, _ = told.at(size * self.root)
-        values = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
-        turn, half = self._spread
-        normal = ndtr(turn @ rng.normal(size=(len(half), SPARE * count)))
-        freedom = np.minimum(fit.inference.freedom, 1e6)[:, None]
-        off = half[:, None] * stdtrit(freedom, normal) / stdtrit(freedom, 0.975)
-        moved = off - told.goes @ (values - told.middle[:, None])
-        drawn, inside = dict[str, Array](), np.ones(SPARE * count, dtype=bool)
-        for item, at, own in zip(fit.free_parameters.items, told.values, moved, strict=True):
-            x = at * np.exp(np.clip(own / at, -50.0, 50.0)) if item.log else at + own
-            low, high = (item.low, item.high) if not item.above else (-math.inf, math.inf)
-            inside &= (x >= low) & (x <= high)
-            drawn[item.path] = x  # only with it is friction beside the law what it is
-        kept = np.argsort(~inside, kind="stable")[:count]
-        return values[:, kept], {path: x[kept] for path, x in drawn.items()}
-
-
-class RunPosterior:
-    """Weights of a law, and of no friction, at sizes of what no law says; draws of them."""
-
-    def __init__(self, runs: DrivenRuns) -> None:
-        self.runs = runs
-        law = runs.law.structure(runs.law.values)
-        self.structures: tuple[Structure, ...] = (law, ())
-        self.nodes: tuple[Node, ...] = tuple((k,) for k in range(len(SIZES)))
-        evidence = np.array([runs.evidence(size) for size in SIZES]) + np.log(SIZE_PRIOR)
-        self.weights: Array = np.zeros((len(SIZES), 2))
-        """Posterior probabilities of nodes and structures (k, s), in sum 1."""
-        friction = float(expit(runs.without))
-        self.weights[:, 0] = friction * np.exp(evidence - logsumexp(evidence))
-        self.weights[0, 1] = 1.0 - friction
-
-    @cached_property
-    def best(self) -> Draws:
-        """The law that was fitted, with nothing beside it, as a draw."""
-        fit, law = self.runs.fit, self.structures[0]
-        at = dict(zip(fit.free_parameters.paths, fit.values.tolist(), strict=True))
-        return self._draw(0, law, np.zeros((self.runs.root.shape[0], 1)), at)
-
-    def _draw(
-        self, node: int, structure: Structure, beside: Array, values: Mapping[str, Array | float]
-    ) -> Draws:
-        """Return draws of values at the knots (m, k), and of parameters (k,) by path."""
-        count = beside.shape[1]
-        law = [
-            np.ones(count) if x.place < 0 else values[f"friction.{x.own.varied[x.place]}"]
-            for x in (slope(name) for name, _ in structure)
-        ]
-        rig = [values[path] * np.ones(count) for path in self.runs.paths]
-        return Draws(
-            node=(node,),
-            structure=structure,
-            law=np.array([x * np.ones(count) for x in law]).reshape(len(structure), count),
-            random=np.array([*beside, *rig]),
-        )
+        low, high = np.array([(max(q.low, q.above or q.low), q.high) for q in law.quantities]).T
+        scale = np.array([law.sizes.get(name, abs(x)) for name, x in zip(law.varied, law.values)])
+        start = np.clip(law.values, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
+        end = least_squares(left, start, bounds=(low, high), x_scale=np.maximum(scale, 1e-12))
+        return law.structure(end.x.tolist())
 
     @property
-    def shares(self) -> Array:
-        """Posterior probabilities of the structures (s,)."""
-        return np.asarray(self.weights.sum(axis=0))
+    def _before(self) -> Array:
+        """Precisions of the unknowns before the runs (m,): none of friction."""
+        return np.concatenate([np.zeros(len(self.beside.root)), self._rig_deviations**-2.0])
 
-    def draws(
-        self, count: int, *, seed: int = 0, only: "NDArray[np.bool_] | None" = None
-    ) -> list[Draws]:
-        """Return `count` draws, in the order of nodes and structures, of those in `only` (k, s).
+    def _first(self, speed: Array, transmitted: float) -> Array:
+        """Return the plain law at speeds (n,)."""
+        law = self.runs.runs.law
+        assert isinstance(law, BesideLaw)
+        own = bound(law.law, dict.fromkeys(law.law.inputs, transmitted))
+        return np.asarray(own.steady(speed, 1.0) + 0.0 * speed)
 
-        Random coefficients are the values at the knots, then what is looked for of the mechanism.
-        """
-        weights = self.weights if only is None else np.where(only, self.weights, 0.0)
-        numbers, result = allotted(weights.ravel(), count).reshape(weights.shape), []
-        for a, k in np.argwhere(numbers > 0).tolist():
-            rng = np.random.default_rng([seed, a, k])
-            own, structure = int(numbers[a, k]), self.structures[k]
-            result.append(self._draw(a, structure, *self.runs.drawn(SIZES[a], own, rng)))
-        return result
+    def _share(self, column: Column) -> Array:
+        """Return a term of a law at the knots (m,)."""
+
+        def friction(speed: Array, transmitted: float) -> Array:
+            rows = self.plain.at(speed, inputs={TRANSMITTED: transmitted})
+            return self.plain.columns(column, rows)[0]
+
+        return self.beside.values(friction)
+
+    def _size(self, column: Column) -> float:
+        """Return the coefficient with which a term alone would be friction of the usual size."""
+        speed, through = self.beside.speeds, self.beside.transmitted
+        own = self.plain.columns(column, self.plain.at(speed, inputs={TRANSMITTED: through}))[0]
+        most, name = math.inf, column[0]
+        if is_slope(name) and name.place >= 0:
+            most = MOST * name.own.sizes.get(name.own.varied[name.place], math.inf)
+        return min(self.beside.size / (math.sqrt(float(np.mean(own**2))) + 1e-300), most)
+
+    def root(self, node: Node) -> Array:
+        """Return a root of the covariance of what no law says at the knots (m, m)."""
+        return max(SIZES[node[0]], 1e-6) * self.beside.root
+
+    def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        """Return what is looked for of the mechanism (k,) in draws, by path."""
+        away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
+        own = zip(self.paths, self.given.tolist(), self.logs.tolist(), away, strict=True)
+        return {path: at * np.exp(x) if log else at + x for path, at, log, x in own}
+
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        sizes = np.array([*map(self.size, columns)])
+        m, p, knots = self.free, len(columns), len(self.beside.root)
+        turn = np.zeros((m + 1, m + p + 1))
+        turn[:knots, :knots] = self.root(node)
+        turn[range(knots, m), range(knots, m)] = 1.0
+        if columns:
+            turn[:knots, m : m + p] = np.column_stack([*map(self.share, columns)]) * sizes
+        turn[m, m + p] = 1.0
+        return System(
+            gram=turn.T @ self.gram @ turn, deviations=self.deviations, volume=0.0, sizes=sizes
+        )
 
 
 @dataclass(eq=False)
 class DrivenProblem(Problem):
-    """Records under a voltage, where runs tell a law and constants of a motor.
+    """Records under a voltage with the posterior of runs.
 
     What is no curve, such as the noise of a reading of the force, is that of a force balance with
     what the runs say of the mechanism.
@@ -468,27 +561,60 @@ class DrivenProblem(Problem):
     ----------
     plain : RecordProblem
         That balance.
-    fit : RecordFit
-        The law by runs.
+    following : DrivenRuns
+        Runs that follow the readings, with friction beside a law ...
+    beside : Beside
+        ... as values at knots.
     """
 
     plain: RecordProblem
-    fit: RecordFit
-    restricted = True
+    following: DrivenRuns
+    beside: Beside
 
     def __post_init__(self) -> None:
-        plain, frame = self.plain, self.plain.model.frame
+        plain = self.plain
         self.records, self.size, self.load = plain.records, plain.size, plain.load
-        self.runs, self.grid, self.fitted = plain.runs, plain.grid, True
-        self.driven = DrivenRuns(
-            fit=self.fit,
-            slowest=frame.low,
-            fastest=frame.top,
-            size=plain.size,
-            transmitted=sum(frame.transmitted[1:2]),
-        )
-        self.posterior = RunPosterior(self.driven)
-        self.best = self.posterior.best
+        self.runs, self.restricted = plain.runs, plain.restricted
+        self.grid = Grid(slowest=self.beside.slowest, fastest=self.beside.fastest, fine=2.0)
+        self.laws = [item for item in plain.model.families if item]
+        self.own: tuple[Structure, ...] = ()
+        self.posterior = self._judged(DrivenModel(self.following, self.beside, plain))
+
+    def _judged(self, model: DrivenModel) -> Posterior:
+        laws = dict(laws_of(self.grid, [(), *self.laws]))
+        return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, (FOLLOWING,))
+
+    def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "DrivenProblem":
+        result = copy.copy(self)
+        result.restricted = True
+        result.laws = [*dict.fromkeys(map(parts_of, families))]
+        sizes = [0.0] * len(own)
+        for _ in range(ROUNDS):
+            result.own = tuple(map(self.model.settled, own, sizes))
+            result.posterior = result._judged(self.model.with_laws(result.own))
+            before, sizes = sizes, [*map(result._size_beside, result.own)]
+            if sizes == before:
+                break
+        return result
+
+    def _size_beside(self, structure: Structure) -> float:
+        """Return the likeliest size of what a law lacks."""
+        own = self.posterior.weights[:, self.posterior.structures.index(structure)]
+        return SIZES[self.posterior.nodes[int(np.argmax(own))][0]]
+
+    @property
+    def model(self) -> DrivenModel:
+        """The readings, linear about runs that follow them."""
+        assert isinstance(self.posterior.model, DrivenModel)
+        return self.posterior.model
+
+    def likeliest(self) -> FrictionLaw | None:
+        """Return the likeliest law with its values; None if that is none."""
+        weights = self.posterior.weights
+        k, s = np.unravel_index(int(np.argmax(weights)), weights.shape)
+        structure = self.posterior.structures[s]
+        law, _ = self.posterior.estimate(self.posterior.nodes[k], structure)
+        return self.composition(structure, law[None]).law() if structure else None
 
     # ---- rows -------------------------------------------------------------------------------
 
@@ -498,13 +624,20 @@ class DrivenProblem(Problem):
         return self.plain.at(velocity, load, inputs)
 
     def asked(self) -> SteadyRows:
-        return self.plain.asked()
+        return self.at(self._speeds(ASKED))
 
     def places(self) -> SteadyRows:
-        return self.plain.places()
+        speeds, through = self._speeds(PLACES), self.plain.model.frame.transmitted or (0.0,)
+        inputs = {TRANSMITTED: np.repeat(through, len(speeds))}
+        return self.at(np.tile(speeds, len(through)), inputs=inputs)
 
     def curve_rows(self) -> SteadyRows:
-        return self.plain.curve_rows()
+        return self.at(np.geomspace(self.beside.slowest, self.beside.fastest, POINTS))
+
+    def _speeds(self, count: int) -> Array:
+        """Return speeds of both directions (n,): runs pass all of them."""
+        speeds = np.geomspace(self.beside.slowest, self.beside.fastest, count)
+        return np.concatenate([-speeds[::-1], speeds])
 
     def slips(self, rows: SteadyRows) -> Slips:
         return self.plain.slips(rows)
@@ -527,9 +660,18 @@ class DrivenProblem(Problem):
         return self.plain.columns(column, rows)
 
     def candidates(self) -> list[Candidates]:
-        law = self.posterior.structures[0]
-        count = len(self.driven.law.varied)
-        return [Candidates(family=family_of(law), structures=[law], parameters=count)]
+        laws: dict[Family, list[Structure]] = {}
+        for structure in filter(None, self.posterior.structures):
+            laws.setdefault(family_of(structure), []).append(structure)
+        return [
+            Candidates(
+                family=item,
+                structures=structures,
+                parameters=parameters_of(item)
+                + sum(name.place >= 0 if is_slope(name) else name == GEAR for name in item),
+            )
+            for item, structures in laws.items()
+        ]
 
     def composition(
         self,
@@ -539,48 +681,49 @@ class DrivenProblem(Problem):
         *,
         offset: bool = False,
     ) -> Composition:
-        load = np.full(len(coefficients), self.load)
-        if not structure:
-            return replace(compose({}, {}, len(coefficients)), load=load)
-        frame = self.plain.model.frame
+        count, frame = len(coefficients), self.plain.model.frame
         means = {name: mean for name, (mean, _) in frame.inputs.items()}
         means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
-        return replace(own_composition(structure, coefficients), load=load, inputs=means)
+        normal = np.full((count, 1), self.load)
+        if is_own(structure):
+            result = replace(own_composition(structure, coefficients), inputs=means)
+        else:
+            terms: dict[str, tuple[Any, Array]] = {
+                name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
+                for (name, shape), own in zip(structure, coefficients.T, strict=True)
+            }
+            result = compose(terms, means, count)
+        return replace(result, load=normal[:, 0])
 
     # ---- weights ----------------------------------------------------------------------------
 
     def is_small(self, tolerance: float) -> "NDArray[np.bool_]":
         return np.array([SIZES[node[0]] <= tolerance for node in self.posterior.nodes])
 
-    def holds(self, family: Family) -> "NDArray[np.bool_]":
-        """Return the nodes and structures (k, s) at which a law holds.
-
-        They are those with nothing beside it, unless that is improbable.
-        """
-        every = super().holds(family)
-        alone = every & self.is_small(0.0)[:, None]
-        likely = float(self.posterior.weights[alone].sum()) >= CHANCE
-        return np.asarray(alone if likely else every)
+    def is_alone(self, draw: Draws) -> bool:
+        return not SIZES[draw.node[0]]
 
     def nothing(self) -> "NDArray[np.bool_]":
-        return np.asarray(super().holds(()) & self.is_small(0.0)[:, None])
+        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 
     def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
-        count = self.driven.root.shape[0]
-        side, curves = np.sign(rows.velocity), list[Array]()
-        beside = side[:, None] * self.driven.beside(np.abs(rows.velocity), self._through(rows))
+        through = np.asarray(rows.transmitted) * rows.ratio
+        beside = self.beside.curves(np.abs(rows.velocity), through)
+        beside = np.sign(rows.velocity)[:, None] * beside
+        curves = list[Array]()
         for draw in draws:
-            law = self.design(draw.structure, rows) @ draw.law
-            curves.append((law + beside @ draw.random[:count]).T * bool(draw.structure))
+            random = self.model.root(draw.node) @ draw.random[: beside.shape[1]]
+            curves.append((self.design(draw.structure, rows) @ draw.law + beside @ random).T)
         return np.vstack(curves)
 
-    def _through(self, rows: SteadyRows) -> Array:
-        return np.asarray(rows.transmitted) * rows.ratio
-
     def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
-        curves = self.steady(rows, draws) + beyond(self.plain.model, draws, rows)
+        curves, low, top = self.steady(rows, draws), self.beside.slowest, self.beside.fastest
+        speed = np.maximum(np.abs(rows.velocity), 1e-3 * low)
+        apart = np.maximum(np.maximum(np.log(low / speed), np.log(speed / top)), 0.0)
+        unseen = np.random.default_rng(5).normal(size=(len(curves), 1)) * BELOW * self.size
+        curves += unseen * apart * np.sign(rows.velocity)
         if not new:
             return curves
         rng = np.random.default_rng(7)
@@ -597,35 +740,13 @@ class DrivenProblem(Problem):
     # ---- what leaves ------------------------------------------------------------------------
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
-        count = self.driven.root.shape[0]
-        random = np.hstack([draw.random[count:] for draw in draws])
-        return dict(zip(self.driven.paths, random, strict=True))
+        return self.model.rig(draws)
 
     def points(self, rung: Rung) -> MeasuredPoints:
         return self.plain.points(rung)
 
     def scatter(self, rung: Rung) -> float:
-        rows = self.asked()
-        middle = np.mean(self.steady(rows, self.posterior.draws(LEVELS)), axis=0)
-        off = middle - self.design(rung.structure, rows) @ rung.coefficients
-        return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
+        return self.plain.scatter(rung)
 
     def untold(self) -> list[str]:
-        return [*self.fit.sentences, UNSEEN]
-
-    @property
-    def followed(self) -> str:
-        """How closely runs of the law follow the readings, in a sentence."""
-        unit = self.fit.measurement.unit(self.fit.problem.quantity)
-        length = quantity(float(np.median(np.ptp(self.fit.problem.spans[:, 1:], axis=1))), "s", 2)
-        return (
-            f"Runs of the mechanism with the law, in segments of {length}, determine its parameters"
-            f" and those of the mechanism; they leave {quantity(self.fit.rms, unit, 2)} of the"
-            f" {self.fit.problem.quantity} (root mean square)."
-        )
-
-
-def slope(name: str) -> Slope:
-    """Return the name of a term as that of a law's parameter."""
-    assert is_slope(name)
-    return name
+        return [UNSEEN]

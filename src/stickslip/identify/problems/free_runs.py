@@ -745,10 +745,8 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         for family, shapes, prior in grid.families(families)
     }
     laws |= dict.fromkeys(model.own, 0.0)
-    posterior = _weighed(model, laws)
-    for part in FINER:
-        laws = _refined(posterior, laws, grid, part)
-        posterior = _weighed(model, laws)
+    posterior = refined_shapes(model, laws, grid, FOLLOWING)
+    laws = dict(zip(posterior.structures, posterior.priors.tolist(), strict=True))
     for _ in range(AGAIN):
         k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
         node, structure = posterior.nodes[k], posterior.structures[s]
@@ -765,13 +763,24 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         if 0.5 * model.kappa / model.sigma**2 * off < STRAIGHT:
             break
         model = follower
-        posterior = _weighed(model, laws)
+        posterior = _weighed(model, laws, FOLLOWING)
     return posterior
 
 
-def _weighed(model: RunModel, laws: "dict[Structure, float]") -> Posterior:
-    every = len(SIZES) * len(SLOW_SIZES)
-    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[FOLLOWING], most=every)
+def refined_shapes(
+    model: Model, laws: "dict[Structure, float]", grid: Grid, begin: Node
+) -> Posterior:
+    """Return the weights of laws with the logarithms of their priors, and of shapes near them."""
+    posterior = _weighed(model, laws, begin)
+    for part in FINER:
+        laws = _refined(posterior, laws, grid, part)
+        posterior = _weighed(model, laws, begin)
+    return posterior
+
+
+def _weighed(model: Model, laws: "dict[Structure, float]", begin: Node) -> Posterior:
+    every = math.prod(len(scale.values) for scale in model.scales)
+    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[begin], most=every)
 
 
 def _refined(
