@@ -26,9 +26,15 @@ from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
-from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, beside_law, followed
+from stickslip.identify.problems.driven_runs import (
+    DrivenProblem,
+    DrivenRuns,
+    beside_law,
+    followed,
+)
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
+from stickslip.identify.problems.free_runs import AGAIN
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import LOAD, RecordProblem
@@ -342,7 +348,7 @@ def _driven_problem(
     """Return records under a voltage with what runs say of them, and the mechanism by these."""
     rig = runs.on(mechanism)
     beside = beside_law(runs.law, made(rig, with_gear(rig, measurement)))
-    runs = beside.after(runs, runs.law)
+    runs = beside.followed(runs)
     runs.refuse_untold()
     rig = runs.on(mechanism)
     records = made(rig, with_gear(rig, measurement))
@@ -353,9 +359,11 @@ def _driven_problem(
     )
     assert isinstance(plain, RecordProblem)
     problem: DrivenProblem = with_own_laws(DrivenProblem(plain, runs, beside), asked)
-    law = problem.likeliest()
-    if law is not None:  # values at knots are no law: what is beside the likeliest is small
-        problem = with_own_laws(DrivenProblem(plain, beside.after(runs, law), beside), asked)
+    for _ in range(AGAIN):
+        straight = problem.straight()
+        if straight is None:
+            break
+        problem = with_own_laws(DrivenProblem(plain, straight, beside), asked)
     return problem, rig
 
 

@@ -74,6 +74,7 @@ from stickslip.identify.problems.free_runs import (
     RUNS,
     SIZE_PRIOR,
     SIZES,
+    STRAIGHT,
     Number,
     alike,
     knots_of,
@@ -220,12 +221,15 @@ class DrivenRuns:
         Parameters of the mechanism as they were given, by path.
     share : float
         Share of the readings that count as independent.
+    error : float
+        Standard deviation of a reading.
     """
 
     runs: Shooting
     seen: ResidualJacobian
     given: Mapping[str, float]
     share: float = 1.0
+    error: float = 0.0
 
     @property
     def items(self) -> tuple[FreeParameter, ...]:
@@ -245,10 +249,15 @@ class DrivenRuns:
             self.runs.law, "friction", {x.path: y for x, y in own if x.path not in self.given}
         )
 
+    @property
+    def rig(self) -> dict[str, float]:
+        """Parameters of the mechanism as they were found, by path."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return {item.path: x for item, x in own if item.path in self.given}
+
     def on(self, mechanism: Mechanism) -> Mechanism:
         """Return a mechanism with the values that were found."""
-        own = zip(self.items, self.seen.values.tolist(), strict=True)
-        return vary(mechanism, "mechanism", {x.path: y for x, y in own if x.path in self.given})
+        return vary(mechanism, "mechanism", self.rig)
 
     def settled(self, rows: Array | None = None) -> "DrivenRuns":
         """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
@@ -265,7 +274,8 @@ class DrivenRuns:
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
-        return replace(self, seen=best, share=share)
+        freedom = max(len(best.residual) - len(own), 1)
+        return replace(self, seen=best, share=share, error=math.sqrt(best.cost / freedom))
 
     @property
     def sentence(self) -> str:
@@ -381,30 +391,32 @@ class Beside:
         still = friction(self.speeds, 0.0)
         return np.concatenate([still, usual - still]) / self.size
 
-    def after(self, first: DrivenRuns, law: FrictionLaw) -> DrivenRuns:
-        """Return runs with friction beside a law, from others, where they follow the readings."""
-        none = tuple(Number(value=0.0) for _ in AT)
-        gear = none if self.geared else ()
+    def of(self, law: FrictionLaw, near: DrivenRuns, x: Array, rig: Array) -> DrivenRuns:
+        """Return runs of a law with values at the knots beside it (m,), near others."""
+        waves = (self.table @ x).tolist()
+        level = tuple(Number(value=c) for c in waves[:KNOTS])
+        gear = tuple(Number(value=c) for c in waves[KNOTS:])
         inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
         beside = _kind(tuple(inputs))(
-            law=law, level=none, gear=gear, slowest=self.slowest, fastest=self.fastest
+            law=law, level=level, gear=gear, slowest=self.slowest, fastest=self.fastest
         )
-        own = [
-            replace(item, start=at)
-            for item, at in zip(first.items, first.seen.values.tolist(), strict=True)
-            if item.path in first.given
-        ]
+        of_rig = [item for item in near.items if item.path in near.given]
+        own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
         own += [
-            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=0.0)
-            for part, of_part in (("level", none), ("gear", gear))
-            for k in range(len(of_part))
+            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value)
+            for part, of_part in (("level", level), ("gear", gear))
+            for k, c in enumerate(of_part)
         ]
-        runs = replace(first.runs.starting_from(first.seen), law=beside)
+        runs = replace(near.runs.starting_from(near.seen), law=beside)
         runs = runs.with_free_parameters(FreeParameters(tuple(own)))
+        return replace(near, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
+    def followed(self, first: DrivenRuns) -> DrivenRuns:
+        """Return runs with friction beside a law where they follow the readings."""
+        rig = np.array([first.rig[path] for path in first.given])
+        result = self.of(first.law, first, np.zeros(len(self.root)), rig)
         rows = np.linalg.inv(SIZES[FOLLOWING] * self.table @ self.root)
-        rows = np.hstack([np.zeros((len(rows), len(first.given))), rows])
-        seen = runs.linearise(runs.free_parameters.start)
-        return replace(first, runs=runs, seen=seen).settled(rows)
+        return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]))
 
 
 def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
@@ -449,14 +461,16 @@ class DrivenModel(Model):
         of_rig = seen.slopes[:, :count] * np.where(self.logs, rig, 1.0)
         slopes = np.hstack([seen.slopes[:, count:] @ beside.table, of_rig])
         self.free = slopes.shape[1]
-        freedom = max(len(seen.residual) - self.free, 1)
-        self.sigma = math.sqrt(float(seen.residual @ seen.residual) / freedom)
-        """Standard deviation of a reading."""
-        knots = np.linalg.solve(beside.table, seen.values[count:]) + beside.values(self._first)
+        law = runs.runs.law
+        assert isinstance(law, BesideLaw)
+        knots = np.linalg.solve(beside.table, seen.values[count:]) + self.at_knots(law.law)
         away = np.where(self.logs, np.log(rig / self.given), 0.0)
-        y = seen.residual + slopes @ np.concatenate([knots, away])
-        table = np.column_stack([slopes, y])
-        self.gram = runs.share / self.sigma**2 * table.T @ table
+        self.x: Array = np.concatenate([knots, away])
+        """The unknowns about which runs are linear (m,) ..."""
+        self.slopes: Array = slopes
+        """... and their slopes there (n, m)."""
+        table = np.column_stack([slopes, seen.residual + slopes @ self.x])
+        self.gram = runs.share / runs.error**2 * table.T @ table
         told = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
         wide = OPEN * np.sqrt(np.diag(np.linalg.pinv(self.gram[:-1, :-1])))[len(knots) :]
         self._rig_deviations: Array = np.where(self.logs, PRIOR, np.maximum(wide, told))
@@ -491,7 +505,8 @@ class DrivenModel(Model):
             return law.friction(x.tolist(), self.plain.slips(rows))
 
         low, high = np.array([(max(q.low, q.above or q.low), q.high) for q in law.quantities]).T
-        scale = np.array([law.sizes.get(name, abs(x)) for name, x in zip(law.varied, law.values)])
+        known = zip(law.varied, law.values, strict=True)
+        scale = np.array([law.sizes.get(name, abs(x)) for name, x in known])
         start = np.clip(law.values, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
         end = least_squares(left, start, bounds=(low, high), x_scale=np.maximum(scale, 1e-12))
         return law.structure(end.x.tolist())
@@ -501,12 +516,14 @@ class DrivenModel(Model):
         """Precisions of the unknowns before the runs (m,): none of friction."""
         return np.concatenate([np.zeros(len(self.beside.root)), self._rig_deviations**-2.0])
 
-    def _first(self, speed: Array, transmitted: float) -> Array:
-        """Return the plain law at speeds (n,)."""
-        law = self.runs.runs.law
-        assert isinstance(law, BesideLaw)
-        own = bound(law.law, dict.fromkeys(law.law.inputs, transmitted))
-        return np.asarray(own.steady(speed, 1.0) + 0.0 * speed)
+    def at_knots(self, law: FrictionLaw) -> Array:
+        """Return a law at the knots (m,)."""
+
+        def friction(speed: Array, transmitted: float) -> Array:
+            own = bound(law, dict.fromkeys(law.inputs, transmitted))
+            return np.asarray(own.steady(speed, 1.0) + 0.0 * speed)
+
+        return self.beside.values(friction)
 
     def _share(self, column: Column) -> Array:
         """Return a term of a law at the knots (m,)."""
@@ -608,13 +625,26 @@ class DrivenProblem(Problem):
         assert isinstance(self.posterior.model, DrivenModel)
         return self.posterior.model
 
-    def likeliest(self) -> FrictionLaw | None:
-        """Return the likeliest law with its values; None if that is none."""
-        weights = self.posterior.weights
+    def straight(self) -> "DrivenRuns | None":
+        """Return runs about what is likeliest; None where those that were linear leave as much."""
+        model, weights = self.model, self.posterior.weights
         k, s = np.unravel_index(int(np.argmax(weights)), weights.shape)
-        structure = self.posterior.structures[s]
-        law, _ = self.posterior.estimate(self.posterior.nodes[k], structure)
-        return self.composition(structure, law[None]).law() if structure else None
+        node, structure = self.posterior.nodes[k], self.posterior.structures[s]
+        coefficients, random = self.posterior.estimate(node, structure)
+        law = self.composition(structure, coefficients[None]).law()
+        if law is None:
+            return None
+        count = len(self.beside.root)
+        x, away = model.root(node) @ random[:count], random[count:]
+        rig = np.where(model.logs, model.given * np.exp(away), model.given + away)
+        runs = self.beside.of(law, self.following, x, rig)
+        if not runs.seen.finite:
+            return None
+        seen, law_there = self.following.seen, model.at_knots(law)
+        step = np.concatenate([x + law_there, away]) - model.x
+        foreseen = seen.residual - model.slopes @ step
+        off = abs(float(foreseen @ foreseen) - runs.seen.cost)
+        return None if 0.5 * runs.share / runs.error**2 * off < STRAIGHT else runs
 
     # ---- rows -------------------------------------------------------------------------------
 
