@@ -28,7 +28,6 @@ from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.driven_runs import (
     DrivenProblem,
-    DrivenRuns,
     beside_law,
     followed,
 )
@@ -291,24 +290,23 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    runs = followed(mechanism, measurement, vary, hold=hold)
-    if runs is not None:
-        made = partial(records_of, offset=False, held=held)
-        problem, rig = _driven_problem(
-            runs, mechanism, measurement, made, laws, timed=hold is not None
-        )
+    driven = _driven_problem(
+        mechanism, measurement, vary, partial(records_of, offset=False, held=held), laws, hold
+    )
+    if driven is not None:
+        rig = driven.following.on(mechanism)
         return record_verdict(
-            problem,
+            driven,
             mechanism,
             measurement,
-            offset=not offset,
+            offset=False,
             tolerance=tolerance,
             checks=checks,
             route="balance",
             second=validate,
             other=validate,
-            again=partial(_records_again, rig, made),
-            remarks=[*map(str, checks.of("outliers")), runs.sentence],
+            again=partial(_records_again, rig, partial(records_of, offset=False, held=held)),
+            remarks=[*map(str, checks.of("outliers")), driven.following.sentence],
         )
     rig = settled(mechanism, measurement, vary, offset=offset)
     records = made(rig, with_gear(rig, measurement))
@@ -337,34 +335,42 @@ def select_record(
 
 
 def _driven_problem(
-    runs: DrivenRuns,
     mechanism: Mechanism,
     measurement: Measurement,
+    vary: Sequence[str],
     made: Callable[..., list[Record]],
     laws: Any,
-    *,
-    timed: bool,
-) -> tuple[DrivenProblem, Mechanism]:
-    """Return records under a voltage with what runs say of them, and the mechanism by these."""
+    hold: Hold | None,
+) -> DrivenProblem | None:
+    """Return what runs say of records under a voltage; None where a balance says as much.
+
+    It does where runs do not tell parameters apart either, as resistance and torque constant are
+    not under friction that is the same at any torque.
+    """
+    runs = followed(mechanism, measurement, vary, hold=hold)
+    if runs is None:
+        return None
     rig = runs.on(mechanism)
     beside = beside_law(runs.law, made(rig, with_gear(rig, measurement)))
     runs = beside.followed(runs)
-    runs.refuse_untold()
+    if not runs.is_told:
+        return None
     rig = runs.on(mechanism)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     asked = laws_for(laws, records, load_of(rig))
     plain = problem_of_records(
-        rig, records, offset=False, turning=measurement.turning, timed=timed, families=asked.alone
-    )
+        rig, records, offset=False, turning=measurement.turning, timed=hold is not None,
+        families=asked.alone,
+    )  # fmt: skip
     assert isinstance(plain, RecordProblem)
-    problem: DrivenProblem = with_own_laws(DrivenProblem(plain, runs, beside), asked)
+    result: DrivenProblem = with_own_laws(DrivenProblem(plain, runs, beside), asked)
     for _ in range(AGAIN):
-        straight = problem.straight()
+        straight = result.straight()
         if straight is None:
             break
-        problem = with_own_laws(DrivenProblem(plain, straight, beside), asked)
-    return problem, rig
+        result = with_own_laws(DrivenProblem(plain, straight, beside), asked)
+    return result
 
 
 def _refuse_outside(problem: RecordProblem) -> None:
