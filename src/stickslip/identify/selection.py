@@ -26,11 +26,7 @@ from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
-from stickslip.identify.problems.driven_runs import (
-    DrivenProblem,
-    beside_law,
-    followed,
-)
+from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, followed
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import AGAIN
@@ -194,6 +190,13 @@ def _records_again(
     return made(rig, with_gear(rig, measurement))
 
 
+def _known_by_runs(
+    runs: DrivenRuns, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
+) -> list[Record]:
+    """Return records of a mechanism that runs told."""
+    return runs.known(made(rig, measurement, linear=False))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
@@ -290,25 +293,11 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    driven = _driven_problem(
-        mechanism, measurement, vary, partial(records_of, offset=False, held=held), laws, hold
-    )
-    if driven is not None:
-        rig = driven.following.on(mechanism)
-        return record_verdict(
-            driven,
-            mechanism,
-            measurement,
-            offset=False,
-            tolerance=tolerance,
-            checks=checks,
-            route="balance",
-            second=validate,
-            other=validate,
-            again=partial(_records_again, rig, partial(records_of, offset=False, held=held)),
-            remarks=[*map(str, checks.of("outliers")), driven.following.sentence],
-        )
-    rig = settled(mechanism, measurement, vary, offset=offset)
+    runs = followed(mechanism, measurement, vary, hold=hold)
+    if runs is None:
+        rig = settled(mechanism, measurement, vary, offset=offset)
+    else:
+        rig, made = runs.on(mechanism), partial(_known_by_runs, runs, made)
     records = made(rig, with_gear(rig, measurement))
     refuse_wrong_signs(records)
     asked = laws_for(laws, records, load_of(rig))
@@ -320,7 +309,9 @@ def select_record(
     if isinstance(problem, RecordProblem) and any(x.bent for x in records[0].unknown.values()):
         _refuse_outside(problem)
     return record_verdict(
-        with_own_laws(problem, asked),
+        with_own_laws(problem, asked)
+        if runs is None or not runs.is_followed
+        else _driven_problem(problem, runs, asked),
         mechanism,
         measurement,
         offset=not offset,
@@ -330,46 +321,21 @@ def select_record(
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),
-        remarks=map(str, checks.of("outliers")),
+        remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
     )
 
 
 def _driven_problem(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    vary: Sequence[str],
-    made: Callable[..., list[Record]],
-    laws: Any,
-    hold: Hold | None,
-) -> DrivenProblem | None:
-    """Return what runs say of records under a voltage; None where a balance says as much.
-
-    It does where runs do not tell parameters apart either, as resistance and torque constant are
-    not under friction that is the same at any torque.
-    """
-    runs = followed(mechanism, measurement, vary, hold=hold)
-    if runs is None:
-        return None
-    rig = runs.on(mechanism)
-    beside = beside_law(runs.law, made(rig, with_gear(rig, measurement)))
-    runs = beside.followed(runs)
-    if not runs.is_told:
-        return None
-    rig = runs.on(mechanism)
-    records = made(rig, with_gear(rig, measurement))
-    refuse_wrong_signs(records)
-    asked = laws_for(laws, records, load_of(rig))
-    plain = problem_of_records(
-        rig, records, offset=False, turning=measurement.turning, timed=hold is not None,
-        families=asked.alone,
-    )  # fmt: skip
+    plain: RecordProblem | FreeMotionProblem, runs: DrivenRuns, asked: LawsToCompare
+) -> DrivenProblem:
+    """Return what runs say of laws, linear about what is likeliest."""
     assert isinstance(plain, RecordProblem)
-    result: DrivenProblem = with_own_laws(DrivenProblem(plain, runs, beside), asked)
+    result: DrivenProblem = with_own_laws(DrivenProblem(plain, runs), asked)
     for _ in range(AGAIN):
         straight = result.straight()
         if straight is None:
             break
-        result = with_own_laws(DrivenProblem(plain, straight, beside), asked)
+        result = with_own_laws(DrivenProblem(plain, straight), asked)
     return result
 
 

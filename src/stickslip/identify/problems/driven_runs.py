@@ -27,7 +27,7 @@ best.
 import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from typing import Annotated, Any, ClassVar
 
@@ -51,7 +51,7 @@ from stickslip.identify.fits import (
     segments_and_hold,
     simulated,
 )
-from stickslip.identify.forces import TRANSMITTED
+from stickslip.identify.forces import TRANSMITTED, with_gear
 from stickslip.identify.judgement import DRAWS, Candidates, Problem
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
@@ -104,10 +104,14 @@ OPEN = 10.0
 """That of a parameter that may be 0, over what runs leave of it."""
 MOST = 100.0
 """Size of a coefficient at most, over the usual one of a parameter."""
+CLOSELY = 5.0
+"""What runs leave over the noise of readings, from which more is missing than friction."""
 TOLD = 0.5
 """Deviation after the runs over that before, beyond which they tell next to nothing."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
+FOLLOWING_STEPS = 8
+"""Steps of the search, each time."""
 STEPS = 10
 """Steps of an initial state at each: where a body sticks and slips there are many, and long."""
 KNOTS = 8
@@ -166,161 +170,6 @@ class BesideLaw(SetValuedLaw):
 def _kind(inputs: tuple[str, ...]) -> type[BesideLaw]:
     """Return laws with friction beside them that see inputs of the contact."""
     return type("BesideLaw", (BesideLaw,), {"inputs": inputs})
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _WithPrior:
-    """Residuals of runs, and rows of what is known before."""
-
-    runs: Shooting
-    given: Array
-    """Values that were given (p,)."""
-    sizes: Array
-    """Deviations of their logarithms (p,); infinite of those without."""
-    rows: Array
-    """Unknowns about 0 over their deviations (m, p)."""
-    deviation: float
-    """Deviation of a reading that would be independent of others."""
-
-    @property
-    def free_parameters(self) -> FreeParameters:
-        """What is looked for."""
-        return self.runs.free_parameters
-
-    def slopes(self, values: Array) -> Array:
-        """Return how many deviations a unit of each value is (k, p)."""
-        told = np.isfinite(self.sizes)
-        logs = np.eye(len(values))[told] / (self.sizes[told] * values[told])[:, None]
-        return np.vstack([logs, self.rows])
-
-    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals at values (p,), with one row for each that is known before."""
-        seen, told = self.runs.linearise(values, near), np.isfinite(self.sizes)
-        off = np.log(self.given[told] / values[told]) / self.sizes[told]
-        off = np.concatenate([off, -self.rows @ values])
-        return ResidualJacobian(
-            values=values,
-            residual=np.concatenate([seen.residual, self.deviation * off]),
-            slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
-            segment=np.concatenate([seen.segment, np.full(len(off), -1)]),
-            memory=seen.memory,
-        )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DrivenRuns:
-    """Runs that follow the readings, linear in what is unknown.
-
-    Attributes
-    ----------
-    runs : Shooting
-        The runs, with what is unknown.
-    seen : ResidualJacobian
-        They where they follow the readings best.
-    given : Mapping of str to float
-        Parameters of the mechanism as they were given, by path.
-    share : float
-        Share of the readings that count as independent.
-    error : float
-        Standard deviation of a reading.
-    """
-
-    runs: Shooting
-    seen: ResidualJacobian
-    given: Mapping[str, float]
-    share: float = 1.0
-    error: float = 0.0
-
-    @property
-    def items(self) -> tuple[FreeParameter, ...]:
-        """What is unknown."""
-        return self.runs.free_parameters.items
-
-    @property
-    def sizes(self) -> Array:
-        """Deviations of logarithms before the runs (p,); infinite of what has none."""
-        return np.array([PRIOR if x.log and x.path in self.given else math.inf for x in self.items])
-
-    @property
-    def law(self) -> FrictionLaw:
-        """The law with the values that were found."""
-        own = zip(self.items, self.seen.values.tolist(), strict=True)
-        return vary(
-            self.runs.law, "friction", {x.path: y for x, y in own if x.path not in self.given}
-        )
-
-    @property
-    def rig(self) -> dict[str, float]:
-        """Parameters of the mechanism as they were found, by path."""
-        own = zip(self.items, self.seen.values.tolist(), strict=True)
-        return {item.path: x for item, x in own if item.path in self.given}
-
-    def on(self, mechanism: Mechanism) -> Mechanism:
-        """Return a mechanism with the values that were found."""
-        return vary(mechanism, "mechanism", self.rig)
-
-    def settled(self, rows: Array | None = None) -> "DrivenRuns":
-        """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
-        best, share = self.seen, self.share
-        own = [self.given.get(item.path, 1.0) for item in self.items]
-        known = _WithPrior(
-            runs=self.runs, given=np.array(own), sizes=self.sizes, deviation=1.0,
-            rows=np.zeros((0, len(own))) if rows is None else rows,
-        )  # fmt: skip
-        for _ in range(ROUNDS):
-            deviation = best.rms / math.sqrt(share)
-            prior = replace(known, deviation=deviation)
-            end, _ = improve(prior, best.values, least=2.0 * SETTLED * deviation**2)
-            best = self.runs.linearise(end.values, end)
-            slopes = prior.slopes(end.values)
-            share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
-        freedom = max(len(best.residual) - len(own), 1)
-        return replace(self, seen=best, share=share, error=math.sqrt(best.cost / freedom))
-
-    @property
-    def sentence(self) -> str:
-        """What is said of the values."""
-        names = joined([path.removeprefix("mechanism.") for path in self.given])
-        return f"Runs of the mechanism under the recorded voltage determine {names} and friction."
-
-    @property
-    def is_told(self) -> bool:
-        """Whether no parameter of the mechanism is left nearly as open as it was."""
-        told = np.isfinite(self.sizes)
-        slopes = self.seen.slopes / self.error * math.sqrt(self.share)
-        prior = np.diag(np.where(told, self.sizes * self.seen.values, np.inf) ** -2.0)
-        covariance = np.linalg.pinv(slopes.T @ slopes + prior, hermitian=True)
-        return bool(np.all(np.diag(prior @ covariance) <= TOLD**2))
-
-
-def followed(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    unknown: Sequence[str],
-    *,
-    hold: Hold | None = None,
-) -> DrivenRuns | None:
-    """Return runs of a plain law; None where a balance tells what is unknown as well.
-
-    That is so where there is no motor, and where forces are linear in what is looked for.
-    """
-    if not unknown or motor_of(mechanism) is None:
-        return None
-    record = records_of(mechanism, measurement, unknown=unknown)[0]
-    if not any(column.bent for column in record.unknown.values()):
-        return None
-    unknown = [path for path in unknown if path in record.unknown]  # a constant force is not
-    law: type[FrictionLaw] = CoulombViscous if through_gear(record) is None else BamM3
-    wanted: Wanted = Parameters(mechanism=mechanism, law=law, known={}, unknown=tuple(unknown))
-    settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
-    runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
-    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    result = DrivenRuns(
-        runs=runs,
-        seen=runs.linearise(runs.free_parameters.start),
-        given={path: known.get(path, 0.0) for path in unknown},
-    ).settled()
-    return result
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -385,33 +234,6 @@ class Beside:
         still = friction(self.speeds, 0.0)
         return np.concatenate([still, usual - still]) / self.size
 
-    def of(self, law: FrictionLaw, near: DrivenRuns, x: Array, rig: Array) -> DrivenRuns:
-        """Return runs of a law with values at the knots beside it (m,), near others."""
-        waves = (self.table @ x).tolist()
-        level = tuple(Number(value=c) for c in waves[:KNOTS])
-        gear = tuple(Number(value=c) for c in waves[KNOTS:])
-        inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
-        beside = _kind(tuple(inputs))(
-            law=law, level=level, gear=gear, slowest=self.slowest, fastest=self.fastest
-        )
-        of_rig = [item for item in near.items if item.path in near.given]
-        own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
-        own += [
-            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value)
-            for part, of_part in (("level", level), ("gear", gear))
-            for k, c in enumerate(of_part)
-        ]
-        runs = replace(near.runs.starting_from(near.seen), law=beside)
-        runs = runs.with_free_parameters(FreeParameters(tuple(own)))
-        return replace(near, runs=runs, seen=runs.linearise(runs.free_parameters.start))
-
-    def followed(self, first: DrivenRuns) -> DrivenRuns:
-        """Return runs with friction beside a law where they follow the readings."""
-        rig = np.array([first.rig[path] for path in first.given])
-        result = self.of(first.law, first, np.zeros(len(self.root)), rig)
-        rows = np.linalg.inv(SIZES[FOLLOWING] * self.table @ self.root)
-        return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]))
-
 
 def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
     """Return friction beside a law, for the speeds of records."""
@@ -432,6 +254,250 @@ def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _WithPrior:
+    """Residuals of runs, and rows of what is known before."""
+
+    runs: Shooting
+    given: Array
+    """Values that were given (p,)."""
+    sizes: Array
+    """Deviations of their logarithms (p,); infinite of those without."""
+    rows: Array
+    """Unknowns about 0 over their deviations (m, p)."""
+    deviation: float
+    """Deviation of a reading that would be independent of others."""
+
+    @property
+    def free_parameters(self) -> FreeParameters:
+        """What is looked for."""
+        return self.runs.free_parameters
+
+    def slopes(self, values: Array) -> Array:
+        """Return how many deviations a unit of each value is (k, p)."""
+        told = np.isfinite(self.sizes)
+        logs = np.eye(len(values))[told] / (self.sizes[told] * values[told])[:, None]
+        return np.vstack([logs, self.rows])
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals at values (p,), with one row for each that is known before."""
+        seen, told = self.runs.linearise(values, near), np.isfinite(self.sizes)
+        off = np.log(self.given[told] / values[told]) / self.sizes[told]
+        off = np.concatenate([off, -self.rows @ values])
+        return ResidualJacobian(
+            values=values,
+            residual=np.concatenate([seen.residual, self.deviation * off]),
+            slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
+            segment=np.concatenate([seen.segment, np.full(len(off), -1)]),
+            memory=seen.memory,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrivenRuns:
+    """Runs that follow the readings, linear in what is unknown.
+
+    Attributes
+    ----------
+    runs : Shooting
+        The runs, with what is unknown.
+    seen : ResidualJacobian
+        They where they follow the readings best.
+    given : Mapping of str to float
+        Parameters of the mechanism as they were given, by path.
+    share : float
+        Share of the readings that count as independent.
+    error : float
+        Standard deviation of a reading.
+    rows : array (m, p)
+        Unknowns about 0 over their deviations before the runs.
+    beside : Beside, optional
+        Friction beside their law.
+    """
+
+    runs: Shooting
+    seen: ResidualJacobian
+    given: Mapping[str, float]
+    share: float = 1.0
+    error: float = 0.0
+    rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    beside: Beside | None = None
+
+    @property
+    def items(self) -> tuple[FreeParameter, ...]:
+        """What is unknown."""
+        return self.runs.free_parameters.items
+
+    @property
+    def sizes(self) -> Array:
+        """Deviations of logarithms before the runs (p,); infinite of what has none."""
+        return np.array([PRIOR if x.log and x.path in self.given else math.inf for x in self.items])
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law with the values that were found."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return vary(
+            self.runs.law, "friction", {x.path: y for x, y in own if x.path not in self.given}
+        )
+
+    @property
+    def rig(self) -> dict[str, float]:
+        """Parameters of the mechanism as they were found, by path."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return {item.path: x for item, x in own if item.path in self.given}
+
+    def on(self, mechanism: Mechanism) -> Mechanism:
+        """Return a mechanism with the values that were found."""
+        return vary(mechanism, "mechanism", self.rig)
+
+    def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
+        """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
+        best, share = self.seen, self.share
+        own = [self.given.get(item.path, 1.0) for item in self.items]
+        rows = np.zeros((0, len(own))) if rows is None else rows
+        known = _WithPrior(
+            runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
+        )
+        for _ in range(rounds):
+            deviation = best.rms / math.sqrt(share)
+            prior = replace(known, deviation=deviation)
+            end, _ = improve(
+                prior, best.values, rounds=FOLLOWING_STEPS, least=2.0 * SETTLED * deviation**2
+            )
+            best = self.runs.linearise(end.values, end)
+            slopes = prior.slopes(end.values)
+            share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
+        freedom = max(len(best.residual) - len(own), 1)
+        error = math.sqrt(best.cost / freedom)
+        return replace(self, seen=best, share=share, error=error, rows=rows)
+
+    def of(self, law: FrictionLaw, x: Array, rig: Array) -> "DrivenRuns":
+        """Return runs of a law with values at the knots beside it (m,), near these."""
+        beside = self.beside
+        assert beside is not None
+        waves = (beside.table @ x).tolist()
+        level = tuple(Number(value=c) for c in waves[:KNOTS])
+        gear = tuple(Number(value=c) for c in waves[KNOTS:])
+        inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
+        curve = _kind(tuple(inputs))(
+            law=law, level=level, gear=gear, slowest=beside.slowest, fastest=beside.fastest
+        )
+        of_rig = [item for item in self.items if item.path in self.given]
+        own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
+        own += [
+            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value)
+            for part, of_part in (("level", level), ("gear", gear))
+            for k, c in enumerate(of_part)
+        ]
+        runs = replace(self.runs.starting_from(self.seen), law=curve)
+        runs = runs.with_free_parameters(FreeParameters(tuple(own)))
+        return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
+    def with_curve(self, beside: Beside) -> "DrivenRuns":
+        """Return runs with friction beside the law where they follow the readings."""
+        first, rig = replace(self, beside=beside), np.array([*self.rig.values()])
+        rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
+        result = first.of(self.law, np.zeros(len(beside.root)), rig)
+        return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of what is unknown (p, p)."""
+        told = np.isfinite(self.sizes)
+        slopes = self.seen.slopes / self.error * math.sqrt(self.share)
+        prior = np.where(told, self.sizes * self.seen.values, np.inf) ** -2.0
+        precision = slopes.T @ slopes + self.rows.T @ self.rows + np.diag(prior)
+        return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
+
+    @property
+    def is_told(self) -> bool:
+        """Whether no parameter of the mechanism is left nearly as open as it was."""
+        left = np.sqrt(np.diag(self.covariance)) / (self.sizes * self.seen.values)
+        own = self.covariance[: len(self.given), : len(self.given)]
+        size = np.sqrt(np.maximum(np.diag(own), 1e-300))
+        least = np.linalg.eigvalsh(own / np.outer(size, size))[0]
+        return bool(np.all(left[np.isfinite(self.sizes)] <= TOLD) and least > ROUNDED)
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether runs follow the readings as closely as their noise allows.
+
+        Else more than a curve of friction is missing, and the runs are linear about no truth.
+        """
+        third = [np.var(np.diff(item.measured, 3)) for item in self.runs.segments]
+        return self.error <= CLOSELY * math.sqrt(float(np.mean(third)) / 20.0)
+
+    @property
+    def sentence(self) -> str:
+        """What is said of the values."""
+        names = joined([path.removeprefix("mechanism.") for path in self.given])
+        if self.is_followed:
+            return (
+                f"Runs of the mechanism under the recorded voltage determine {names} and friction."
+            )
+        return (
+            f"Runs of the mechanism with friction of a gear determine {names}; the force balance"
+            " determines friction with these values."
+        )
+
+    def known(self, records: Sequence[Record]) -> list[Record]:
+        """Return records whose parameters count from the values, with the covariance as prior.
+
+        Of its root :math:`L` each column is what one of them, and others with it, changes by.
+        """
+        paths = [*self.rig]
+        root = np.linalg.cholesky(self.covariance[: len(paths), : len(paths)])
+        result = []
+        for record in records:
+            own = dict(record.unknown)
+            for j, path in enumerate(paths):
+                parts = [(root[i, j], record.unknown[other]) for i, other in enumerate(paths)]
+                own[path] = replace(
+                    record.unknown[path],
+                    force=np.sum([share * item.force for share, item in parts], axis=0),
+                    inertia=float(sum(share * item.inertia for share, item in parts)),
+                    along=dict(zip(paths, root[:, j].tolist(), strict=True)),
+                )
+            result.append(replace(record, unknown=own))
+        return result
+
+
+def followed(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    *,
+    hold: Hold | None = None,
+) -> DrivenRuns | None:
+    """Return runs that follow the readings; None where a balance tells what is unknown as well.
+
+    That is so where there is no motor, where forces are linear in what is looked for, and where
+    runs do not tell parameters apart either, as resistance and torque constant are not under
+    friction that is the same at any torque.
+    """
+    if not unknown or motor_of(mechanism) is None:
+        return None
+    record = records_of(mechanism, measurement, unknown=unknown)[0]
+    if not any(column.bent for column in record.unknown.values()):
+        return None
+    unknown = [path for path in unknown if path in record.unknown]  # a constant force is not
+    law: type[FrictionLaw] = CoulombViscous if through_gear(record) is None else BamM3
+    wanted: Wanted = Parameters(mechanism=mechanism, law=law, known={}, unknown=tuple(unknown))
+    settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
+    runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
+    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    first = DrivenRuns(
+        runs=runs,
+        seen=runs.linearise(runs.free_parameters.start),
+        given={path: known.get(path, 0.0) for path in unknown},
+    ).settled()
+    rig = first.on(mechanism)
+    records = records_of(rig, with_gear(rig, measurement))
+    result = first.with_curve(beside_law(first.law, records))
+    return result if result.is_told else None
+
+
 class DrivenModel(Model):
     """Readings under a voltage, linear about runs that follow them.
 
@@ -442,8 +508,11 @@ class DrivenModel(Model):
     scales = (Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),)
     signed = SIGNED
 
-    def __init__(self, runs: DrivenRuns, beside: Beside, plain: RecordProblem) -> None:
-        self.runs, self.beside, self.plain = runs, beside, plain
+    def __init__(self, runs: DrivenRuns, plain: RecordProblem) -> None:
+        assert runs.beside is not None
+        self.runs, self.plain = runs, plain
+        self.beside: Beside = runs.beside
+        beside = runs.beside
         self.share, self.size = cache(self._share), cache(self._size)
         items = [item for item in runs.items if item.path in runs.given]
         self.paths = [item.path for item in items]
@@ -573,23 +642,22 @@ class DrivenProblem(Problem):
     plain : RecordProblem
         That balance.
     following : DrivenRuns
-        Runs that follow the readings, with friction beside a law ...
-    beside : Beside
-        ... as values at knots.
+        Runs that follow the readings, with friction beside a law.
     """
 
     plain: RecordProblem
     following: DrivenRuns
-    beside: Beside
 
     def __post_init__(self) -> None:
-        plain = self.plain
+        plain, beside = self.plain, self.following.beside
+        assert beside is not None
+        self.beside = beside
         self.records, self.size, self.load = plain.records, plain.size, plain.load
         self.runs, self.restricted = plain.runs, plain.restricted
         self.grid = Grid(slowest=self.beside.slowest, fastest=self.beside.fastest, fine=2.0)
         self.laws = [item for item in plain.model.families if item]
         self.own: tuple[Structure, ...] = ()
-        self.posterior = self._judged(DrivenModel(self.following, self.beside, plain))
+        self.posterior = self._judged(DrivenModel(self.following, plain))
 
     def _judged(self, model: DrivenModel) -> Posterior:
         laws = dict(laws_of(self.grid, [(), *self.laws]))
@@ -631,7 +699,7 @@ class DrivenProblem(Problem):
         count = len(self.beside.root)
         x, away = model.root(node) @ random[:count], random[count:]
         rig = np.where(model.logs, model.given * np.exp(away), model.given + away)
-        runs = self.beside.of(law, self.following, x, rig)
+        runs = self.following.of(law, x, rig)
         if not runs.seen.finite:
             return None
         seen, law_there = self.following.seen, model.at_knots(law)
