@@ -106,8 +106,9 @@ MOST = 100.0
 """Size of a coefficient at most, over the usual one of a parameter."""
 CLOSELY = 5.0
 """What runs leave over the noise of readings, from which more is missing than friction."""
-TOLD = 0.5
-"""Deviation after the runs over that before, beyond which they tell next to nothing."""
+TOLD = 0.2
+"""Deviation after the runs over that before, beyond which they tell little: friction that runs do
+not tell apart from the motor would be any."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
 FOLLOWING_STEPS = 8
@@ -838,7 +839,10 @@ class DrivenProblem(Problem):
         return self.plain.points(rung)
 
     def scatter(self, rung: Rung) -> float:
-        return self.plain.scatter(rung)
+        rows = self.asked()
+        middle = np.mean(self.steady(rows, self.posterior.draws(DRAWS)), axis=0)
+        off = middle - self.design(rung.structure, rows) @ rung.coefficients
+        return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
 
     def untold(self) -> list[str]:
         return [UNSEEN]

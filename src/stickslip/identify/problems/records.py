@@ -631,8 +631,11 @@ class RecordProblem(Problem):
     # ---- figures and findings ---------------------------------------------------------------
 
     @cached_property
-    def _left(self) -> tuple[Array, Array]:
-        """Velocities and friction (n,) of the rows, less what is no friction, at the best node."""
+    def _left(self) -> tuple[Array, Array, Array]:
+        """Velocities, friction and what the gear transmits (n,) of the rows, at the best node.
+
+        What is no friction is taken off.
+        """
         model, node = self.model, self.posterior.best
         _, b = self.posterior.estimate(node, self.posterior.law_at(node))
         which, memory = model.key(node)
@@ -642,11 +645,21 @@ class RecordProblem(Problem):
         y = model.response(node) - design.random[:, ~friction] @ plain[~friction]
         resolved = rows.far > RESOLVED
         kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
-        return rows.velocity[kept], y[kept]
+        through = rows.seen([
+            model.balance.transmitted(piece) * np.ones(len(piece.record.time))
+            for piece in model.balance.pieces
+        ])  # fmt: skip
+        return rows.velocity[kept], y[kept], through[kept]
 
     def points(self, rung: Rung) -> MeasuredPoints:
-        """Return friction of the rows, less what is no friction, thinned out."""
-        v, y = self._left
+        """Return friction of the rows, less what is no friction, thinned out.
+
+        It is at what the gear transmits in the middle, by the share of that which the law takes.
+        """
+        v, y, through = self._left
+        if self.model.frame.transmitted and rung.structure:
+            seen = self.design(rung.structure, self.at(v, inputs={TRANSMITTED: through}))
+            y = y + (self.design(rung.structure, self.at(v)) - seen) @ rung.coefficients
         few = np.arange(0, len(v), max(len(v) // DRAWN, 1))
         ones = np.ones(len(few))
         return MeasuredPoints(
