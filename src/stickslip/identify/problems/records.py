@@ -631,10 +631,10 @@ class RecordProblem(Problem):
     # ---- figures and findings ---------------------------------------------------------------
 
     @cached_property
-    def _left(self) -> tuple[Array, Array, Array]:
+    def _left(self) -> tuple[Array, Array, Array, "NDArray[np.bool_]"]:
         """Velocities, friction and what the gear transmits (n,) of the rows, at the best node.
 
-        What is no friction is taken off.
+        What is no friction is taken off; and whether rows are far from a turn.
         """
         model, node = self.model, self.posterior.best
         _, b = self.posterior.estimate(node, self.posterior.law_at(node))
@@ -643,24 +643,24 @@ class RecordProblem(Problem):
         plain = model.plain(node, b[:, None])[:, 0]
         friction = np.isin(design.groups, ("common", "sides", "offset", "side"))
         y = model.response(node) - design.random[:, ~friction] @ plain[~friction]
-        resolved = rows.far > RESOLVED
-        kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
         through = rows.seen([
             model.balance.transmitted(piece) * np.ones(len(piece.record.time))
             for piece in model.balance.pieces
         ])  # fmt: skip
-        return rows.velocity[kept], y[kept], through[kept]
+        return rows.velocity, y, through, rows.far > RESOLVED
 
-    def points(self, rung: Rung) -> MeasuredPoints:
+    def points(self, rung: Rung, *, least: int = DRAWN // 10) -> MeasuredPoints:
         """Return friction of the rows, less what is no friction, thinned out.
 
-        It is at what the gear transmits in the middle, by the share of that which the law takes.
+        They are far from turns if more than `least` are. Friction is at what the gear transmits in
+        the middle, by the share of that which the law takes.
         """
-        v, y, through = self._left
+        v, y, through, resolved = self._left
         if self.model.frame.transmitted and rung.structure:
             seen = self.design(rung.structure, self.at(v, inputs={TRANSMITTED: through}))
             y = y + (self.design(rung.structure, self.at(v)) - seen) @ rung.coefficients
-        few = np.arange(0, len(v), max(len(v) // DRAWN, 1))
+        few = np.flatnonzero(resolved if resolved.sum() > least else np.ones_like(resolved))
+        few = few[:: max(len(few) // DRAWN, 1)]
         ones = np.ones(len(few))
         return MeasuredPoints(
             velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones
