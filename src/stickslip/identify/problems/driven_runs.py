@@ -836,7 +836,7 @@ class DrivenProblem(Problem):
         return self.model.rig(draws)
 
     def points(self, rung: Rung) -> MeasuredPoints:
-        return self.plain.points(rung, least=0)  # a balance has no friction at a turn
+        return self.plain.points(rung, apart=True)  # a balance has no friction at a turn
 
     def scatter(self, rung: Rung) -> float:
         rows = self.asked()

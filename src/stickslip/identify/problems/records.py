@@ -72,6 +72,8 @@ PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
 DRAWN = 400
 """Rows that a figure shows."""
+FARTHER = 0.75
+"""Distance from turns, over that of the farthest row, from which rows are apart from these."""
 LOAD = "load"
 """Name of the load beside those of inputs."""
 MEMORIES = ("dahl", "lugre")
@@ -631,10 +633,10 @@ class RecordProblem(Problem):
     # ---- figures and findings ---------------------------------------------------------------
 
     @cached_property
-    def _left(self) -> tuple[Array, Array, Array, "NDArray[np.bool_]"]:
+    def _left(self) -> tuple[Array, Array, Array, Array]:
         """Velocities, friction and what the gear transmits (n,) of the rows, at the best node.
 
-        What is no friction is taken off; and whether rows are far from a turn.
+        What is no friction is taken off; and how far rows are from a turn.
         """
         model, node = self.model, self.posterior.best
         _, b = self.posterior.estimate(node, self.posterior.law_at(node))
@@ -647,19 +649,21 @@ class RecordProblem(Problem):
             model.balance.transmitted(piece) * np.ones(len(piece.record.time))
             for piece in model.balance.pieces
         ])  # fmt: skip
-        return rows.velocity, y, through, rows.far > RESOLVED
+        return rows.velocity, y, through, rows.far
 
-    def points(self, rung: Rung, *, least: int = DRAWN // 10) -> MeasuredPoints:
+    def points(self, rung: Rung, *, apart: bool = False) -> MeasuredPoints:
         """Return friction of the rows, less what is no friction, thinned out.
 
-        They are far from turns if more than `least` are. Friction is at what the gear transmits in
-        the middle, by the share of that which the law takes.
+        They are far from turns if many are, or as far `apart` as rows are if that is wanted.
+        Friction is at what the gear transmits in the middle, by the share which the law takes.
         """
-        v, y, through, resolved = self._left
+        v, y, through, far = self._left
         if self.model.frame.transmitted and rung.structure:
             seen = self.design(rung.structure, self.at(v, inputs={TRANSMITTED: through}))
             y = y + (self.design(rung.structure, self.at(v)) - seen) @ rung.coefficients
-        few = np.flatnonzero(resolved if resolved.sum() > least else np.ones_like(resolved))
+        least = min(RESOLVED, FARTHER * float(far.max())) if apart else RESOLVED
+        few = np.flatnonzero(far > least)
+        few = few if apart or len(few) > DRAWN // 10 else np.arange(len(v))
         few = few[:: max(len(few) // DRAWN, 1)]
         ones = np.ones(len(few))
         return MeasuredPoints(
