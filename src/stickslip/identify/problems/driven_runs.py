@@ -56,6 +56,7 @@ from stickslip.identify.judgement import DRAWS, Candidates, Problem
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
 from stickslip.identify.posterior import (
+    COEFFICIENT,
     Array,
     Column,
     Draws,
@@ -402,20 +403,20 @@ class DrivenRuns:
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
         return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
 
-    @property
-    def covariance(self) -> Array:
-        """Covariance of what is unknown (p, p)."""
-        told = np.isfinite(self.sizes)
+    def covariance(self, size: float = SIZES[FOLLOWING]) -> Array:
+        """Return the covariance of what is unknown (p, p), with friction of a prior size."""
+        told, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
         prior = np.where(told, self.sizes * self.seen.values, np.inf) ** -2.0
-        precision = slopes.T @ slopes + self.rows.T @ self.rows + np.diag(prior)
+        precision = slopes.T @ slopes + rows.T @ rows + np.diag(prior)
         return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
 
     @property
     def is_told(self) -> bool:
-        """Whether no parameter of the mechanism is left nearly as open as it was."""
-        left = np.sqrt(np.diag(self.covariance)) / (self.sizes * self.seen.values)
-        own = self.covariance[: len(self.given), : len(self.given)]
+        """Whether runs tell the parameters of the mechanism beside any friction."""
+        covariance = self.covariance(COEFFICIENT)
+        left = np.sqrt(np.diag(covariance)) / (self.sizes * self.seen.values)
+        own = covariance[: len(self.given), : len(self.given)]
         size = np.sqrt(np.maximum(np.diag(own), 1e-300))
         least = np.linalg.eigvalsh(own / np.outer(size, size))[0]
         return bool(np.all(left[np.isfinite(self.sizes)] <= TOLD) and least > ROUNDED)
@@ -448,7 +449,7 @@ class DrivenRuns:
         Of its root :math:`L` each column is what one of them, and others with it, changes by.
         """
         paths = [*self.rig]
-        root = np.linalg.cholesky(self.covariance[: len(paths), : len(paths)])
+        root = np.linalg.cholesky(self.covariance()[: len(paths), : len(paths)])
         result = []
         for record in records:
             own = dict(record.unknown)
