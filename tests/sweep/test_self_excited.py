@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from stickslip import Axis, BlockChain, Coulomb, LuGre, Stribeck, TowedBlock, simulate
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms.drives import Feedback, Sampled, Sine
-from stickslip.study.sweep import continue_orbit, orbit_diagram, periodic_orbit
+from stickslip.study.sweep import continue_event, continue_orbit, orbit_diagram, periodic_orbit
 
 JERKY = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
 FADING = Stribeck(kinetic_coefficient=1.0, static_coefficient=1.5, stribeck_velocity=0.2)
@@ -192,6 +192,54 @@ def test_a_damper_of_the_wrong_sign_has_the_unstable_cycle_of_half_swings():
     assert orbit.multipliers.real.tolist() == pytest.approx([growth**2], rel=1e-9)
     branch = continue_orbit(orbit, "gain", (-1.0, -0.2))
     assert not branch.stable.any()
+
+
+FALLING = Stribeck(
+    kinetic_coefficient=0.8, static_coefficient=1.2, stribeck_velocity=0.4,
+    viscous_coefficient=0.05,
+)  # fmt: skip
+VISCOUS = "friction.viscous_coefficient"
+
+
+def hopf_of(speed):
+    """Return the viscous coefficient at which friction does not fall any more at a speed."""
+    ratio = speed / 0.4
+    return 2.0 * 0.4 * ratio / 0.4 * math.exp(-(ratio**2))
+
+
+def branch_over_viscous(speed):
+    belt = TowedBlock(mass=1.0, stiffness=1.0, speed=speed, load=1.0)
+    return continue_orbit(periodic_orbit(belt, FALLING), VISCOUS, (0.01, 1.0))
+
+
+def test_a_branch_ends_where_its_cycle_shrinks_to_steady_sliding():
+    branch = branch_over_viscous(0.5)
+    assert [event.kind for event in branch.events] == ["sticking", "fold"]
+    assert "shrinks to steady sliding" in branch.ends[1]
+    # The parameter differs as the square of what is left of the cycle, 2 %: here by a tenth of it.
+    assert branch.values[-1] == pytest.approx(hopf_of(0.5), rel=1e-4)
+
+
+def test_folds_of_cycles_end_where_the_square_of_the_cycle_tells_no_side():
+    sticking, fold = branch_over_viscous(0.5).events
+    paths, box = ("mechanism.speed", VISCOUS), ((0.2, 2.0), (0.01, 1.0))
+    folds = continue_event(fold, paths, box)
+    assert folds.states == ("x", "cycle")
+    # At the degenerate Hopf point the third derivative of friction is 0.
+    degenerate = 0.4 * math.sqrt(1.5)
+    assert folds.values[-1] == pytest.approx([degenerate, hopf_of(degenerate)], rel=1e-3)
+    assert "shrinks to steady sliding" in folds.ends[1]
+    borders = continue_event(sticking, paths, box)
+    assert borders.values[:, 0].min() == pytest.approx(0.2)
+    assert borders.values[:, 0].max() == pytest.approx(2.0)
+    (met,), (also,) = folds.points, borders.points
+    assert (met.kind, also.kind) == ("fold with sticking", "sticking with fold")
+    assert met.values == pytest.approx(also.values, abs=1e-6)
+    for curve, kind in ((folds, "fold"), (borders, "sticking")):
+        # nearer to where they meet the fold is too near the border for a branch to reach it
+        for speed, viscous in curve.values[curve.values[:, 0] < 0.8][5:40:10]:
+            near = [e.value for e in branch_over_viscous(speed).events if e.kind == kind]
+            assert min(abs(value - viscous) for value in near) < 1e-6
 
 
 def test_the_diagram_of_a_belt_ends_with_its_cycle():

@@ -491,6 +491,9 @@ def coarseness(t: float, h: float, w: Vector, iw: IntVector) -> float:
         d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
         known = max(guard_size(guard, w, iw), abs(w[sampled + opposite(guard, iw)]))
         known = max(known, size_of_balance(guard, w, iw))
+        if guard >= iw[layout.FIRST_WALL]:  # a way to a stop is the rest of two places
+            wall = (guard - iw[layout.FIRST_WALL]) * iw[layout.WALL_COLUMNS]
+            known = max(known, abs(w[iw[layout.WALLS] + wall]))
         size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * known)
         # Weights of the polynomial of degree four through every other sample, at those between,
         # times 128.

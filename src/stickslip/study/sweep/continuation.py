@@ -58,6 +58,7 @@ from stickslip.study.energy import energy_balance
 from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import (
     CYCLE,
+    ORBIT_TIMES,
     Orbit,
     ReturnMap,
     Shot,
@@ -114,9 +115,10 @@ BEHIND: Final = (1e-3, 4e-3)
 """Distances behind a change at which other branches are looked for."""
 STRAYED = 100.0
 """Distance of the halves of an orbit, over that of its run, from which they are distinct."""
-HALVED, NEAR_HALVED = 1e-3, 5e-4
+HALVED, SHRUNK, NEAR = 1e-3, 0.02, 0.5
 """Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
-doubling, and how far from it that may be."""
+doubling, size of a cycle, over the largest one, at which it ends in steady sliding, and how far
+from them, over them, that may be. Of smaller cycles no fold can be told by derivatives."""
 NEARBY = 1e-7
 """Residual, over the size of the states, below which the last step needs no run of its own."""
 OUTGROWN = 2.0
@@ -587,6 +589,7 @@ class Curve:
         self.known = np.empty((0, 0)), np.empty(0, int)
         self.trails: list[Array] = []
         self.halved: list[Shot] = []
+        self.largest = np.zeros(len(map_.free))
         self.beyond: list[Shot] = []
 
     # -- unknowns
@@ -778,10 +781,9 @@ class Curve:
                 ds = RESTART if gap < CLEAN else 0.1 * gap
             else:
                 there = step.there
-            if self.map.cycles % 2 == 0 and _halves_meet(here, there):
-                return self.halves(
-                    points, there, u0, 0.0 if isinstance(step, float) else step.length, events
-                )
+            if (vanishing := self.vanishing(here, there)) is not None:
+                length = 0.0 if isinstance(step, float) else step.length
+                return self.last(points, there, length, events, *vanishing)
             if here.signature != there.signature:
                 events.append(self.turned(here, there, len(points) - 1))
             else:
@@ -959,24 +961,52 @@ class Curve:
                 return False
         return float(there.tangent @ here.tangent) > TURN
 
-    def halves(
-        self, points: list[Point], there: Point, u0: Array, ds: float, events: list[Event]
-    ) -> tuple[list[Point], str, list[Event]]:
-        """End a branch in the period doubling from which it came, right before it.
+    def extent(self, point: Point) -> float:
+        """Return the size of a cycle of unknown length over the largest one on the branch."""
+        map_, shot = self.map, point.shot
+        times = np.linspace(0.0, shot.run.differentiate.t_end, ORBIT_TIMES)
+        size = np.ptp(map_.seen(shot.mechanism, shot.run, times)[:, list(map_.free)], axis=0)
+        self.largest = np.maximum(self.largest, size)
+        return float((size[size > 0.0] / self.largest[size > 0.0]).max(initial=0.0))
 
-        Both halves of the orbit become the same there; behind are the same orbits, begun half a
-        period later. How far they are apart is smooth along the arc, and the parameter nearly its
-        square, so that what is left of the branch is too short for anything to happen in it. The
-        step is 0 where the doubling was stepped over.
+    def vanishing(
+        self, here: Point, there: Point
+    ) -> tuple[Callable[[Point], float], float, str] | None:
+        """Return what becomes 0 in a step or right behind it, if anything does.
+
+        That is its size in an orbit, the least one that is followed, and what it means.
         """
-        here = points[-1]
-        far = _length(here.half)
-        along = here.half / far
-        last = here
-        if ds > 0.0 and far > HALVED:
+        if self.map.cycles % 2 == 0 and _halves_meet(here, there):
+            along = here.half / _length(here.half)
+            what = f"in a doubling of period {self.map.cycles // 2}"
+            return lambda point: float(point.half @ along), HALVED, what
+        if self.map.section is not None and self.extent(there) < SHRUNK:
+            return self.extent, SHRUNK, "as the cycle shrinks to steady sliding"
+        return None
+
+    def last(
+        self,
+        points: list[Point],
+        there: Point,
+        ds: float,
+        events: list[Event],
+        size: Callable[[Point], float],
+        least: float,
+        what: str,
+    ) -> tuple[list[Point], str, list[Event]]:
+        """End a branch right before an orbit in which a size becomes 0.
+
+        That is how far apart both halves are of one of twice the period, or how large a cycle is.
+        Behind are the same orbits, begun elsewhere. The size is smooth along the arc, and the
+        parameter nearly its square, so that what is left of the branch is too short for anything
+        to happen in it. The step is 0 where that orbit was stepped over.
+        """
+        here = last = points[-1]
+        u0 = here.unknowns
+        if ds > 0.0 and size(here) > least:
             _, last = self.located(
                 _Part(0.0, ds, here, there), u0, here.tangent,
-                lambda p: float(p.half @ along) - HALVED, NEAR_HALVED,
+                lambda p: size(p) - least, NEAR * least,
             )  # fmt: skip
         if last is not here:
             arc = float(here.tangent @ (last.unknowns - u0))
@@ -984,9 +1014,9 @@ class Curve:
             if (end := self.limit(here, last)) is not None:
                 return self.cut(points, last, end, events)
             points.append(last)
-        self.halved.append(last.shot)
-        value = quantity(last.shot.value, self.unit, 5)
-        return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
+        if least == HALVED:
+            self.halved.append(last.shot)
+        return points, f"It ends at {quantity(last.shot.value, self.unit, 4)} {what}.", events
 
     def limit(self, here: Point, there: Point) -> tuple[float, int, float, str] | None:
         """Return what end of a range a step leaves behind, from within or from it, if any.

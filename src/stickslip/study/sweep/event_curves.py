@@ -10,8 +10,8 @@ the steps are those of `continuation`. With M = dPhi/dy:
    are the null vectors of the last point (Govaerts 2000, chapter 4; Kuznetsov 2004, chapter 10).
 2. Grazing: g is the least distance of a stop or a switch from where it is met, for which its
    velocity is 0. Sticking: g is the break-away level less the friction needed, at the turn of the
-   velocity or, where sticking breaks off, at its least between two turns. Derivatives of all are
-   differences of runs.
+   velocity or, where sticking breaks off, at its least between two turns; or it is the least speed
+   of a slip that does not turn. Derivatives of all are differences of runs.
 3. An orbit that touches has no derivative (di Bernardo et al. 2008), so that curves of grazing are
    solved on one side: what a step puts beyond is moved back along the gradient of g and
    extrapolated linearly from there. How far beyond it is, an impact tells by its speed u and
@@ -118,6 +118,23 @@ class _Switch:
 
 
 @dataclass(frozen=True)
+class _Slip:
+    """Speed of a contact that slips in one direction: where it is 0 for an instant, it may hold."""
+
+    contact: str
+    direction: float
+
+    def __call__(self, run: BareRun, mechanism: Mechanism, t: Array) -> Array:
+        columns = run.playback(t)
+        slips = _column(columns, "mode", self.contact) != 0
+        return np.where(slips, self.direction * columns[_rate_of(mechanism, self.contact)], np.inf)
+
+    def met(self, run: BareRun, mechanism: Mechanism) -> list[float]:
+        events = (e for e in run.events() if e.contact == self.contact)
+        return [e.t for e in events if e.reason == "stop" and e.from_mode == self.direction]
+
+
+@dataclass(frozen=True)
 class _Level:
     """Distance of the friction that holds a contact from its break-away level, over the level."""
 
@@ -138,7 +155,7 @@ class _Level:
         return [e.t for e in events if e.reason == "break-away"]
 
 
-_Gap: TypeAlias = _HardStop | _Switch | _Level
+_Gap: TypeAlias = _HardStop | _Switch | _Level | _Slip
 """A distance that is 0 where something is touched."""
 _HOLDS = ("friction", "normal_force")
 
@@ -170,7 +187,7 @@ class _Singular:
     at = 0.0
 
     def __init__(self, sign: float, shot: Shot) -> None:
-        self.sign, self.scale = sign, shot.scale
+        self.sign, self.map = sign, shot.derivatives.map
         self.border = self.other = np.empty(0)
         self.accept(shot, shot.scale, 0.0)
 
@@ -180,7 +197,7 @@ class _Singular:
         return result + self.sign * np.eye(len(result))
 
     def accept(self, shot: Shot, scale: Array, at: float) -> None:
-        self.scale = scale
+        self.scale = self.map.of_states(scale)
         left, _, right = np.linalg.svd(self.matrix(shot))
         b, c = left[:, -1], right[-1]
         if len(self.border):  # so that g goes on without a change of sign
@@ -200,14 +217,18 @@ class _Singular:
 
     def slope(self, plane: "Plane", shot: Shot, value: float) -> Array:
         _, v, w = self.system(shot)
-        n, sides = len(v), []
+        n, of_states, sides = len(shot.y), self.map.of_states, []
+        v, slot = self.scale * v, self.map.slot
+        if self.map.section is not None:  # the cycle is as much longer as its end comes later
+            v = np.insert(v, slot, 0.0)
+            v[slot] = -(shot.jacobian[slot, :n] @ v) / shot.jacobian[slot, slot]
         for sign in (1.0, -1.0):
             other, step = shot, 0.0
             with suppress(SimulationError, InputError):
-                near = plane.at(value).shoot(shot.y + sign * END_STEP * self.scale * v, shot.value)
+                near = plane.at(value).shoot(shot.y + sign * END_STEP * v, shot.value)
                 if near.signature == shot.signature:
                     other, step = near.sensed(), sign * END_STEP
-            sides.append((other.derivatives.all[:n], step))
+            sides.append((of_states(other.derivatives.returned[:n]), step))
         (above, up), (below, down) = sides
         if up == down:
             raise SimulationError("something else happens on both sides of the orbit.")
@@ -350,9 +371,9 @@ class Plane:
         value: float,
     ) -> None:
         self.base, self.second, self.widths = base, second, widths
-        self.section = None
-        self.cycles, self.free = base.cycles, base.free
-        self.names, self.tolerance = (*base.names, str(base.path)), base.tolerance
+        self.section, self.slot = base.section, base.slot
+        self.cycles, self.free, self.seen = base.cycles, base.free, base.seen
+        self.names, self.tolerance = (*base.unknowns, str(base.path)), base.tolerance
         self.maps: dict[float, ReturnMap] = {}
         self.condition, self.back = condition(shot), np.empty(0)
         self.back = self.condition.slope(self, shot, value)
@@ -500,7 +521,7 @@ class Sensing:
     @cached_property
     def all(self) -> Array:
         """With respect to y, p and q: of the free states, of g, and of what advances."""
-        base, n = self.shot.derivatives.all, len(self.shot.y)
+        base, n = self.shot.derivatives.by_unknowns, len(self.shot.y)
         slope = self.map.condition.slope(self.map, self.shot, self.value)
         self.map.back = slope
         g = self.map.widths[0] * slope / self.map.sizes(self.shot)
@@ -509,7 +530,7 @@ class Sensing:
 
     @property
     def by_unknowns(self) -> Array:
-        """The same: the period is none of the unknowns."""
+        """The same."""
         return self.all
 
     @property
@@ -528,7 +549,8 @@ def _cusp(point: Point) -> float:
     plane = point.shot.derivatives.map
     w = np.linalg.svd(point.slopes[:n, :n])[0][:, -1]
     if isinstance(plane, Plane) and isinstance(plane.condition, _Singular):
-        w = w if w @ plane.condition.border >= 0.0 else -w
+        border = plane.condition.border
+        w = w if plane.base.of_states(w) @ border >= 0.0 else -w
     (a, b), (dp, dq) = w @ point.slopes[:n, n:], point.tangent[n:]
     return float(dp * b - dq * a) / float(a * a + b * b)
 
@@ -699,11 +721,11 @@ def continue_event(
     counted(owner, "points", points, 1)
     check_step(owner, step, LEAST_STEP)
     orbit, ranges = event.orbit, [between_of(owner, pair) for pair in box]
-    if orbit.section is not None or orbit.controlled is not None:
-        what = "is under delayed feedback" if orbit.section is None else "has a period of its own"
+    if orbit.controlled is not None:
         raise InputError(
-            f"{owner}: the orbit {what}, and curves follow those of drives that repeat themselves"
-            " alone. Follow the event by continue_orbit at several values."
+            f"{owner}: the orbit is under delayed feedback, and curves follow those of drives that"
+            " repeat themselves and self-excited ones. Follow the event by continue_orbit at"
+            " several values."
         )
     full, values, units = zip(
         *(placed(owner, orbit, *pair) for pair in zip(paths, ranges, strict=True)), strict=True
@@ -714,7 +736,7 @@ def continue_event(
     within(replace(base, path=full[1], beside=()), ranges[1])
     base = within(base, ranges[0])
     widths = ranges[0][1] - ranges[0][0], ranges[1][1] - ranges[1][0]
-    y = np.array([orbit.start[name] for name in orbit.free])
+    y = base.unknowns_of(orbit)
     shot, condition = _begun(event.kind, base, y, values[0], widths[0])
     plane = Plane(base, full[1], widths, condition, shot, values[1])
     as_map: Any = plane
@@ -774,7 +796,7 @@ def _curve(
         paths=(paths[0], paths[1]),
         parameter_units=(units[0], units[1]),
         cycles=plane.cycles,
-        states=plane.base.names,
+        states=plane.base.unknowns,
         units=units_of(plane.base),
         values=unknowns[:, -2:],
         starts=unknowns[:, :-2],
@@ -831,6 +853,8 @@ def _touched(kind: str, shot: Shot) -> _Condition:
     else:
         for contact in mechanism.contacts():
             consider(_Level(contact.name, shot.law))
+            for side in (1.0, -1.0):
+                consider(_Slip(contact.name, side))
         for turn in run.events():
             if turn.reason in ("stop", "reversal"):
                 at = _Turn(turn.contact, turn.t / period, turn.reason == "stop")

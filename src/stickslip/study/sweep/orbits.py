@@ -419,12 +419,36 @@ class Derivatives:
         return result
 
     @cached_property
+    def levels(self) -> Array:
+        """How the level of the section changes with each start and p (n + 1)."""
+        map_, n = self.map, len(self.map.free)
+        result = np.zeros(self.all.shape[1])
+        for column, path in enumerate(map_.paths[n:], n):
+            result[column] = map_.drift(self.mechanism, path)[1]
+        return result
+
+    @cached_property
+    def returned(self) -> Array:
+        """The same of what is kept where the section is passed again, and not after the period."""
+        map_ = self.map
+        if map_.section is None:
+            return self.all
+        late = (self.all[map_.slot] - self.levels) / self.rate[map_.slot]
+        result = self.all - np.outer(self.rate, late)
+        result[:, map_.slot] = 0.0
+        return result
+
+    @cached_property
     def by_unknowns(self) -> Array:
-        """With respect to y and p, among which the length of a cycle may be (n + 1 columns)."""
-        result, map_ = self.all, self.map
-        if map_.section is not None:
-            result = result.copy()
-            result[:, map_.slot] = map_.cycles * self.rate
+        """Of F + y with respect to y and p, among which the length of a cycle may be (n + 1)."""
+        map_ = self.map
+        if map_.section is None:
+            return self.all
+        slot, result = map_.slot, self.all.copy()
+        # the start is at the level, and it ends too late by what it is off over its velocity
+        result[slot] = (result[slot] - self.levels) / self.rate[slot]
+        result[:, slot] = map_.cycles * self.rate
+        result[slot, slot] = map_.cycles + 1.0
         return result
 
     def at(self, time: float) -> Array:
@@ -439,11 +463,7 @@ class Derivatives:
     def monodromy(self) -> Array:
         """M (n, n); with a section, of the return to it (n - 1, n - 1)."""
         n, map_ = len(self.map.free), self.map
-        result = self.all[:n, :n]
-        if map_.section is None:
-            return result
-        back = result - np.outer(self.rate[:n] / self.rate[map_.slot], result[map_.slot])
-        return np.delete(np.delete(back, map_.slot, axis=0), map_.slot, axis=1)
+        return map_.of_states(map_.of_states(self.returned[:n, :n]).T).T
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -538,14 +558,8 @@ class Shot:
     @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
-        result, map_ = self.derivatives.by_unknowns[: len(self.y)].copy(), self.derivatives.map
+        result = self.derivatives.by_unknowns[: len(self.y)].copy()
         result.flat[:: result.shape[1] + 1] -= 1.0
-        if map_.section is not None:
-            # its start is at the level, and it ends too late by what it is off over its velocity
-            result[map_.slot, map_.slot] += 1.0
-            for column, path in enumerate(map_.paths[len(self.y) :], len(self.y)):
-                result[map_.slot, column] -= map_.drift(self.mechanism, path)[1]
-            result[map_.slot] /= self.derivatives.rate[map_.slot]
         return result
 
 
@@ -604,6 +618,10 @@ class ReturnMap:
         if self.section is None:
             return self.names
         return tuple(CYCLE if k == self.slot else name for k, name in enumerate(self.names))
+
+    def of_states(self, unknowns: Array) -> Array:
+        """Return what holds for each unknown without the length of a cycle."""
+        return unknowns if self.section is None else np.delete(unknowns, self.slot, axis=0)
 
     def unknowns_of(self, orbit: Orbit) -> Array:
         """Return what an orbit has of what is solved for."""
