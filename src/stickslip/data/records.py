@@ -541,6 +541,7 @@ class _Files:
     def one(self, path: "str | Path | pd.DataFrame", name: str) -> Measurement:
         """Return the measurement of one file, or of one table, which must have a name."""
         # Imported here so that measurements built in Python do without pandas.
+        from stickslip.data.readers.table import FileTable
         from stickslip.data.readers.table_reader import (
             by_trial,
             data_file,
@@ -557,7 +558,7 @@ class _Files:
             frame = (
                 read_frame(path, columns=columns, units=units, layout=self.reading.layout)
                 if isinstance(path, str | PathLike)
-                else frame_of(path, str(file), columns=columns, units=units)
+                else frame_of(FileTable(data=path), str(file), columns=columns, units=units)
             )
             if travelled(frame):
                 self._refuse_for_trials()

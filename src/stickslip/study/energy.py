@@ -86,9 +86,13 @@ class EnergyBalance(OnAxes, Tabular):
     @property
     def works(self) -> dict[str, float]:
         """Works over the run by name [J]."""
+        return {name: float(work[-1]) + 0.0 for name, work in self._parts.items()}
+
+    @property
+    def _parts(self) -> dict[str, Array]:
+        """Works (n,) until each time [J], by what does them."""
         friction = {f"friction {name}".strip(): work for name, work in self.friction.items()}
-        parts = {"drive": self.drive, **friction, "dampers": self.dampers, "stops": self.stops}
-        return {name: float(work[-1]) + 0.0 for name, work in parts.items()}
+        return {"drive": self.drive, **friction, "dampers": self.dampers, "stops": self.stops}
 
     def columns(self) -> dict[str, float]:
         """Return mean powers [W] and the energy per travel [J/m] by the names of their columns."""
@@ -111,9 +115,7 @@ class EnergyBalance(OnAxes, Tabular):
         """Return a row for each time: energy and works since the first [J]."""
         import pandas as pd
 
-        friction = {f"friction {name}".strip(): work for name, work in self.friction.items()}
-        parts = {"drive": self.drive, "positive drive": self.positive, **friction}
-        parts |= {"dampers": self.dampers, "stops": self.stops}
+        parts = {"drive": self.drive, "positive drive": self.positive} | self._parts
         return pd.DataFrame({"t": self.t, "energy": self.energy, **parts})
 
     def _summary(self) -> Summary:

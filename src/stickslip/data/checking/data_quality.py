@@ -862,10 +862,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
     if not FEWEST_SAMPLES <= count <= DECADE * len(time):  # mostly gaps
         return
     even = time[0] + step * np.arange(count)
-    for name in SAMPLED:
-        values = getattr(record, name)
-        if not isinstance(values, np.ndarray):
-            continue
+    for name, values in arrays(record):
         lines = lines_of(np.interp(even, time, values), step)
         if not lines:
             continue
@@ -1079,13 +1076,9 @@ def unusable(record: Measurement) -> Iterator[Finding]:
     for name, values in arrays(record):
         largest = float(np.abs(values).max())
         if largest > HUGE:
-            text = f"reaches {quantity(largest, record.unit(name))}: such values exceed"
-            yield remark(
-                "units",
-                "error",
-                f"{NAMES[name].capitalize()} {text} the numerical range.",
-                **{name: largest},
-            )
+            reached = quantity(largest, record.unit(name))
+            text = f"reaches {reached}: such values exceed the numerical range."
+            yield _doubted(name, text, largest, "error")
 
 
 def unmoved(record: Measurement) -> Iterator[Finding]:
@@ -1355,8 +1348,7 @@ def too_fast(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         )
     elif float(np.ptp(record.values("position"))) > LARGEST_VALUES["m"]:
         return  # which was said
-    result = _doubted("position", text, motion.fastest)
-    yield replace(result, severity="error") if certain else result
+    yield _doubted("position", text, motion.fastest, "error" if certain else "warning")
 
 
 def lifted(record: Measurement) -> Iterator[Finding]:
@@ -1374,8 +1366,8 @@ def lifted(record: Measurement) -> Iterator[Finding]:
         yield remark("load", "warning", text, share=share, smallest=float(values.min()))
 
 
-def _doubted(name: str, text: str, value: float) -> Finding:
-    return remark("units", "warning", f"{NAMES[name].capitalize()} {text}", **{name: value})
+def _doubted(name: str, text: str, value: float, severity: Severity = "warning") -> Finding:
+    return remark("units", severity, f"{NAMES[name].capitalize()} {text}", **{name: value})
 
 
 # What a measurement can tell and what is wrong with it, before anything is fitted.

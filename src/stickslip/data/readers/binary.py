@@ -234,7 +234,7 @@ def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
             f" {joined(listed, MOST_LISTED) or 'nothing'}. Save time and signals as vectors of"
             " equal length."
         )
-    _check(path, sum(value.size for value in vectors.values()))
+    check_size(str(path), sum(value.size for value in vectors.values()), CURE)
     size = _size(vectors, names)
     columns = {
         name: np.asarray(value, dtype=float).ravel()
@@ -296,10 +296,6 @@ def _is_signals(value: Any) -> bool:
 def _is_vector(value: Any) -> bool:
     kind = getattr(value, "dtype", None)  # of an array, or of a dataset that is not read yet
     return kind is not None and kind.kind in "iuf" and 1 < value.size == max(value.shape)
-
-
-def _check(path: Path, numbers: int) -> None:
-    check_size(str(path), numbers, CURE)
 
 
 def _shape(value: Any) -> str:
@@ -415,7 +411,7 @@ def _newer(path: Path) -> Iterator[tuple[str, Any]]:
 
     with h5py.File(path, "r") as file:
         file.visititems(add)
-        _check(path, sum(sizes))  # before any is read
+        check_size(str(path), sum(sizes), CURE)  # before any is read
         result = dict(_Hdf5(path).members(file, "", DEEPEST))
     for name, value in result.items():
         yield from _unfolded(name, value, DEEPEST)
@@ -494,7 +490,7 @@ class _Hdf5:
     def read(self, item: Any, name: str) -> NDArray[Any]:
         """Return an array as MATLAB shows it, unless it is too large or elsewhere."""
         self.numbers += item.size
-        _check(self.path, self.numbers)
+        check_size(str(self.path), self.numbers, CURE)
         if item.is_virtual or item.external:
             raise InputError(
                 f"{self.path}: the values of {name} are in another file: copy them here."

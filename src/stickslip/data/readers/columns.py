@@ -4,6 +4,7 @@ Words and units in names speak for a quantity, or against it. How a column is re
 Python, by options and in rig files.
 """
 
+import itertools
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,12 +12,13 @@ from typing import Any, Final, Literal, TypeAlias
 
 from stickslip.data import measurement
 from stickslip.data.readers.layout import Layout, Repair, repairs
+from stickslip.data.readers.toml import packaged
 from stickslip.data.tolerances import LONGEST_NAME
 from stickslip.data.units import read_gain
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, motor_of
 from stickslip.quantities import Quantity
-from stickslip.units import CELSIUS, is_of, shown
+from stickslip.units import is_of, shown
 
 # The vocabulary of columns: what they are called, in which units they are, and what words mean.
 
@@ -35,87 +37,22 @@ class Meaning:
     """Assumed of a channel in volts, of a motion along a line and about an axis."""
 
 
-_OF_FORCE: Final = ("1 N/V", "1 N m/V")
-_OF_PLACE: Final = ("1 mm/V", "1 rad/V")
-COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
-"""Names of coefficients of friction."""
+_FILE: Final = packaged("words.toml")
+
+
+def _words(given: Iterable[str]) -> tuple[str, ...]:
+    """Return words, those of the lists that are referred to in their place."""
+    lists = ((word,) if word[0] != "@" else _words(_FILE["words"][word[1:]]) for word in given)
+    return tuple(itertools.chain.from_iterable(lists))
+
+
 VOCABULARY: Final[Mapping[str, Meaning]] = {
-    "time": Meaning(
-        names=(
-            *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed"),
-            *("stamp", "t", "millis", "micros"),
-        ),
-        units=("s",),
-    ),
-    "position": Meaning(
-        names=(
-            *("position", "pos", "weg", "lage", "winkel", "angle", "ang", "displacement"),
-            *("verschiebung", "lvdt", "wegaufnehmer", "auslenkung", "stroke", "hub", "drehwinkel"),
-            *("lageistwert", "travel", "encoder", "x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
-        ),
-        plain=("angle",),
-        units=("m", "rad"),
-        sensitivity=_OF_PLACE,
-    ),
-    "velocity": Meaning(
-        names=(
-            *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-            *("omega", "vel", "velo", "angvel", "gyro", "dq", "qd", "v", "n", "ω"),
-        ),
-        plain=("angular velocity", "angular_velocity", "speed"),
-        units=("m/s", "rad/s"),
-        sensitivity=("1 m/s/V", "1 rad/s/V"),
-    ),
-    "force": Meaning(
-        names=(
-            *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "thrust"),
-            *("antriebsmoment", "effort", "loadcell", "kraftmessdose", "fx", "f", "m", "tau", "τ"),
-        ),
-        plain=("torque",),
-        units=("N", "N m"),
-        sensitivity=_OF_FORCE,
-    ),
-    "current": Meaning(
-        names=("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"), units=("A",)
-    ),
-    "friction": Meaning(
-        names=(
-            *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
-            *("frictionforce", "fr", "ff", "traction", "tractionforce", *COEFFICIENTS),
-        ),
-        units=("N", "N m", "1"),
-        sensitivity=_OF_FORCE,
-    ),
-    "load": Meaning(
-        names=(
-            *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft"),
-            *("last", "clampforce", "preload", "vorspannkraft", "fn", "fz"),
-        ),
-        units=("N",),
-        sensitivity=("1 N/V", "1 N/V"),
-    ),
-    "reference": Meaning(
-        names=(
-            *("reference", "setpoint", "sollposition", "sollweg", "solllage", "sollwert"),
-            *("sollwinkel", "lagesollwert", "target"),
-        ),
-        units=("m", "rad"),
-        sensitivity=_OF_PLACE,
-    ),
-    measurement.STATED: Meaning(names=(), units=("N", "N m", "1")),
-    "temperature": Meaning(
-        names=("temperature", "temperatures", "temperatur", "temp"), units=(CELSIUS,)
-    ),
-    "pressure": Meaning(names=("pressure", "druck")),
-    "transmitted": Meaning(names=("transmitted", "uebertragen")),
-    "motor": Meaning(names=("motor",)),
-    "external": Meaning(names=("external", "extern")),
-    "gravity": Meaning(names=("gravity", "schwerkraft")),
-    "trial": Meaning(
-        names=("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
-    ),
+    quantity: Meaning(**{what: _words(words) for what, words in meaning.items()})
+    for quantity, meaning in _FILE["quantities"].items()
 }
 """Columns by the quantity that they hold."""
+WORDS: Final = {what: _words(words) for what, words in _FILE["words"].items()}
+"""Words in the names of columns by what they say."""
 _UNKNOWN: Final = Meaning(names=())
 
 
@@ -131,64 +68,6 @@ INPUTS: Final = ("pressure", "transmitted", "motor", "external", "gravity")
 MOTION: Final = ("position", "velocity", "reference")
 """Quantities of a motion."""
 
-_DOUBTING: Final = ("error", "fehler", "abweichung", "deviation", "uncertainty", "unsicherheit")
-_DOUBTS: Final = (
-    *("sd", "std", "stdev", "stddev", "stderr", "err", "se", "sem", "unc", "stabw", "dev", "sigma"),
-    *("σ", "plusminus"),
-)
-_CONFIDENCE: Final = ("ci", "ki", "conf", "confidence", "konfidenz", "konfidenzintervall")
-_MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
-WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    # wanted values, of which a position alone is read, and measured ones
-    "wanted": (
-        *("soll", "set", "setpoint", "cmd", "command", "desired", "demand", "target", "goal"),
-        *("ref", "reference", "vorgabe"),
-    ),
-    "measured": _MEASURED,
-    # beside which others are commands or derived; and what drives
-    "preferred": (*_MEASURED, "motor", "drive", "antrieb", "sliding"),
-    # what a drive was given, in whatever unit, and voltages that drive no axis by themselves
-    "commands": ("u", "cmd", "command", "control", "ctrl", "input", "pwm", "duty", "stellgroesse"),
-    "supplies": ("supply", "bus", "battery", "versorgung"),
-    # channels in volts, and units that end a name as no other word does: motor_V is no velocity
-    "voltage": ("voltage", "volts", "volt", "spannung"),
-    "volts": ("V", "mV", "kV"),
-    # how words of the standard uncertainty of a reading end, such words as they stand (the last is
-    # that of the sign), half-widths, which a level tells how to read, and words that say no more
-    "doubting": _DOUBTING,
-    "doubts": _DOUBTS,
-    "confidence": _CONFIDENCE,
-    "of doubts": ("standard", "mean", "of", "the", "mess", "measurement", "half", "interval", "u"),
-    # what words begin or end with that no quantity has, such words as they stand, and last words:
-    # a power, but not the position of a power drive
-    "other": (
-        *(*_DOUBTING, "difference", "differenz", "schlepp"),
-        *("temperatur", "status", "enable", "freigabe"),
-    ),
-    "other words": (
-        *("diff", "following", "lag", "er", "temp", "temperature", "pwm", *_DOUBTS, *_CONFIDENCE),
-    ),
-    "last": ("index", "power", "leistung", "diff", "err"),
-    # no motion, but maybe a force: the amplitude of a friction force
-    "no motion": (
-        *("acc", "accel", "delta", "wear", "verschleiss", "height", "hoehe", "depth", "tiefe"),
-        *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
-        *("thickness", "dicke", "ddot", "frequency", "frequenz", "acceleration", "beschleunigung"),
-    ),
-    # speeds at which surfaces pass together, without sliding
-    "rolling": ("rolling", "entrainment", "rollgeschwindigkeit"),
-    # what names contain where an axis turns, beside the word ang
-    "turning": (
-        *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
-        *("joint", "effort", "gyro", "φ", "ϕ", "θ", "ω", "tau", "τ"),
-    ),
-    "conditions": (*VOCABULARY["temperature"].names, "humidity", "feuchte", "luftfeuchte"),
-    # words beside those of inputs of the contact that say no more
-    "of forces": ("force", "torque", "moment", "kraft", "drehmoment"),
-    # units of time that are no such word: time.a is the time of a joint, not in years
-    "calendar": ("a", "d"),
-}
-"""Words in the names of columns by what they say."""
 _PLUS_MINUS: Final = re.compile(r"(?:±|\+/?[-−])(?!\s*\d)")  # before digits it is a range
 _HALF_WIDTH: Final = re.compile(
     r"(?i)(?<![\d.,])95\s*%|(?:^|[\W_])(?:ci|ki|conf|u)[ _]?95(?!\d)|(?<!\d)95[ _]?ci(?![^\W_])"
@@ -234,7 +113,7 @@ def is_barred(parts: Sequence[str], quantity: str) -> bool:
     [True, False]
     """
     if quantity in MOTION and any(
-        part.startswith(("dd", *WORDS["no motion"][-2:])) for part in parts
+        part.startswith(("dd", *WORDS["accelerations"])) for part in parts
     ):
         return True
     if any(

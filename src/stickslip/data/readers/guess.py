@@ -17,7 +17,6 @@ from stickslip.data.differentiation import READING_INTERVAL, are_steady_readings
 from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
-    COEFFICIENTS,
     GUESSED,
     INPUTS,
     STYLES,
@@ -747,7 +746,7 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
 
 def _is_coefficient(name: str) -> bool:
     """Whether a name is that of a coefficient, which is over the load."""
-    return any(part in COEFFICIENTS or part.startswith("coeff") for part in parts_of(name))
+    return any(part in WORDS["coefficients"] or part.startswith("coeff") for part in parts_of(name))
 
 
 def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
@@ -1455,7 +1454,7 @@ def changing_temperature(
     result = [
         Found(score=PART, name=name, unit=unit, stated=unit == stated, why=f"by its {why}")
         for name in names
-        for named in [_is_named(name, VOCABULARY["temperature"].names)]
+        for named in [_is_named(name, WORDS["temperatures"])]
         for why in ["name" if named else "unit"]
         if named or _has_degrees(name, parts[0].units.get(name))
         for cells in [[part.data[part.names[name]] for part in parts]]

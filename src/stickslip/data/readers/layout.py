@@ -457,8 +457,6 @@ class Text:
     """A number with a mark of which it is only assumed what it parts; empty if none has."""
     rivals: tuple[int, ...]
     """Lines, counted from 0, that may as well be the header: names, or what describes them."""
-    rows: tuple[tuple[str, ...], ...]
-    """Cells of some of the upper rows."""
 
 
 def bytes_of(path: Path) -> bytes:
@@ -635,7 +633,6 @@ def _table(
         units=_padded(units, len(names)) if units else (),
         assumed=assumed,
         rivals=rivals,
-        rows=rows,
     )
 
 

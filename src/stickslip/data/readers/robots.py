@@ -12,6 +12,7 @@ import pandas as pd
 from stickslip.data.measurement import Array
 from stickslip.data.readers.binary import check_parquet
 from stickslip.data.readers.table import FileTable, parsed_as, read_json
+from stickslip.data.readers.toml import packaged
 from stickslip.data.tolerances import FEWEST_SAMPLES, PER_MILLE, ROUNDED, SLIGHT
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
@@ -25,8 +26,7 @@ from stickslip.units import shown
 # Dynamixel: control tables of the series X, https://emanual.robotis.com. Feetech: series STS, on
 # which public drivers agree; no manual of the maker was found. See also the page on hobby servos.
 
-TURN: Final = "4096 counts/rev"
-"""Counts of an angle in both."""
+_TABLES: Final = packaged("robots.toml")
 STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
 """Steps of servos [deg] that count 12 bits a turn, by either convention."""
 RADIANS: Final = 13.0
@@ -42,7 +42,7 @@ class Servo:
     """A family of servos."""
 
     title: str
-    marks: frozenset[str]
+    marks: Collection[str]
     """Registers that the other family has not."""
     units: Mapping[str, str]
     """Quantity -> unit of its numbers."""
@@ -63,34 +63,7 @@ class Servo:
         return [text for name, text in self.remarks.items() if name in read and name not in given]
 
 
-SERVOS: Final = (
-    Servo(
-        title="Dynamixel",
-        marks=frozenset({"presentpwm", "presentinputvoltage", "goalpwm", "velocitytrajectory"}),
-        units={"position": "count", "reference": "count", "velocity": "count", "current": "mA"},
-        gains={"position": TURN, "reference": TURN, "velocity": "0.229 rpm/count"},
-        remarks={
-            "current": "A count of the current is 1 mA of an XL330 or XC330, which is assumed, and"
-            " 2.69 mA of an XM430 or XH430: give it as --gain current=2.69."
-        },
-    ),
-    Servo(
-        title="Feetech STS",
-        marks=frozenset({"presentload", "presentvoltage", "presentspeed"}),
-        units={"position": "count", "reference": "count", "velocity": "count", "current": "mA"},
-        gains={
-            "position": TURN,
-            "reference": TURN,
-            "velocity": "0.0146484375 rpm/count",  # a count of the angle each second
-            "current": 6.5,
-        },
-        remarks={
-            "position": "A servo of the series SCS has 1024 counts: give --gain"
-            " position='1024 counts/rev'."
-        },
-        sign_bit=True,
-    ),
-)
+SERVOS: Final = tuple(Servo(**servo) for servo in _TABLES["servos"])
 
 
 def register_name(column: str) -> str:
@@ -115,7 +88,7 @@ def servo_of(names: Collection[str]) -> Servo | None:
     registers = {register_name(name) for name in names}
     if not registers & {"presentposition", "goalposition"}:
         return None
-    return next((servo for servo in SERVOS if servo.marks & registers), None)
+    return next((servo for servo in SERVOS if registers.intersection(servo.marks)), None)
 
 
 def are_counts(column: "pd.Series[Any]") -> bool:
@@ -205,22 +178,9 @@ def check_one_servo(file: str, data: pd.DataFrame, names: Mapping[str, str]) -> 
 
 # Logs of servos with a pendulum in JSON, as Rhoban/bam and K-Scale's sysid write them.
 
-COLUMNS: Final = {
-    "timestamp": "timestamp [s]",
-    "position": "position [rad]",
-    "speed": "speed [rad/s]",
-    "goal_position": "goal_position [rad]",
-    "input_volts": "supply [V]",
-    "temp": "temp [degC]",
-    "present_current": "present_current [mA]",
-    "load": "reported load [1]",
-    "torque": "reported torque [1]",
-}
+COLUMNS: Final[Mapping[str, str]] = _TABLES["columns"]
 """What is called how, with its unit; load and torque are what the firmware of a servo reports."""
-SETTINGS: Final = {
-    "mass": "kg", "arm_mass": "kg", "length": "m", "offset": "rad", "kp": "", "ki": "", "kd": "",
-    "vin": "V", "dt": "s",
-}  # fmt: skip
+SETTINGS: Final[Mapping[str, str]] = _TABLES["settings"]
 """What stands above the entries, and its unit."""
 
 
@@ -286,24 +246,9 @@ INFO: Final = "meta/info.json"
 """File in the folder of a data set that describes it."""
 EPISODES: Final = "data/*/*.parquet"
 """Files in that folder that hold the episodes."""
-FEATURES: Final = {
-    "observation.state": "position",
-    "observation.velocity": "velocity",
-    "observation.effort": "force",
-    "observation.torque": "force",
-    "observation.current": "current",
-    "action": "reference",
-}
+FEATURES: Final[Mapping[str, str]] = _TABLES["features"]
 """Features that are read, and what their numbers are unless their names say otherwise."""
-ENDS: Final = {
-    "pos": "position",
-    "position": "position",
-    "vel": "velocity",
-    "velocity": "velocity",
-    "effort": "force",
-    "torque": "force",
-    "current": "current",
-}
+ENDS: Final[Mapping[str, str]] = _TABLES["ends"]
 """Ends of names, as in shoulder_pan.pos."""
 NO_RADIANS: Final = "which is no angle in rad"
 """What is said of positions whose unit is not known."""

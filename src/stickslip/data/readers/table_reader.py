@@ -56,17 +56,12 @@ from stickslip.units import CELSIUS, converted, factor, is_pixel, shown, split_n
 
 # Topics of a robot's log as one table: states of joints by name, and any numbers on request.
 
-JOINT_MESSAGES: Final = {
-    "JointState": "joint_state",
-    "JointStates": "joints",
-    "JointTrajectoryControllerState": "controller",
-    "DynamicJointState": "interfaces",
-}
-"""Types of messages with the state of joints, by their last name, and the shape they have."""
 COMMANDED: Final = re.compile(
     r"(^|[/_])(cmd|commands?|commanded|desired|targets?|goals?|ref)([/_]|$)"
 )
 """Names of topics whose joint states are wanted and not measured."""
+_FIELDS: Final = (("position", "position"), ("velocity", "velocity"), ("force", "effort"))
+"""What was measured of a joint, and the field of a message that holds it."""
 _STAMP: Final = (("sec", "secs"), ("nanosec", "nanosecs", "nsec", "nsecs"))
 
 
@@ -80,9 +75,9 @@ class Topic:
     messages: int
 
     @property
-    def shape(self) -> str:
-        """Return how its messages hold states of joints; empty if they hold none."""
-        return JOINT_MESSAGES.get(re.split(r"[/.]", self.kind)[-1], "")
+    def read(self) -> "Callable[[Any], Iterator[tuple[str, Any]]] | None":
+        """What reads the states of joints in its messages; None if they hold none."""
+        return JOINT_MESSAGES.get(re.split(r"[/.]", self.kind)[-1])
 
 
 def topics_of(channels: Iterable[tuple[str, str, int]]) -> tuple[Topic, ...]:
@@ -172,7 +167,7 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> FileTable:
     commanded position; all others by topic and path, as /motor/current/data. Times are those of the
     joints of which there are most samples; other signals are interpolated there.
     """
-    states = [topic for topic in log.topics if topic.shape and topic.messages]
+    states = [topic for topic in log.topics if topic.read and topic.messages]
     wanted = {name: topic for name in names if (topic := _topic_of(name, log.topics))}
     used = {state.name: state for state in (*states, *wanted.values())}
     if not used:
@@ -217,9 +212,9 @@ def _signals(topic: Topic, found: _Collected, *, stamped: bool) -> Iterator[_Sig
     wanted = bool(COMMANDED.search(topic.name.casefold()))
     for column, (rows, values) in found.columns().items():
         name = column
-        if wanted and topic.shape and column.startswith("position."):
+        if wanted and topic.read and column.startswith("position."):
             name = column.replace("position", "reference", 1)
-        elif wanted and topic.shape:
+        elif wanted and topic.read:
             name = f"command.{column}"
         yield _Signal(
             topic=topic.name,
@@ -420,8 +415,7 @@ def _clock_remarks(found: Mapping[str, _Collected], stamped: bool) -> list[str]:
 def _numbers(topic: Topic, message: Any, file: str, place: int) -> tuple[list[str], list[float]]:
     """Return the columns and numbers of one message."""
     try:
-        read = _STATE_READERS.get(topic.shape)
-        pairs = [*(_flat(message, "") if read is None else read(message))]
+        pairs = [*(_flat(message, "") if topic.read is None else topic.read(message))]
         columns = [name for name, _ in pairs]
         values = [np.nan if value is None else float(value) for _, value in pairs]
     except (KeyError, AttributeError, TypeError, ValueError) as error:
@@ -473,13 +467,8 @@ def _by_joint(names: Any, **fields: Any) -> Iterator[tuple[str, Any]]:
 
 def _joint_state(message: Any) -> Iterator[tuple[str, Any]]:
     """Yield what sensor_msgs/JointState holds."""
-    parts = {name: _optional(message, name) for name in ("position", "velocity", "effort")}
-    yield from _by_joint(
-        _get(message, "name", "names"),
-        position=parts["position"],
-        velocity=parts["velocity"],
-        force=parts["effort"],
-    )
+    parts = {what: _optional(message, name) for what, name in _FIELDS}
+    yield from _by_joint(_get(message, "name", "names"), **parts)
 
 
 def _optional(message: Any, *names: str) -> Any:
@@ -493,7 +482,7 @@ def _joints(message: Any) -> Iterator[tuple[str, Any]]:
     """Yield what foxglove.JointStates holds: a list with one entry a joint."""
     for part in _get(message, "joints"):
         joint = joint_name(_get(part, "name"))
-        for what, name in (("position", "position"), ("velocity", "velocity"), ("force", "effort")):
+        for what, name in _FIELDS:
             value = _optional(part, name)
             if value is not None:
                 yield f"{what}.{joint}", value
@@ -521,12 +510,13 @@ def _interfaces(message: Any) -> Iterator[tuple[str, Any]]:
                 yield f"{known[interface]}.{joint_name(name)}", value
 
 
-_STATE_READERS: Final = {
-    "joint_state": _joint_state,
-    "joints": _joints,
-    "controller": _controller,
-    "interfaces": _interfaces,
+JOINT_MESSAGES: Final = {
+    "JointState": _joint_state,
+    "JointStates": _joints,
+    "JointTrajectoryControllerState": _controller,
+    "DynamicJointState": _interfaces,
 }
+"""What reads messages with the state of joints, by the last name of their type."""
 
 
 def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
@@ -1083,27 +1073,15 @@ _PART_OF_STAMP = re.compile(
 
 
 @dataclass(frozen=True, kw_only=True)
-class QuantityTable:
+class QuantityTable(FileTable):
     """A table whose columns are known by the quantities they hold."""
 
     file: str
     """Name of the file, for messages."""
-    data: pd.DataFrame
-    """The table, one row per sample or trial."""
     names: Mapping[str, str]
     """Quantity, parameter path, or the column's own name -> column in the data."""
     units: Mapping[str, str | None]
     """Unit by the same names; None where numbers are in SI."""
-    first_row: int
-    """Line of the first row in the file, or 1 where there are no lines."""
-    remarks: tuple[str, ...] = ()
-    """What the reader decided and a user should know."""
-    lost: tuple[str, ...] = ()
-    """What the file lacks."""
-    rates: Mapping[str, str] = field(default_factory=dict)
-    """Rates of the rows that the file states, and where."""
-    doubted: bool = False
-    """Whether texts are numbers whose mark may be decimal or part thousands."""
 
     def is_empty(self, name: str) -> bool:
         """Return whether no cell of a column holds anything, as of a channel that was off."""
@@ -1271,31 +1249,15 @@ def read_frame(
     wanted = [name for name in named if regular_times(name, 1) is None]
     table = known.read(path, wanted) if layout is None else csv_reader.read_text(path, layout)
     data, signs = robots.with_signs(table.data)
-    result = frame_of(
-        data,
-        file,
-        columns=single,
-        units=units,
-        first_row=table.first_row,
-        remarks=(*table.remarks, *signs),
-        lost=table.lost,
-        rates=table.rates,
-    )
-    return replace(result, doubted=table.doubted)
+    table = replace(table, data=data, remarks=(*table.remarks, *signs))
+    return frame_of(table, file, columns=single, units=units)
 
 
 def frame_of(
-    data: pd.DataFrame,
-    file: str,
-    *,
-    columns: Mapping[str, Column],
-    units: Mapping[str, str],
-    first_row: int = 1,
-    remarks: Sequence[str] = (),
-    lost: Sequence[str] = (),
-    rates: Mapping[str, str] | None = None,
+    table: FileTable, file: str, *, columns: Mapping[str, Column], units: Mapping[str, str]
 ) -> QuantityTable:
     """Find out what the columns of a table hold; times may be a rate instead of a column."""
+    data = table.data
     if data.empty:
         raise errors.InputError(f"{file}: has no rows.")
     errors.check_columns(file, len(data.columns))
@@ -1314,8 +1276,7 @@ def frame_of(
     if constant is not None and not is_half_width(stated) and stated not in data.columns:
         header = f"{stated} [{constant['unit'] or ''}]"
         data = data.assign(**{header: float(constant["number"])})
-    result = _named(file, data, first_row, single, units)
-    return replace(result, remarks=tuple(remarks), lost=tuple(lost), rates=rates or {})
+    return _named(file, replace(table, data=data), single, units)
 
 
 def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
@@ -1328,14 +1289,10 @@ def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
 
 
 def _named(
-    file: str,
-    data: pd.DataFrame,
-    first_row: int,
-    columns: Mapping[str, str],
-    units: Mapping[str, str],
+    file: str, table: FileTable, columns: Mapping[str, str], units: Mapping[str, str]
 ) -> QuantityTable:
-    names, found_units = _headers(file, data)
-    data = data.set_axis(list(map(str, data.columns)), axis=1)
+    names, found_units = _headers(file, table.data)
+    data = table.data.set_axis(list(map(str, table.data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)
     for name, (parts, stamp) in _joined_stamps(data, names).items():
         for part in parts:  # still known to whoever names them
@@ -1367,7 +1324,8 @@ def _named(
     _called_plainly(names, found_units, unread)
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
-    return QuantityTable(file=file, data=data, names=names, units=found_units, first_row=first_row)
+    known_table = {**vars(table), "data": data}
+    return QuantityTable(file=file, names=names, units=found_units, **known_table)
 
 
 def _called_plainly(

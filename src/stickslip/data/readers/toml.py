@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -24,6 +25,11 @@ def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
         return Path(path).read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+
+
+def packaged(name: str) -> dict[str, Any]:
+    """Return a table that comes with the readers."""
+    return tomllib.loads(files("stickslip.data.readers").joinpath(name).read_text("utf-8"))
 
 
 def check_path(path: object) -> None:

@@ -6,11 +6,12 @@ What no file can tell has a question mark in the rig file, which is refused unti
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from stickslip.data.records import read_data
 from stickslip.data.tolerances import HALF, NEGLIGIBLE
 from stickslip.errors import InputError
 from stickslip.show.formatting import joined, number, percent, printable, quantity
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 # Writes the rig file of a record of which only the data file is known.
 
@@ -79,172 +83,83 @@ def guessed_rig(
     units = { force = "kN" }
     <BLANKLINE>
     """
-    if guess.robot:
-        mechanism = _robot(guess, robot)
-    else:
-        mechanism = _mechanism(guess, inertia) if swing is None else _swinging(guess, swing)
-    return "\n".join([*_record_head(guess, file), *mechanism, *_data(guess, file), ""])
-
-
-def _record_head(guess: Guess, file: str | Path) -> Iterator[str]:
-    name = Path(guess.file).name
-    yield f"# Written by `stickslip init` from what {name} seems to hold:"
-    yield "#"
-    yield from (f"#   {line}" for line in str(guess).replace("\t", " ").splitlines())
-    yield "#"
-    yield "# Numbers are in SI units, or text with a unit. Correct what is wrong; then run"
-    yield "# `stickslip check` and `stickslip select` with this file."
-    yield ""
-    yield f"title = {_toml(log_name(Path(file)))}"
-    yield ""
-
-
-def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
-    turning = guess.turning
-    yield "[mechanism]"
-    what = "moment of inertia" if turning else "mass"
-    yield f'type = "axis"  # one {what} with friction; `stickslip models` lists the others'
-    unit, example = ("kg m^2", "0.02 kg m^2") if turning else ("kg", "5 kg")
-    if "time" in guess.columns and _drive(guess):
-        yield f"# The {what} is not in the file. It is fitted; the search begins at this value."
-        yield f'# If it is known, write it without vary: inertia = "{example}"'
-        if guess.motor_constant and not _is_stated(guess):
-            yield "# With a motor constant of 1 it is this: multiply it by the constant below."
-        yield f'inertia = {{ value = "{inertia:.2g} {unit}", vary = true }}'
-    elif "time" in guess.columns and "friction" not in guess.columns:
-        yield f"# The file cannot tell the {what}, and friction is in proportion to it: give it."
-        yield f'inertia = "? {unit}"'
-    else:
-        yield f"# assumed: the file cannot tell the {what}."
-        yield f'inertia = "1 {unit}"'
-    yield from _with_load(guess)
-
-
-def _with_load(guess: Guess) -> Iterator[str]:
-    if "load" not in guess.columns:
-        yield '# With the normal force, as in load = "50 N", levels become coefficients.'
-    yield ""
-
-
-def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
-    """Yield the table of a body that swings: of a pendulum, or on a spring."""
-    frequency = f"{swing.frequency:.3g} Hz"
-    yield "[mechanism]"
-    if not guess.turning:
-        yield 'type = "axis"  # a mass on a spring, as it swings by itself'
-        yield f"# The file cannot tell the mass. It swings at {frequency}: for each kg of mass"
-        yield f"# the stiffness is {swing.stiffness:.4g} N/m, and friction is found in proportion."
-        yield 'inertia = "? kg"'
-        yield 'stiffness = "? N/m"'
-    elif swing.inertia is None:
-        length = swing.length
-        yield 'type = "pendulum"  # assumed, as it swings by itself; on a spring it is an "axis"'
-        yield f'# with stiffness = "{swing.stiffness:.3g} N m/rad" for each kg m^2 of its inertia.'
-        yield 'mass = "? kg"  # a free motion tells friction over the mass only'
-        yield f"# From the axis to the centre of mass, if all of it is there: {frequency} in small"
-        yield "# swings. Else give the true length, and as inertia that about the centre of mass,"
-        yield f"# mass * length * ({length:.3g} m - length)."
-        yield f'length = "{length:.4g} m"'
-    else:
-        weight = swing.inertia * swing.stiffness
+    turning, length, mass = guess.turning, 0.0, 0.0
+    if swing is not None and swing.inertia is not None:
         length = ROD * swing.length
-        mass = weight / (GRAVITY * length)
-        yield 'type = "pendulum"  # assumed, as the torque holds a weight; else it is an "axis"'
-        product = f"{weight / GRAVITY:.3g} kg m"
-        yield f"# The torque tells mass * length ({product}) and the inertia about the axis only."
-        yield "# The length is that of a rod: give the true one, to the centre of mass."
-        yield f'length = "{length:.4g} m"'
-        yield "# Both are fitted; the search begins at these values. The inertia is that about the"
-        yield "# centre of mass. If one is known, write it without vary."
-        yield f'mass = {{ value = "{mass:.3g} kg", vary = true }}'
-        about = swing.inertia - mass * length**2
-        yield f'inertia = {{ value = "{about:.3g} kg m^2", vary = true }}'
-    if guess.turning and abs(swing.rest) > NEGLIGIBLE:  # [rad]
-        of = "" if "position" in guess.columns else ", counted from where the record begins"
-        yield f'rest_angle = "{swing.rest:.4g} rad"  # where it hangs at rest{of}'
-    yield from _with_load(guess)
+        mass = swing.inertia * swing.stiffness / (GRAVITY * length)
+    return _filled(
+        "record.toml.j2",
+        guess,
+        file=_toml(str(file)),
+        source=Path(guess.file).name,
+        lines=str(guess).replace("\t", " ").splitlines(),
+        title=_toml(log_name(Path(file))),
+        robot=guess.robot and _toml(str(robot) or guess.robot),
+        swing=swing,
+        length=length,
+        mass=mass,
+        hangs=swing is not None and turning and abs(swing.rest) > NEGLIGIBLE,  # [rad]
+        inertia=inertia,
+        what="moment of inertia" if turning else "mass",
+        unit="kg m^2" if turning else "kg",
+    )
 
 
-def _robot(guess: Guess, file: str | Path) -> Iterator[str]:
-    """Yield the table of a robot: its description, which joints move, and where others stand."""
-    yield "[mechanism]"
-    yield 'type = "urdf"'
-    yield f"file = {_toml(str(file) or guess.robot)}"
-    yield f"moving = {_toml(list(guess.moving))}"
-    if guess.locked:
-        yield f"locked = {_inline(guess.locked)}  # where they stood"
-    yield "# Masses of a description are often wrong, and rotors of motors are not in it: fits find"
-    yield '# what the motion tells of them beside friction. If all is known, write links = "known".'
-    yield 'links = "unknown"'
-    yield ""
-
-
-def _drive(guess: Guess) -> str:
-    """Return what drives the axis: a force, a current, or nothing that matters.
-
-    Where friction was measured, it tells friction whatever drives the axis.
-    """
+def _filled(template: str, guess: Guess, **given: Any) -> str:
+    """Return a rig file from its template, with how its data files are read."""
     known = {name.partition(".")[0] for name in guess.columns}
-    if "friction" in known:
-        return ""
-    return next((name for name in ("force", "current") if name in known), "")
+    # Where friction was measured, it tells friction whatever drives the axis.
+    driven = bool({"force", "current"} & known) and "time" in guess.columns
+    assumed = [name for name in guess.gain if name in guess.assumed]
+    which = f"{joined(assumed)} " if len(assumed) < len(guess.gain) else ""
+    cure = f"  # {which}assumed: replace it by the sensitivity of the sensor, or of the encoder"
+    layout = vars(guess.layout or Layout())
+    return (
+        _templates()
+        .get_template(template)
+        .render(
+            guess=guess,
+            driven=driven and "friction" not in known,
+            stated=guess.reasons.get("motor constant", "").endswith("as given"),
+            assumed=cure if assumed else "",
+            layout={name: x for name, x in layout.items() if x != getattr(Layout, name)},
+            **given,
+        )
+    )
 
 
-def _data(guess: Guess, file: str | Path) -> Iterator[str]:
-    first, *rest = data_options(guess)
-    yield from (first, f"file = {_toml(str(file))}", *rest)
+@cache
+def _templates() -> "Environment":
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    result = Environment(
+        loader=PackageLoader("stickslip.data.rigs", ""),
+        autoescape=False,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    result.filters |= {
+        "entries": _entries,
+        "g": lambda value, digits: f"{value:.{digits}g}",
+        "json": json.dumps,
+        "left_open": _left_open,
+        "toml": _toml,
+    }
+    return result
 
 
-def data_options(guess: Guess) -> Iterator[str]:
-    """Yield the lines of ``[data]`` that say how a file is read, and so others like it."""
-    yield "[data]"
-    if _drive(guess) and "time" in guess.columns:
-        yield "# How the force runs between its samples is estimated. If it is known: hold ="
-        yield '# "zero" (keeps its value, as a command does) or "first" (straight lines).'
-    if guess.repair:
-        yield f"repair = {_toml(list(guess.repair))}"
-    yield from _entries("columns", guess.columns)
-    if guess.conditions:
-        yield f"conditions = {_toml(list(guess.conditions))}"
-    yield from _entries("units", guess.units)
-    if guess.motor_constant:
-        given = guess.motor_constant
-        text = _left_open(guess, _toml(given) if isinstance(given, str) else _inline(given))
-        yield f"motor_constant = {text}  # that of the data sheet, times the gear ratio"
-    if guess.gain:
-        assumed = [name for name in guess.gain if name in guess.assumed]
-        which = f"{joined(assumed)} " if len(assumed) < len(guess.gain) else ""
-        cure = f"  # {which}assumed: replace it by the sensitivity of the sensor, or of the encoder"
-        yield f"gain = {_left_open(guess, _inline(guess.gain))}{cure if assumed else ''}"
-    if guess.layout is not None and guess.layout != Layout():
-        yield ""
-        yield "[data.layout]"
-        for entry in fields(Layout):
-            value = getattr(guess.layout, entry.name)
-            if value != entry.default:
-                yield f"{entry.name} = {_toml(value)}"
-
-
-def _left_open(guess: Guess, text: str) -> str:
+def _left_open(text: str, stated: bool) -> str:
     """Return a text with question marks for motor constants that were 1 to look at the file."""
-    return text if _is_stated(guess) else re.sub(r'"1 (N( m)?/A)"', r'"? \1"', text)
+    return text if stated else re.sub(r'"1 (N( m)?/A)"', r'"? \1"', text)
 
 
-def _is_stated(guess: Guess) -> bool:
-    """Whether the motor constant was given, and is no assumption."""
-    return guess.reasons.get("motor constant", "").endswith("as given")
-
-
-def _entries(name: str, table: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a table on one line, or a long one with a line for each entry."""
+def _entries(table: Mapping[str, Any], name: str) -> str:
+    """Return a table on one line, or a long one with a line for each entry."""
     if len(table) > LONGEST:
-        yield from (f"{name}.{_key(key)} = {_toml(value)}" for key, value in table.items())
-    elif table:
-        yield f"{name} = {_inline(table)}"
-
-
-def _inline(table: Mapping[str, Any]) -> str:
-    return f"{{ {', '.join(f'{_key(key)} = {_toml(value)}' for key, value in table.items())} }}"
+        return "".join(f"{name}.{_key(key)} = {_toml(value)}\n" for key, value in table.items())
+    return f"{name} = {_toml(table)}\n" if table else ""
 
 
 def _key(name: str) -> str:
@@ -253,8 +168,11 @@ def _key(name: str) -> str:
 
 
 def _toml(value: Any) -> str:
+    """Return a value, or a table on one line."""
     import tomlkit
 
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{_key(key)} = {_toml(x)}' for key, x in value.items())} }}"
     return str(tomlkit.item(list(value) if isinstance(value, tuple) else value).as_string())
 
 
@@ -267,7 +185,6 @@ def _toml(value: Any) -> str:
 
 IN_NAME = re.compile(r"(?<![\d.])(\d+(?:[.,_p]\d+)?)[ _-]?hz", re.IGNORECASE)
 """A frequency in the name of a file: capsule_5.5Hz.txt, run-4p5_hz.csv."""
-FREQUENCY = "mechanism.drive.drive.frequency"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -365,54 +282,13 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
 
 def filmed_rig(rig: FilmedRig, names: Mapping[Path, str]) -> str:
     """Return the text of a rig file of films, with question marks for what they do not show."""
-    return "\n".join(
-        [*_films_head(rig), *_capsule(rig), *data_options(rig.guess), *_trials(rig, names)]
+    of_settings = groupby(rig.runs, lambda run: f"{number(run.frequency, 4)} Hz")
+    return _filled(
+        "films.toml.j2",
+        rig.guess,
+        file="",
+        rig=rig,
+        lines=[*map(printable, str(rig).splitlines())],
+        settings=[(setting, [*runs]) for setting, runs in of_settings],
+        names=names,
     )
-
-
-def _films_head(rig: FilmedRig) -> Iterator[str]:
-    yield f"# Written by `stickslip init` from {len(rig.runs)} films of a body that drives itself:"
-    yield "#"
-    yield from (f"#   {printable(line)}" for line in str(rig).splitlines())
-    yield "#"
-    yield "# Films show no masses, springs and forces: replace each question mark. Then run"
-    yield "# `stickslip check` and `stickslip select --route travel` with this file."
-    yield ""
-    yield 'title = "Filmed capsule"'
-    yield ""
-
-
-def _capsule(rig: FilmedRig) -> Iterator[str]:
-    yield "[mechanism]"
-    yield 'type = "capsule"  # assumed; `stickslip models` lists others that drive themselves'
-    yield 'capsule_mass = "? g"  # without what moves inside'
-    yield 'inner_mass = "? g"'
-    yield 'stiffness = "? N/m"  # of the spring between the two'
-    yield 'damping = "? N s/m"  # from how the inner mass rings while the capsule is held'
-    yield 'drive_on = "?"  # "both"; or "inner mass" if a coil or magnets outside pull at it'
-    yield "# A hard stop on the side of positive x; then remove the elastic stop below."
-    yield '# upper_stop = "? mm"  # from where the spring is free of force'
-    yield "# restitution = 0.5  # speed after an impact over that before; 0 if nothing bounces"
-    yield ""
-    yield "# An elastic stop that the inner mass meets on the side of positive x; else remove it."
-    yield "[mechanism.upper_soft_stop]"
-    yield 'place = "? mm"  # from where the spring is free of force'
-    yield 'stiffness = "? N/m"'
-    yield 'damping = "? N s/m"'
-    yield ""
-    yield "[mechanism.drive]"
-    yield 'type = "torque"'
-    first = number(rig.runs[0].frequency, 4)
-    yield f'drive = {{ type = "sine", amplitude = "? N", frequency = "{first} Hz" }}'
-    yield ""
-
-
-def _trials(rig: FilmedRig, names: Mapping[Path, str]) -> Iterator[str]:
-    for setting, runs in groupby(rig.runs, lambda run: f"{number(run.frequency, 4)} Hz"):
-        for repeat, run in enumerate(runs, 1):
-            yield ""
-            yield "[[trial]]"
-            yield f'name = "{setting}"' if repeat == 1 else f'name = "{setting}, {repeat}"'
-            yield f"file = {json.dumps(names[run.file])}"
-            yield f'set = {{ {FREQUENCY} = "{setting}" }}  # {run.reason}'
-    yield ""

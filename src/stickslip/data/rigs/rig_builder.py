@@ -66,8 +66,6 @@ from stickslip.friction import (
     laws,
     listed,
 )
-from stickslip.friction import laws as known_laws
-from stickslip.friction import laws as registered_laws
 from stickslip.mechanisms import (
     LINKS,
     PREFIX,
@@ -692,8 +690,8 @@ class DataTable(ReadTable):
 
 
 def _known_law(name: str) -> str:
-    if name not in known_laws():
-        known = {"kind": "friction law", "key": name, "known": list(known_laws())}
+    if name not in laws():
+        known = {"kind": "friction law", "key": name, "known": list(laws())}
         raise PydanticCustomError("unknown_name", "", known)
     return name
 
@@ -702,7 +700,7 @@ class PublishedTable(rig_models.TomlTable):
     """What a publication reports for one law."""
 
     law: Annotated[str, AfterValidator(_known_law)] = Field(
-        json_schema_extra=lambda schema: schema.update(enum=list(known_laws()))
+        json_schema_extra=lambda schema: schema.update(enum=list(laws()))
     )
     """Registry name of the law."""
     travel: Annotated[Any, rig_models.Number(TRAVEL)] = None
@@ -932,7 +930,7 @@ def imported(raw: dict[str, Any], file: RigFile, *, beside: Path | None, allow: 
     tables: dict[str, str] = {}
     for where, table, law in _composed(raw, file, beside):
         tables[f"{where}.{table}"] = f"{where}.{law.name}"
-        if law.name not in registered_laws():
+        if law.name not in laws():
             own[law.name] = law
     for key, kind in result.items():
         *above, table, _ = key.split(".")
@@ -968,7 +966,7 @@ def _composed(
                 continue
             where = f"{file}: {above}.{name}"
             kind = _law(text, where, beside)
-            if registered_laws().get(name, kind) is not kind:
+            if laws().get(name, kind) is not kind:
                 raise InputError(
                     f"{where} has the name of another law than its law = {text!r}: rename the"
                     f" table, such as [{above}.own], or leave law out."
@@ -1072,7 +1070,7 @@ def _check_name(law: type[FrictionLaw], table: str, where: str) -> None:
         raise InputError(
             f"{where}: the law {law.__name__} is named {law.name!r}: write [friction.{law.name}]."
         )
-    if registered_laws().get(table, law) is not law:
+    if laws().get(table, law) is not law:
         raise InputError(
             f"{where}: {table!r} is already the name of another law; give {law.__name__}.name"
             " another value."
@@ -1229,10 +1227,17 @@ def _refuse_computed(
             )
 
 
+def _type_of(raw: Mapping[str, Any]) -> tuple[type[Mechanism] | None, dict[str, Any]]:
+    """Return the type of a file's mechanism, None of one that is not known, and its table."""
+    table = raw.get("mechanism")
+    if not isinstance(table, dict):
+        return None, {}
+    return mechanisms().get(str(table.get("type"))), table
+
+
 def _kind_of_motion(raw: Mapping[str, Any], file: RigFile) -> bool | None:
     """Put in that an axis is rotary where units say so; return what the file says of it."""
-    table: Any = raw.get("mechanism")
-    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    kind, table = _type_of(raw)
     if kind is None or not issubclass(kind, LinearOrRotary):
         return None
     drives = table.get("drive", [])
@@ -1263,8 +1268,7 @@ def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     tables = {name for item in known if isinstance(item, dict) for name in item}
     for at in ("contact", *(f"contact.{name}" for name in sorted(tables))):
         yield from (f"{at}.{name}" for name in CONTACT_INPUTS)
-    table = raw.get("mechanism")
-    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    kind, _ = _type_of(raw)
     if kind is not None:
         yield from (f"{PREFIX}.{field.name}" for field in fields(kind))
 
@@ -1274,8 +1278,7 @@ def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
     place, dot, symbol = str(path).rpartition(".")
     if any(f".{full}".endswith(f".{path}") for full in known):
         return path
-    table = raw.get("mechanism")
-    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    kind, _ = _type_of(raw)
     declared = [] if kind is None else [*fields_of(kind).items()]
     declared += [
         (parameter.name, parameter.quantity)
@@ -1764,7 +1767,7 @@ def rig_schema() -> dict[str, Any]:
     >>> sorted(rig_schema()["properties"])[:3]
     ['contact', 'data', 'estimates']
     """
-    schema = rig_table(laws=tuple(known_laws().values())).model_json_schema(by_alias=True)
+    schema = rig_table(laws=tuple(laws().values())).model_json_schema(by_alias=True)
     # contacts depend on the mechanism: what is no key of [friction] may be the name of one
     friction = schema["$defs"]["Friction"]
     text = "name or composition of a law, such as dahl(level + lorentz) + power"

@@ -675,10 +675,7 @@ class _Ledger:
                 self.known[name] = batch
         self.rows = sum(finished.rows for finished in self.known.values())
         if before is None or self.rows < self.head["runs"]:
-            documents.write_file(
-                self.folder / MANIFEST,
-                documents.json_text(documents.document("campaign", self.head)),
-            )
+            self._write(self.head)
             lines = "".join(f"{_line(x)}\n" for x in self.known.values())
             documents.write_file(self.folder / JOURNAL, lines)
 
@@ -698,11 +695,13 @@ class _Ledger:
 
     def finish(self, parts: Sequence[_Finished]) -> None:
         """Write the manifest of a campaign that is complete."""
-        content = {**self.head, "parts": [vars(part) for part in parts]}
-        documents.write_file(
-            self.folder / MANIFEST, documents.json_text(documents.document("campaign", content))
-        )
+        self._write({**self.head, "parts": [vars(part) for part in parts]})
         (self.folder / JOURNAL).unlink(missing_ok=True)
+
+    def _write(self, content: Mapping[str, Any]) -> None:
+        """Write the manifest."""
+        text = documents.json_text(documents.document("campaign", content))
+        documents.write_file(self.folder / MANIFEST, text)
 
     def _alone(self) -> None:
         """Refuse to write where another process does; the system frees what a killed one held."""

@@ -736,8 +736,6 @@ class Curve:
         points, events, ends = self.both(first)
         shots = [point.shot for point in points]
         advances = [self.map.advances(shot) for shot in shots]
-        multipliers = np.array([point.multipliers for point in points])
-        order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
         return Branch(
             path=str(self.map.path),
             unit=self.unit,
@@ -747,7 +745,7 @@ class Curve:
             values=np.array([shot.value for shot in shots]),
             starts=np.array([shot.y for shot in shots]),
             periods=np.array([shot.period for shot in shots]),
-            multipliers=np.take_along_axis(multipliers, order, axis=1),
+            multipliers=multipliers_of(points),
             advances={q: np.array([own[q] for own in advances]) for q in advances[0]},
             events=tuple(events),
             ends=ends,
@@ -1406,6 +1404,13 @@ class Curve:
 def _nothing(_: Point) -> str:
     """Say nothing of a point."""
     return ""
+
+
+def multipliers_of(points: Sequence[Point]) -> NDArray[np.complex128]:
+    """Return the multipliers (n, m) of orbits, the largest of each first."""
+    result = np.array([point.multipliers for point in points])
+    order = np.argsort(-np.abs(result), axis=1, kind="stable")
+    return np.take_along_axis(result, order, axis=1)
 
 
 def units_of(map_: ReturnMap) -> dict[str, str]:

@@ -53,6 +53,7 @@ from stickslip.study.sweep.continuation import (
     between_of,
     change_of,
     check_step,
+    multipliers_of,
     units_of,
     within,
 )
@@ -788,8 +789,6 @@ def _curve(
                     orbit=own,
                 )
             )
-    multipliers = np.array([point.multipliers for point in result])
-    order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
     unknowns = np.array([curve.unscaled(point.shot) for point in result])
     return EventCurve(
         kind=kind,
@@ -800,7 +799,7 @@ def _curve(
         units=units_of(plane.base),
         values=unknowns[:, -2:],
         starts=unknowns[:, :-2],
-        multipliers=np.take_along_axis(multipliers, order, axis=1),
+        multipliers=multipliers_of(result),
         points=tuple(met),
         ends=ends,
         runs=curve.runs,
