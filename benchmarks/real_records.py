@@ -40,6 +40,7 @@ from stickslip.identify.bands import Array, Foreseen
 from stickslip.identify.fits import RecordSettings
 from stickslip.identify.joint_request import JointRequest
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.driven_runs import DrivenProblem
 from stickslip.identify.problems.links import JointBalances, told_links
 from stickslip.identify.problems.record_columns import Balance
 from stickslip.identify.problems.record_curves import OtherRows
@@ -476,6 +477,8 @@ def plain_error(
 
     Balances of both parts may be given that say nothing of what the judge knows of a mechanism.
     """
+    if isinstance(problem, DrivenProblem):
+        problem = problem.plain
     if isinstance(problem, RecordProblem):
         assert isinstance(other, OtherRows)
         balance, rest = balances or (problem.model.balance, other.balance)

@@ -6,7 +6,7 @@ best; these are taken again where it is projected, until they stay.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -133,6 +133,8 @@ class WholeLaw:
     kind: type[FrictionLaw]
     found: tuple[str, ...]
     """Names of its parameters that are found."""
+    held: Mapping[str, float] = field(default_factory=dict)
+    """Values of others, by name."""
 
     @property
     def is_family(self) -> bool:
@@ -196,7 +198,7 @@ def laws_to_compare(
                 if kind.states or not whole.found:
                     raise
         if family is None:
-            own.append(OwnLaw(law=starting(law, {}, load), varied=whole.found))
+            own.append(OwnLaw(law=starting(law, whole.held, load), varied=whole.found))
         else:
             families.append(family)
     if not families and not own:

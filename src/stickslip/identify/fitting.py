@@ -49,7 +49,7 @@ def fitted_law(
         refuse_open(law, {*names, *known})
     given = {} if isinstance(law, type) else {name: getattr(law, name) for name in fields_of(kind)}
     held = {**{n: x for n, x in given.items() if x is not None and n not in names}, **known}
-    whole = WholeLaw(kind=kind, found=names)
+    whole = WholeLaw(kind=kind, found=names, held=held)
     plain = all(name in OPTIONAL or (name in MAY_BE_HELD and x == 1.0) for name, x in held.items())
     if names and whole.is_family and plain:
         verdict = select([whole])

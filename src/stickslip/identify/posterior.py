@@ -342,7 +342,7 @@ class Posterior:
         doubted: Collection[str] = (),
     ) -> None:
         self.model, self.structures = model, tuple(structures)
-        self._priors = np.asarray(priors, dtype=float)
+        self.priors = np.asarray(priors, dtype=float)
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self._batches: dict[int, tuple[Batch, ...]] = {}
         self._given = [k for k, item in enumerate(model.scales) if not item.judged]
@@ -538,7 +538,7 @@ class Posterior:
         """Return the logarithms of the weights of structures at a node (s,)."""
         system = self.model.system(node, self.columns)
         base, left = eliminated(system)
-        result, prior = np.empty(len(self.structures)), self._priors + self.model.prior(node)
+        result, prior = np.empty(len(self.structures)), self.priors + self.model.prior(node)
         most = self._best.get(self._data(node), -math.inf)
         every, nothing, before = left, base, len(system.positive)
         if before not in self._batches:

@@ -26,8 +26,10 @@ from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
+from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, followed
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
+from stickslip.identify.problems.free_runs import AGAIN
 from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import LOAD, RecordProblem
@@ -40,7 +42,6 @@ from stickslip.identify.propose import (
     widths_of_another,
     within_band,
 )
-from stickslip.identify.refinement import Refined, refined
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
     NO_RECORDS,
@@ -174,7 +175,7 @@ def _foreseen_records(
 ) -> Foreseen:
     """Return what is foreseen of records of another run."""
     problem, records = judgement.problem, again(measurement)
-    assert isinstance(problem, RecordProblem | FreeMotionProblem)
+    assert isinstance(problem, RecordProblem | DrivenProblem | FreeMotionProblem)
     rows = problem.like(records)
     kind = "friction" if records[0].friction else "force"
     if isinstance(problem, FreeMotionProblem):
@@ -190,7 +191,7 @@ def _records_again(
 
 
 def _known_by_runs(
-    runs: Refined, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
+    runs: DrivenRuns, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
 ) -> list[Record]:
     """Return records of a mechanism that runs told."""
     return runs.known(made(rig, measurement, linear=False))
@@ -292,7 +293,7 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    runs = refined(mechanism, measurement, vary, hold=hold)
+    runs = followed(mechanism, measurement, vary, hold=hold)
     if runs is None:
         rig = settled(mechanism, measurement, vary, offset=offset)
     else:
@@ -308,7 +309,9 @@ def select_record(
     if isinstance(problem, RecordProblem) and any(x.bent for x in records[0].unknown.values()):
         _refuse_outside(problem)
     return record_verdict(
-        with_own_laws(problem, asked),
+        with_own_laws(problem, asked)
+        if runs is None or not runs.is_followed
+        else _driven_problem(problem, runs, asked),
         mechanism,
         measurement,
         offset=not offset,
@@ -320,6 +323,20 @@ def select_record(
         again=partial(_records_again, rig, made),
         remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
     )
+
+
+def _driven_problem(
+    plain: RecordProblem | FreeMotionProblem, runs: DrivenRuns, asked: LawsToCompare
+) -> DrivenProblem:
+    """Return what runs say of laws, linear about what is likeliest."""
+    assert isinstance(plain, RecordProblem)
+    result: DrivenProblem = with_own_laws(DrivenProblem(plain, runs), asked)
+    for _ in range(AGAIN):
+        straight = result.straight()
+        if straight is None:
+            break
+        result = with_own_laws(DrivenProblem(plain, straight), asked)
+    return result
 
 
 def _refuse_outside(problem: RecordProblem) -> None:
@@ -354,7 +371,7 @@ def _values_of(problem: RecordProblem) -> dict[str, float]:
 
 
 def record_verdict(
-    problem: RecordProblem | FreeMotionProblem,
+    problem: RecordProblem | DrivenProblem | FreeMotionProblem,
     mechanism: Mechanism,
     measurement: Measurement,
     *,
@@ -391,7 +408,7 @@ def record_verdict(
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
     rows, next_, widths = problem.asked(), list[str](), tuple[float, ...]()
-    if isinstance(problem, RecordProblem):
+    if not isinstance(problem, FreeMotionProblem):
         widths = widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)
         proposal = Proposal(places=(), shrinks=widths[0])
     else:

@@ -30,6 +30,7 @@ from stickslip.identify.fits.motions import play as play
 from stickslip.identify.fits.motions import positive_noise as positive_noise
 from stickslip.identify.fits.motions import reach_of as reach_of
 from stickslip.identify.fits.motions import smoothed as smoothed
+from stickslip.identify.fits.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.parameters import MOVED as MOVED
 from stickslip.identify.fits.parameters import OFFSET as OFFSET

@@ -138,8 +138,6 @@ class RecordKind(BandKind):
     def _route(self, request: Request) -> str:
         """Return how records are fitted."""
         law: Any = None if request.law is None else self.owner(request.law)
-        if law is not None and request.route is None and _voltage_hides(request, law):
-            return SHOOTING
         return route_of(request.mechanism, request.measurement, law, asked=request.route)
 
     def why_unused(self, name: str, request: Request) -> str:

@@ -156,18 +156,38 @@ def leja(count: int) -> Array:
 POINTS = leja(KNOTS)
 
 
-def _place(speed: Scalar, slowest: Scalar, fastest: Scalar) -> Scalar:
+def place_of(speed: Scalar, slowest: Scalar, fastest: Scalar) -> Scalar:
     """Return where a speed is from -2, at rest, to 2, the fastest."""
     ratio, most = speed / slowest, fastest / slowest
     return 4.0 * log(1.0 + ratio * ratio) / log(1.0 + most * most) - 2.0
 
 
-def _newton(x: Array) -> Array:
-    """Return Newton's polynomials at places (n, k)."""
-    result = np.ones((len(x), KNOTS))
-    for k, at in enumerate(POINTS[:-1]):
+def newton(x: Array, points: Array) -> Array:
+    """Return Newton's polynomials of some points at places (n, k)."""
+    result = np.ones((len(x), len(points)))
+    for k, at in enumerate(points[:-1]):
         result[:, k + 1] = result[:, k] * (x - at)
     return result
+
+
+def nested(waves: Sequence[Number], x: Scalar, points: Array) -> Scalar:
+    """Return the polynomial with coefficients `waves` of these at places."""
+    result = waves[-1].value + 0.0 * x
+    for wave, at in zip(waves[-2::-1], points[-2::-1], strict=True):
+        result = wave.value + (x - at) * result
+    return result
+
+
+def alike(knots: Array) -> Array:
+    """Return the correlation of what no law says at logarithms of speeds (k, k)."""
+    apart = np.abs(knots[:, None] - knots) * math.sqrt(3.0) / CORRELATION
+    return np.asarray((1.0 + apart) * np.exp(-apart) + 1e-9 * np.eye(len(knots)))
+
+
+def knots_of(points: Array, slowest: float, fastest: float) -> Array:
+    """Return the logarithms of the speeds (k,) of points from -2 to 2."""
+    most = 1.0 + (fastest / slowest) ** 2
+    return np.asarray(np.log(slowest * np.sqrt(most ** (0.25 * points + 0.5) - 1.0)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,10 +213,7 @@ class RunLaw(SetValuedLaw):
         friction = sum(term.at(speed) for term in self.terms)
         if not self.waves:
             return friction
-        x = _place(speed, self.slowest, self.fastest)
-        share = self.waves[-1].value + 0.0 * x
-        for wave, at in zip(self.waves[-2::-1], POINTS[-2::-1], strict=True):
-            share = wave.value + (x - at) * share
+        share = nested(self.waves, place_of(speed, self.slowest, self.fastest), POINTS)
         return friction + share * sum(item.at(speed) for item in self.fixed)
 
     def break_away(self, load: Scalar) -> Scalar:
@@ -310,21 +327,18 @@ class FreeMotion:
     @cached_property
     def knots(self) -> Array:
         """Logarithms of the speeds at which the curve is free."""
-        most = 1.0 + (self.fastest / self.slowest) ** 2
-        return np.asarray(np.log(self.slowest * np.sqrt(most ** (0.25 * POINTS + 0.5) - 1.0)))
+        return knots_of(POINTS, self.slowest, self.fastest)
 
     @cached_property
     def waves(self) -> Array:
         """Coefficients of Newton's polynomials for values at the knots (k, k)."""
-        return np.asarray(np.linalg.inv(_newton(POINTS)))
+        return np.asarray(np.linalg.inv(newton(POINTS, POINTS)))
 
     def root(self, size: float, slow: float) -> Array:
         """Return a root of the covariance of what no law says at the knots (k, k), by its sizes."""
-        apart = np.abs(self.knots[:, None] - self.knots) * math.sqrt(3.0) / CORRELATION
         dim = slow / (1.0 + (np.exp(self.knots) / max(self.dim, 1e-300)) ** 4)
         share = max(size, 1e-6) ** 2 + np.outer(dim, dim)
-        alike = (1.0 + apart) * np.exp(-apart) + 1e-9 * np.eye(KNOTS)
-        return np.asarray(np.linalg.cholesky(share * alike))
+        return np.asarray(np.linalg.cholesky(share * alike(self.knots)))
 
     def share(self, column: Column) -> Array:
         """Return a term of a law at the knots, over the fixed curve (k,)."""
@@ -346,7 +360,8 @@ class FreeMotion:
     def beside(self, speed: Array) -> Array:
         """Return friction at speeds for values of 1 at each knot alone (n, k)."""
         fixed = sum(item.at(speed) for item in self.fixed)
-        table = _newton(_place(speed, self.slowest, self.fastest)) @ self.waves
+        places = place_of(speed, self.slowest, self.fastest)
+        table = newton(np.asarray(places), POINTS) @ self.waves
         return np.asarray(table * np.reshape(fixed, (-1, 1)))
 
 
@@ -730,10 +745,8 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         for family, shapes, prior in grid.families(families)
     }
     laws |= dict.fromkeys(model.own, 0.0)
-    posterior = _weighed(model, laws)
-    for part in FINER:
-        laws = _refined(posterior, laws, grid, part)
-        posterior = _weighed(model, laws)
+    posterior = refined_shapes(model, laws, grid, FOLLOWING)
+    laws = dict(zip(posterior.structures, posterior.priors.tolist(), strict=True))
     for _ in range(AGAIN):
         k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
         node, structure = posterior.nodes[k], posterior.structures[s]
@@ -750,13 +763,24 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         if 0.5 * model.kappa / model.sigma**2 * off < STRAIGHT:
             break
         model = follower
-        posterior = _weighed(model, laws)
+        posterior = _weighed(model, laws, FOLLOWING)
     return posterior
 
 
-def _weighed(model: RunModel, laws: "dict[Structure, float]") -> Posterior:
-    every = len(SIZES) * len(SLOW_SIZES)
-    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[FOLLOWING], most=every)
+def refined_shapes(
+    model: Model, laws: "dict[Structure, float]", grid: Grid, begin: Node
+) -> Posterior:
+    """Return the weights of laws with the logarithms of their priors, and of shapes near them."""
+    posterior = _weighed(model, laws, begin)
+    for part in FINER:
+        laws = _refined(posterior, laws, grid, part)
+        posterior = _weighed(model, laws, begin)
+    return posterior
+
+
+def _weighed(model: Model, laws: "dict[Structure, float]", begin: Node) -> Posterior:
+    every = math.prod(len(scale.values) for scale in model.scales)
+    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[begin], most=every)
 
 
 def _refined(

@@ -73,6 +73,8 @@ PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
 DRAWN = 400
 """Rows that a figure shows."""
+FARTHER = 0.75
+"""Distance from turns, over that of the farthest row, from which rows are apart from these."""
 LOAD = "load"
 """Name of the load beside those of inputs."""
 MEMORIES = ("dahl", "lugre")
@@ -629,8 +631,11 @@ class RecordProblem(Problem):
     # ---- figures and findings ---------------------------------------------------------------
 
     @cached_property
-    def _left(self) -> tuple[Array, Array]:
-        """Velocities and friction (n,) of the rows, less what is no friction, at the best node."""
+    def _left(self) -> tuple[Array, Array, Array, Array]:
+        """Velocities, friction and what the gear transmits (n,) of the rows, at the best node.
+
+        What is no friction is taken off; and how far rows are from a turn.
+        """
         model, node = self.model, self.posterior.best
         _, b = self.posterior.estimate(node, self.posterior.law_at(node))
         which, memory = model.key(node)
@@ -638,14 +643,26 @@ class RecordProblem(Problem):
         plain = model.plain(node, b[:, None])[:, 0]
         friction = np.isin(design.groups, ("common", "sides", "offset", "side"))
         y = model.response(node) - design.random[:, ~friction] @ plain[~friction]
-        resolved = rows.far > RESOLVED
-        kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
-        return rows.velocity[kept], y[kept]
+        through = rows.seen([
+            model.balance.transmitted(piece) * np.ones(len(piece.record.time))
+            for piece in model.balance.pieces
+        ])  # fmt: skip
+        return rows.velocity, y, through, rows.far
 
-    def points(self, rung: Rung) -> MeasuredPoints:
-        """Return friction of the rows, less what is no friction, thinned out."""
-        v, y = self._left
-        few = np.arange(0, len(v), max(len(v) // DRAWN, 1))
+    def points(self, rung: Rung, *, apart: bool = False) -> MeasuredPoints:
+        """Return friction of the rows, less what is no friction, thinned out.
+
+        They are far from turns if many are, or as far `apart` as rows are if that is wanted.
+        Friction is at what the gear transmits in the middle, by the share which the law takes.
+        """
+        v, y, through, far = self._left
+        if self.model.frame.transmitted and rung.structure:
+            seen = self.design(rung.structure, self.at(v, inputs={TRANSMITTED: through}))
+            y = y + (self.design(rung.structure, self.at(v)) - seen) @ rung.coefficients
+        least = min(RESOLVED, FARTHER * float(far.max())) if apart else RESOLVED
+        few = np.flatnonzero(far > least)
+        few = few if apart or len(few) > DRAWN // 10 else np.arange(len(v))
+        few = few[:: max(len(few) // DRAWN, 1)]
         ones = np.ones(len(few))
         return MeasuredPoints(
             velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones
@@ -658,12 +675,17 @@ class RecordProblem(Problem):
 
     def scatter(self, rung: Rung) -> float:
         """Return the standard deviation of what the law and what acts beside it leave [N]."""
+        at = self.asked()
+        off = self._middle - self.design(rung.structure, at) @ rung.coefficients
+        return math.hypot(self.noise_of_rows, math.sqrt(float(np.mean(off**2))))
+
+    @property
+    def noise_of_rows(self) -> float:
+        """Root mean square of the deviations of the rows about what the posterior says."""
         noise, rows = self.model.noises[MIDDLE], self.model.balance.rows(MIDDLE)
         of = self.model.classes(self.model.balance, MIDDLE, noise)
         sizes = noise.deviations[of] * noise.pieces[rows.piece] * self._noisier
-        at = self.asked()
-        off = self._middle - self.design(rung.structure, at) @ rung.coefficients
-        return math.sqrt(float(np.mean(sizes**2)) + float(np.mean(off**2)))
+        return math.sqrt(float(np.mean(sizes**2)))
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return what changes along the records, with its probability."""

@@ -1,0 +1,849 @@
+r"""Driven runs: what runs under a recorded voltage say of friction and of what it acts in.
+
+A force balance is blind where constants of a motor are looked for that a voltage drives: noise of
+the velocity, the steps of an encoder and friction that a law lacks all move them. Runs are not.
+Parameters :math:`\phi` of the mechanism and friction of speed :math:`u` and of what a gear
+transmits, :math:`T`,
+
+.. math::
+    \tau(u, T) = \tau_0(u, T) + F \sum_k (w_k + w_{K+k}\, |T| / T_0)\, N_k(\log (1 + u^2/u_1^2)) ,
+
+are unknown: Newton's polynomials through values at `KNOTS` speeds beside a plain law
+:math:`\tau_0`, over the size :math:`F` of friction. Each segment of the records starts as it fits
+best.
+
+1. The plain law and :math:`\phi` are found by steps of Levenberg and Marquardt along the
+   sensitivities of the engine, :math:`\log\phi` with a prior of deviation `PRIOR` about what was
+   given. Steps end where they would raise the logarithm of the posterior by less than `SETTLED`.
+2. So are :math:`w` and :math:`\phi`, with the plain law held: whatever friction is, runs follow it.
+   The deviation of a reading, and the share of readings that count as independent
+   (`problems.free_runs.worth`), are taken again from what is left, `ROUNDS` times.
+3. About that, runs are linear: with slopes :math:`S` the column of a term :math:`g` of a law is
+   :math:`S_w\, g / F` at the knots, and the problem is one of `stickslip.identify.posterior`.
+   Laws and what no law says, normal values at the knots with Matern's correlation, are then judged
+   as those of free motions are, for all at once, with :math:`\phi` free.
+"""
+
+import copy
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property, partial
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from stickslip.data import Measurement
+from stickslip.friction import BamM3, CoulombViscous, FrictionLaw, SetValuedLaw, bound
+from stickslip.identify.bands import MeasuredPoints
+from stickslip.identify.fits import (
+    FreeParameter,
+    FreeParameters,
+    Hold,
+    Parameters,
+    RecordSettings,
+    ResidualJacobian,
+    Shooting,
+    Wanted,
+    improve,
+    segments_and_hold,
+    simulated,
+)
+from stickslip.identify.forces import TRANSMITTED, with_gear
+from stickslip.identify.judgement import DRAWS, Candidates, Problem
+from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
+from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
+from stickslip.identify.posterior import (
+    COEFFICIENT,
+    Array,
+    Column,
+    Draws,
+    Family,
+    Model,
+    Node,
+    Posterior,
+    Scale,
+    Structure,
+    System,
+    family_of,
+)
+from stickslip.identify.problems.free_runs import (
+    ROUNDED,
+    RUN_PRIOR,
+    RUNS,
+    SIZE_PRIOR,
+    SIZES,
+    STRAIGHT,
+    Number,
+    alike,
+    knots_of,
+    leja,
+    nested,
+    newton,
+    place_of,
+    refined_shapes,
+    worth,
+)
+from stickslip.identify.problems.record_columns import GEAR, Balance, through_gear
+from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
+from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
+from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.records import ASKED, PLACES, RecordProblem, parts_of
+from stickslip.identify.projection import Rung, Shaped
+from stickslip.identify.simulated import SETTLED
+from stickslip.identify.vocabulary import SIGNED, Grid, parameters_of
+from stickslip.maths import Scalar, where
+from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.quantities import Quantity, parameters, vary
+from stickslip.show.formatting import joined
+
+PRIOR = 0.5
+"""Standard deviation of the logarithm of a parameter about the value that was given of it."""
+OPEN = 10.0
+"""That of a parameter that may be 0, over what runs leave of it."""
+MOST = 100.0
+"""Size of a coefficient at most, over the usual one of a parameter."""
+CLOSELY = 5.0
+"""What runs leave over the noise of readings, from which more is missing than friction."""
+TOLD = 0.2
+"""Deviation after the runs over that before, beyond which they tell little: friction that runs do
+not tell apart from the motor would be any."""
+ROUNDS = 3
+"""Times that the deviation of readings is taken again."""
+FOLLOWING_STEPS = 8
+"""Steps of the search, each time."""
+STEPS = 10
+"""Steps of an initial state at each: where a body sticks and slips there are many, and long."""
+KNOTS = 8
+"""Speeds at which friction beside a law is free: about one for each e-fold that a servo has."""
+AT = leja(KNOTS)
+QUICK = 0.995
+"""Part of the readings that are slower than the fastest speed."""
+DECADES = 100.0
+"""Range of speeds at most."""
+FOLLOWING = 5
+"""Size with which runs that follow are looked for."""
+UNSEEN = (
+    "Runs do not tell whether friction changes with the place, in time or between records: the"
+    " intervals hold for friction as it was on average."
+)
+"""What is not looked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BesideLaw(SetValuedLaw):
+    """A law with friction beside it, of the speed and of what a gear transmits."""
+
+    name: ClassVar[str] = "beside"
+    title: ClassVar[str] = "Law with what no law says"
+    formula: ClassVar[str] = r"F = F_0(|v|) + \delta(|v|, T)"
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    law: FrictionLaw
+    level: tuple[Number, ...]
+    """Coefficients of Newton's polynomials [N]."""
+    gear: tuple[Number, ...]
+    """The same of what multiplies that which a gear transmits."""
+    slowest: Annotated[float, Quantity("v", above=0)]
+    fastest: Annotated[float, Quantity("v", above=0)]
+
+    def _beside(self, speed: Scalar) -> Scalar:
+        x = place_of(speed, self.slowest, self.fastest)
+        result = nested(self.level, x, AT)
+        if self.gear:
+            result = result + abs(self.contact(TRANSMITTED)) * nested(self.gear, x, AT)
+        return result
+
+    @property
+    def _bound(self) -> Any:
+        return bound(self.law, {name: self.contact(name) for name in self.law.inputs})
+
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        return self._bound.sliding(speed, load) + self._beside(speed)
+
+    def break_away(self, load: Scalar) -> Scalar:
+        at_rest = self._bound.break_away(load) + self._beside(0.0)
+        return where(at_rest > 0.0, at_rest, 0.0)
+
+
+@cache
+def _kind(inputs: tuple[str, ...]) -> type[BesideLaw]:
+    """Return laws with friction beside them that see inputs of the contact."""
+    return type("BesideLaw", (BesideLaw,), {"inputs": inputs})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Beside:
+    """Friction beside a law, as values at knots.
+
+    Attributes
+    ----------
+    slowest, fastest : float
+        Range of the speeds that were seen [m/s].
+    size : float
+        Root mean square of the friction [N].
+    transmitted : float
+        What the gear transmits in the middle [N].
+    geared : bool
+        Whether that changes.
+    """
+
+    slowest: float
+    fastest: float
+    size: float
+    transmitted: float = 0.0
+    geared: bool = False
+
+    @cached_property
+    def speeds(self) -> Array:
+        """Speeds of the knots (k,) [m/s]."""
+        return np.asarray(np.exp(knots_of(AT, self.slowest, self.fastest)))
+
+    @cached_property
+    def waves(self) -> Array:
+        """Coefficients of Newton's polynomials for values at the knots (k, k) [N]."""
+        return np.asarray(self.size * np.linalg.inv(newton(AT, AT)))
+
+    @cached_property
+    def table(self) -> Array:
+        """The same with those by what the gear transmits (m, m)."""
+        sizes = [1.0, 1.0 / self.transmitted] if self.geared else [1.0]
+        return np.asarray(np.kron(np.diag(sizes), self.waves), dtype=float)
+
+    @cached_property
+    def root(self) -> Array:
+        """Root of the covariance of values at the knots, of a size of 1 (m, m)."""
+        own = np.linalg.cholesky(alike(np.log(self.speeds)))
+        return np.kron(np.eye(2 if self.geared else 1), own)
+
+    def curves(self, speed: Array, transmitted: Array | float) -> Array:
+        """Return friction for values of 1 at each knot alone at speeds (n, m) [N]."""
+        seen = np.minimum(speed, self.fastest)
+        places = np.asarray(place_of(seen, self.slowest, self.fastest))
+        own = newton(places, AT) @ self.waves
+        if not self.geared:
+            return np.asarray(own)
+        share = np.abs(transmitted * np.ones(len(speed))) / self.transmitted
+        return np.hstack([own, share[:, None] * own])
+
+    def values(self, friction: Callable[[Array, float], Array]) -> Array:
+        """Return friction of speeds and of what a gear transmits as values at the knots (m,)."""
+        usual = friction(self.speeds, self.transmitted)
+        if not self.geared:
+            return np.asarray(usual / self.size)
+        still = friction(self.speeds, 0.0)
+        return np.concatenate([still, usual - still]) / self.size
+
+
+def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
+    """Return friction beside a law, for the speeds of records."""
+    balance = Balance(records)
+    frame = balance.frame
+    speed = np.abs(np.concatenate([piece.velocity for piece in balance.pieces]))
+    top = float(np.quantile(speed, QUICK))
+    low = max(top / DECADES, float(np.quantile(speed, 1.0 - QUICK)))
+    through = [x for x in map(through_gear, records) if x is not None]
+    usual = float(np.median(np.abs(np.concatenate(through)))) if through else 0.0
+    own = bound(law, dict.fromkeys(law.inputs, usual)).steady(np.geomspace(low, top, ASKED), 1.0)
+    return Beside(
+        slowest=low,
+        fastest=top,
+        size=math.sqrt(float(np.mean(np.square(own)))),
+        transmitted=usual,
+        geared=bool(frame.transmitted),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _WithPrior:
+    """Residuals of runs, and rows of what is known before."""
+
+    runs: Shooting
+    given: Array
+    """Values that were given (p,)."""
+    sizes: Array
+    """Deviations of their logarithms (p,); infinite of those without."""
+    rows: Array
+    """Unknowns about 0 over their deviations (m, p)."""
+    deviation: float
+    """Deviation of a reading that would be independent of others."""
+
+    @property
+    def free_parameters(self) -> FreeParameters:
+        """What is looked for."""
+        return self.runs.free_parameters
+
+    def slopes(self, values: Array) -> Array:
+        """Return how many deviations a unit of each value is (k, p)."""
+        told = np.isfinite(self.sizes)
+        logs = np.eye(len(values))[told] / (self.sizes[told] * values[told])[:, None]
+        return np.vstack([logs, self.rows])
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals at values (p,), with one row for each that is known before."""
+        seen, told = self.runs.linearise(values, near), np.isfinite(self.sizes)
+        off = np.log(self.given[told] / values[told]) / self.sizes[told]
+        off = np.concatenate([off, -self.rows @ values])
+        return ResidualJacobian(
+            values=values,
+            residual=np.concatenate([seen.residual, self.deviation * off]),
+            slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
+            segment=np.concatenate([seen.segment, np.full(len(off), -1)]),
+            memory=seen.memory,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrivenRuns:
+    """Runs that follow the readings, linear in what is unknown.
+
+    Attributes
+    ----------
+    runs : Shooting
+        The runs, with what is unknown.
+    seen : ResidualJacobian
+        They where they follow the readings best.
+    given : Mapping of str to float
+        Parameters of the mechanism as they were given, by path.
+    share : float
+        Share of the readings that count as independent.
+    error : float
+        Standard deviation of a reading.
+    rows : array (m, p)
+        Unknowns about 0 over their deviations before the runs.
+    beside : Beside, optional
+        Friction beside their law.
+    """
+
+    runs: Shooting
+    seen: ResidualJacobian
+    given: Mapping[str, float]
+    share: float = 1.0
+    error: float = 0.0
+    rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    beside: Beside | None = None
+
+    @property
+    def items(self) -> tuple[FreeParameter, ...]:
+        """What is unknown."""
+        return self.runs.free_parameters.items
+
+    @property
+    def sizes(self) -> Array:
+        """Deviations of logarithms before the runs (p,); infinite of what has none."""
+        return np.array([PRIOR if x.log and x.path in self.given else math.inf for x in self.items])
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law with the values that were found."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return vary(
+            self.runs.law, "friction", {x.path: y for x, y in own if x.path not in self.given}
+        )
+
+    @property
+    def rig(self) -> dict[str, float]:
+        """Parameters of the mechanism as they were found, by path."""
+        own = zip(self.items, self.seen.values.tolist(), strict=True)
+        return {item.path: x for item, x in own if item.path in self.given}
+
+    def on(self, mechanism: Mechanism) -> Mechanism:
+        """Return a mechanism with the values that were found."""
+        return vary(mechanism, "mechanism", self.rig)
+
+    def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
+        """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
+        best, share = self.seen, self.share
+        own = [self.given.get(item.path, 1.0) for item in self.items]
+        rows = np.zeros((0, len(own))) if rows is None else rows
+        known = _WithPrior(
+            runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
+        )
+        for _ in range(rounds):
+            deviation = best.rms / math.sqrt(share)
+            prior = replace(known, deviation=deviation)
+            end, _ = improve(
+                prior, best.values, rounds=FOLLOWING_STEPS, least=2.0 * SETTLED * deviation**2
+            )
+            best = self.runs.linearise(end.values, end)
+            slopes = prior.slopes(end.values)
+            share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
+        freedom = max(len(best.residual) - len(own), 1)
+        error = math.sqrt(best.cost / freedom)
+        return replace(self, seen=best, share=share, error=error, rows=rows)
+
+    def of(self, law: FrictionLaw, x: Array, rig: Array) -> "DrivenRuns":
+        """Return runs of a law with values at the knots beside it (m,), near these."""
+        beside = self.beside
+        assert beside is not None
+        waves = (beside.table @ x).tolist()
+        level = tuple(Number(value=c) for c in waves[:KNOTS])
+        gear = tuple(Number(value=c) for c in waves[KNOTS:])
+        inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
+        curve = _kind(tuple(inputs))(
+            law=law, level=level, gear=gear, slowest=beside.slowest, fastest=beside.fastest
+        )
+        of_rig = [item for item in self.items if item.path in self.given]
+        own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
+        own += [
+            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value)
+            for part, of_part in (("level", level), ("gear", gear))
+            for k, c in enumerate(of_part)
+        ]
+        runs = replace(self.runs.starting_from(self.seen), law=curve)
+        runs = runs.with_free_parameters(FreeParameters(tuple(own)))
+        return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
+    def with_curve(self, beside: Beside) -> "DrivenRuns":
+        """Return runs with friction beside the law where they follow the readings."""
+        first, rig = replace(self, beside=beside), np.array([*self.rig.values()])
+        rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
+        result = first.of(self.law, np.zeros(len(beside.root)), rig)
+        return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
+
+    def covariance(self, size: float = SIZES[FOLLOWING]) -> Array:
+        """Return the covariance of what is unknown (p, p), with friction of a prior size."""
+        told, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
+        slopes = self.seen.slopes / self.error * math.sqrt(self.share)
+        prior = np.where(told, self.sizes * self.seen.values, np.inf) ** -2.0
+        precision = slopes.T @ slopes + rows.T @ rows + np.diag(prior)
+        return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
+
+    @property
+    def is_told(self) -> bool:
+        """Whether runs tell the parameters of the mechanism beside any friction."""
+        covariance = self.covariance(COEFFICIENT)
+        left = np.sqrt(np.diag(covariance)) / (self.sizes * self.seen.values)
+        own = covariance[: len(self.given), : len(self.given)]
+        size = np.sqrt(np.maximum(np.diag(own), 1e-300))
+        least = np.linalg.eigvalsh(own / np.outer(size, size))[0]
+        return bool(np.all(left[np.isfinite(self.sizes)] <= TOLD) and least > ROUNDED)
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether runs follow the readings as closely as their noise allows.
+
+        Else more than a curve of friction is missing, and the runs are linear about no truth.
+        """
+        third = [np.var(np.diff(item.measured, 3)) for item in self.runs.segments]
+        return self.error <= CLOSELY * math.sqrt(float(np.mean(third)) / 20.0)
+
+    @property
+    def sentence(self) -> str:
+        """What is said of the values."""
+        names = joined([path.removeprefix("mechanism.") for path in self.given])
+        if self.is_followed:
+            return (
+                f"Runs of the mechanism under the recorded voltage determine {names} and friction."
+            )
+        return (
+            f"Runs of the mechanism with friction of a gear determine {names}; the force balance"
+            " determines friction with these values."
+        )
+
+    def known(self, records: Sequence[Record]) -> list[Record]:
+        """Return records whose parameters count from the values, with the covariance as prior.
+
+        Of its root :math:`L` each column is what one of them, and others with it, changes by.
+        """
+        paths = [*self.rig]
+        root = np.linalg.cholesky(self.covariance()[: len(paths), : len(paths)])
+        result = []
+        for record in records:
+            own = dict(record.unknown)
+            for j, path in enumerate(paths):
+                parts = [(root[i, j], record.unknown[other]) for i, other in enumerate(paths)]
+                own[path] = replace(
+                    record.unknown[path],
+                    force=np.sum([share * item.force for share, item in parts], axis=0),
+                    inertia=float(sum(share * item.inertia for share, item in parts)),
+                    along=dict(zip(paths, root[:, j].tolist(), strict=True)),
+                )
+            result.append(replace(record, unknown=own))
+        return result
+
+
+def followed(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    *,
+    hold: Hold | None = None,
+) -> DrivenRuns | None:
+    """Return runs that follow the readings; None where a balance tells what is unknown as well.
+
+    That is so where there is no motor, where forces are linear in what is looked for, and where
+    runs do not tell parameters apart either, as resistance and torque constant are not under
+    friction that is the same at any torque.
+    """
+    if not unknown or motor_of(mechanism) is None:
+        return None
+    record = records_of(mechanism, measurement, unknown=unknown)[0]
+    if not any(column.bent for column in record.unknown.values()):
+        return None
+    unknown = [path for path in unknown if path in record.unknown]  # a constant force is not
+    law: type[FrictionLaw] = CoulombViscous if through_gear(record) is None else BamM3
+    wanted: Wanted = Parameters(mechanism=mechanism, law=law, known={}, unknown=tuple(unknown))
+    settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
+    runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
+    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    first = DrivenRuns(
+        runs=runs,
+        seen=runs.linearise(runs.free_parameters.start),
+        given={path: known.get(path, 0.0) for path in unknown},
+    ).settled()
+    rig = first.on(mechanism)
+    records = records_of(rig, with_gear(rig, measurement))
+    result = first.with_curve(beside_law(first.law, records))
+    return result if result.is_told else None
+
+
+class DrivenModel(Model):
+    """Readings under a voltage, linear about runs that follow them.
+
+    Unknown are friction at the knots, then what is looked for of the mechanism: logarithms of it,
+    but where it may be 0.
+    """
+
+    scales = (Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),)
+    signed = SIGNED
+
+    def __init__(self, runs: DrivenRuns, plain: RecordProblem) -> None:
+        assert runs.beside is not None
+        self.runs, self.plain = runs, plain
+        self.beside: Beside = runs.beside
+        beside = runs.beside
+        self.share, self.size = cache(self._share), cache(self._size)
+        items = [item for item in runs.items if item.path in runs.given]
+        self.paths = [item.path for item in items]
+        self.logs = np.array([item.log for item in items], dtype=bool)
+        count, seen = len(items), runs.seen
+        rig, given = seen.values[:count], np.array([runs.given[path] for path in self.paths])
+        self.given: Array = np.where(self.logs, given, rig)
+        """Values from which what is looked for of the mechanism counts (p,)."""
+        of_rig = seen.slopes[:, :count] * np.where(self.logs, rig, 1.0)
+        slopes = np.hstack([seen.slopes[:, count:] @ beside.table, of_rig])
+        self.free = slopes.shape[1]
+        law = runs.runs.law
+        assert isinstance(law, BesideLaw)
+        knots = np.linalg.solve(beside.table, seen.values[count:]) + self.at_knots(law.law)
+        away = np.where(self.logs, np.log(rig / self.given), 0.0)
+        self.x: Array = np.concatenate([knots, away])
+        """The unknowns about which runs are linear (m,) ..."""
+        self.slopes: Array = slopes
+        """... and their slopes there (n, m)."""
+        table = np.column_stack([slopes, seen.residual + slopes @ self.x])
+        self.gram = runs.share / runs.error**2 * table.T @ table
+        told = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
+        wide = OPEN * np.sqrt(np.diag(np.linalg.pinv(self.gram[:-1, :-1])))[len(knots) :]
+        self._rig_deviations: Array = np.where(self.logs, PRIOR, np.maximum(wide, told))
+        self.deviations = np.concatenate([np.ones(len(knots)), self._rig_deviations])
+
+    def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
+        """Return the same for laws that are no sums of parts."""
+        result = copy.copy(self)
+        result.signed, result.certain = self.signed | signed_of(own), certain_of(own)
+        return result
+
+    def settled(self, structure: Structure, size: float) -> Structure:
+        """Return a law of any form about the values that are likeliest, with a size of the rest.
+
+        Runs are linear in the curve, but the curve is not in the values.
+        """
+        law = next(name.own for name, _ in structure if is_slope(name))
+        if not law.varied:
+            return structure
+        count = len(self.beside.root)
+        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(self._before), hermitian=True)
+        middle = (covariance @ self.gram[:-1, -1])[:count]
+        root = size * self.beside.root
+        values, vectors = np.linalg.eigh(covariance[:count, :count] + root @ root.T)
+        weights = (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1]))).T
+
+        def left(x: Array) -> Array:
+            return np.asarray(weights @ (self.beside.values(partial(friction, x)) - middle))
+
+        def friction(x: Array, speed: Array, transmitted: float) -> Array:
+            rows = self.plain.at(speed, inputs={TRANSMITTED: transmitted})
+            return law.friction(x.tolist(), self.plain.slips(rows))
+
+        low, high = np.array([(max(q.low, q.above or q.low), q.high) for q in law.quantities]).T
+        known = zip(law.varied, law.values, strict=True)
+        scale = np.array([law.sizes.get(name, abs(x)) for name, x in known])
+        start = np.clip(law.values, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
+        end = least_squares(left, start, bounds=(low, high), x_scale=np.maximum(scale, 1e-12))
+        return law.structure(end.x.tolist())
+
+    @property
+    def _before(self) -> Array:
+        """Precisions of the unknowns before the runs (m,): none of friction."""
+        return np.concatenate([np.zeros(len(self.beside.root)), self._rig_deviations**-2.0])
+
+    def at_knots(self, law: FrictionLaw) -> Array:
+        """Return a law at the knots (m,)."""
+
+        def friction(speed: Array, transmitted: float) -> Array:
+            own = bound(law, dict.fromkeys(law.inputs, transmitted))
+            return np.asarray(own.steady(speed, 1.0) + 0.0 * speed)
+
+        return self.beside.values(friction)
+
+    def _share(self, column: Column) -> Array:
+        """Return a term of a law at the knots (m,)."""
+
+        def friction(speed: Array, transmitted: float) -> Array:
+            rows = self.plain.at(speed, inputs={TRANSMITTED: transmitted})
+            return self.plain.columns(column, rows)[0]
+
+        return self.beside.values(friction)
+
+    def _size(self, column: Column) -> float:
+        """Return the coefficient with which a term alone would be friction of the usual size."""
+        speed, through = self.beside.speeds, self.beside.transmitted
+        own = self.plain.columns(column, self.plain.at(speed, inputs={TRANSMITTED: through}))[0]
+        most, name = math.inf, column[0]
+        if is_slope(name) and name.place >= 0:
+            most = MOST * name.own.sizes.get(name.own.varied[name.place], math.inf)
+        return min(self.beside.size / (math.sqrt(float(np.mean(own**2))) + 1e-300), most)
+
+    def root(self, node: Node) -> Array:
+        """Return a root of the covariance of what no law says at the knots (m, m)."""
+        return max(SIZES[node[0]], 1e-6) * self.beside.root
+
+    def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        """Return what is looked for of the mechanism (k,) in draws, by path."""
+        away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
+        own = zip(self.paths, self.given.tolist(), self.logs.tolist(), away, strict=True)
+        return {path: at * np.exp(x) if log else at + x for path, at, log, x in own}
+
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        sizes = np.array([*map(self.size, columns)])
+        m, p, knots = self.free, len(columns), len(self.beside.root)
+        turn = np.zeros((m + 1, m + p + 1))
+        turn[:knots, :knots] = self.root(node)
+        turn[range(knots, m), range(knots, m)] = 1.0
+        if columns:
+            turn[:knots, m : m + p] = np.column_stack([*map(self.share, columns)]) * sizes
+        turn[m, m + p] = 1.0
+        return System(
+            gram=turn.T @ self.gram @ turn, deviations=self.deviations, volume=0.0, sizes=sizes
+        )
+
+
+@dataclass(eq=False)
+class DrivenProblem(Problem):
+    """Records under a voltage with the posterior of runs.
+
+    What is no curve, such as the noise of a reading of the force, is that of a force balance with
+    what the runs say of the mechanism.
+
+    Parameters
+    ----------
+    plain : RecordProblem
+        That balance.
+    following : DrivenRuns
+        Runs that follow the readings, with friction beside a law.
+    """
+
+    plain: RecordProblem
+    following: DrivenRuns
+
+    def __post_init__(self) -> None:
+        plain, beside = self.plain, self.following.beside
+        assert beside is not None
+        self.beside = beside
+        self.records, self.size, self.load = plain.records, plain.size, plain.load
+        self.runs, self.restricted = plain.runs, plain.restricted
+        self.grid = Grid(slowest=self.beside.slowest, fastest=self.beside.fastest, fine=2.0)
+        self.laws = [item for item in plain.model.families if item]
+        self.own: tuple[Structure, ...] = ()
+        self.posterior = self._judged(DrivenModel(self.following, plain))
+
+    def _judged(self, model: DrivenModel) -> Posterior:
+        laws = dict(laws_of(self.grid, [(), *self.laws]))
+        return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, (FOLLOWING,))
+
+    def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "DrivenProblem":
+        result = copy.copy(self)
+        result.restricted = True
+        result.laws = [*dict.fromkeys(map(parts_of, families))]
+        sizes = [0.0] * len(own)
+        for _ in range(ROUNDS):
+            result.own = tuple(map(self.model.settled, own, sizes))
+            result.posterior = result._judged(self.model.with_laws(result.own))
+            before, sizes = sizes, [*map(result._size_beside, result.own)]
+            if sizes == before:
+                break
+        return result
+
+    def _size_beside(self, structure: Structure) -> float:
+        """Return the likeliest size of what a law lacks."""
+        own = self.posterior.weights[:, self.posterior.structures.index(structure)]
+        return SIZES[self.posterior.nodes[int(np.argmax(own))][0]]
+
+    @property
+    def model(self) -> DrivenModel:
+        """The readings, linear about runs that follow them."""
+        assert isinstance(self.posterior.model, DrivenModel)
+        return self.posterior.model
+
+    def straight(self) -> "DrivenRuns | None":
+        """Return runs about what is likeliest; None where those that were linear leave as much."""
+        model, weights = self.model, self.posterior.weights
+        k, s = np.unravel_index(int(np.argmax(weights)), weights.shape)
+        node, structure = self.posterior.nodes[k], self.posterior.structures[s]
+        coefficients, random = self.posterior.estimate(node, structure)
+        law = self.composition(structure, coefficients[None]).law()
+        if law is None:
+            return None
+        count = len(self.beside.root)
+        x, away = model.root(node) @ random[:count], random[count:]
+        rig = np.where(model.logs, model.given * np.exp(away), model.given + away)
+        runs = self.following.of(law, x, rig)
+        if not runs.seen.finite:
+            return None
+        seen, law_there = self.following.seen, model.at_knots(law)
+        step = np.concatenate([x + law_there, away]) - model.x
+        foreseen = seen.residual - model.slopes @ step
+        off = abs(float(foreseen @ foreseen) - runs.seen.cost)
+        return None if 0.5 * runs.share / runs.error**2 * off < STRAIGHT else runs
+
+    # ---- rows -------------------------------------------------------------------------------
+
+    def at(
+        self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None
+    ) -> SteadyRows:
+        return self.plain.at(velocity, load, inputs)
+
+    def asked(self) -> SteadyRows:
+        return self.at(self._speeds(ASKED))
+
+    def places(self) -> SteadyRows:
+        speeds, through = self._speeds(PLACES), self.plain.model.frame.transmitted or (0.0,)
+        inputs = {TRANSMITTED: np.repeat(through, len(speeds))}
+        return self.at(np.tile(speeds, len(through)), inputs=inputs)
+
+    def curve_rows(self) -> SteadyRows:
+        return self.at(np.geomspace(self.beside.slowest, self.beside.fastest, POINTS))
+
+    def _speeds(self, count: int) -> Array:
+        """Return speeds of both directions (n,): runs pass all of them."""
+        speeds = np.geomspace(self.beside.slowest, self.beside.fastest, count)
+        return np.concatenate([-speeds[::-1], speeds])
+
+    def slips(self, rows: SteadyRows) -> Slips:
+        return self.plain.slips(rows)
+
+    def like(self, records: Sequence[Record]) -> OtherRows:
+        """Return the rows of other records, which are another run."""
+        return self.plain.like(records)
+
+    def usual(self, rows: OtherRows) -> Array:
+        return self.plain.usual(rows)
+
+    @property
+    def run_sizes(self) -> tuple[Sequence[float], Sequence[float]]:
+        """By how much runs may differ, over friction, with the probabilities: no run tells it."""
+        return RUNS, RUN_PRIOR
+
+    # ---- laws -------------------------------------------------------------------------------
+
+    def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
+        return self.plain.columns(column, rows)
+
+    def candidates(self) -> list[Candidates]:
+        laws: dict[Family, list[Structure]] = {}
+        for structure in filter(None, self.posterior.structures):
+            laws.setdefault(family_of(structure), []).append(structure)
+        return [
+            Candidates(
+                family=item,
+                structures=structures,
+                parameters=parameters_of(item)
+                + sum(name.place >= 0 if is_slope(name) else name == GEAR for name in item),
+            )
+            for item, structures in laws.items()
+        ]
+
+    def composition(
+        self,
+        structure: Shaped,
+        coefficients: Array,
+        draws: Sequence[Draws] | None = None,
+        *,
+        offset: bool = False,
+    ) -> Composition:
+        count, frame = len(coefficients), self.plain.model.frame
+        means = {name: mean for name, (mean, _) in frame.inputs.items()}
+        means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
+        normal = np.full((count, 1), self.load)
+        if is_own(structure):
+            result = replace(own_composition(structure, coefficients), inputs=means)
+        else:
+            terms: dict[str, tuple[Any, Array]] = {
+                name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
+                for (name, shape), own in zip(structure, coefficients.T, strict=True)
+            }
+            result = compose(terms, means, count)
+        return replace(result, load=normal[:, 0])
+
+    # ---- weights ----------------------------------------------------------------------------
+
+    def is_small(self, tolerance: float) -> "NDArray[np.bool_]":
+        return np.array([SIZES[node[0]] <= tolerance for node in self.posterior.nodes])
+
+    def is_alone(self, draw: Draws) -> bool:
+        return not SIZES[draw.node[0]]
+
+    def nothing(self) -> "NDArray[np.bool_]":
+        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
+
+    # ---- curves -----------------------------------------------------------------------------
+
+    def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
+        through = np.asarray(rows.transmitted) * rows.ratio
+        beside = self.beside.curves(np.abs(rows.velocity), through)
+        beside = np.sign(rows.velocity)[:, None] * beside
+        curves = list[Array]()
+        for draw in draws:
+            random = self.model.root(draw.node) @ draw.random[: beside.shape[1]]
+            curves.append((self.design(draw.structure, rows) @ draw.law + beside @ random).T)
+        return np.vstack(curves)
+
+    def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
+        curves, low, top = self.steady(rows, draws), self.beside.slowest, self.beside.fastest
+        speed = np.maximum(np.abs(rows.velocity), 1e-3 * low)
+        apart = np.maximum(np.maximum(np.log(low / speed), np.log(speed / top)), 0.0)
+        unseen = np.random.default_rng(5).normal(size=(len(curves), 1)) * BELOW * self.size
+        curves += unseen * apart * np.sign(rows.velocity)
+        if not new:
+            return curves
+        rng = np.random.default_rng(7)
+        sizes = rng.choice(RUNS, p=RUN_PRIOR, size=(len(curves), 1))
+        return np.asarray(curves * (1.0 + sizes * rng.normal(size=(len(curves), 1))))
+
+    def readings(self, rows: SteadyRows | OtherRows, draws: Sequence[Draws]) -> Array:
+        if isinstance(rows, OtherRows):  # forces along other records are those of the balance
+            return self.plain.readings(rows, self.plain.posterior.draws(DRAWS))
+        curves = self.friction(rows, draws, new=True)
+        noise = np.random.default_rng(11).normal(size=curves.shape)
+        return np.asarray(curves + self.plain.noise(rows) * noise)
+
+    # ---- what leaves ------------------------------------------------------------------------
+
+    def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        return self.model.rig(draws)
+
+    def points(self, rung: Rung) -> MeasuredPoints:
+        return self.plain.points(rung, apart=True)  # a balance has no friction at a turn
+
+    def scatter(self, rung: Rung) -> float:
+        rows = self.asked()
+        middle = np.mean(self.steady(rows, self.posterior.draws(DRAWS)), axis=0)
+        off = middle - self.design(rung.structure, rows) @ rung.coefficients
+        return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
+
+    def untold(self) -> list[str]:
+        return [UNSEEN]

@@ -1,0 +1,173 @@
+"""Servos that a voltage drives: runs tell the motor and the friction of its gear."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks import servos
+
+from stickslip import (
+    Axis,
+    BamM3,
+    BamM4,
+    CoulombViscous,
+    Measurement,
+    RecordSettings,
+    fit,
+    select,
+)
+from stickslip.friction import bound
+from stickslip.identify.problems.driven_runs import DrivenProblem, followed
+
+HELD = RecordSettings(hold="zero")
+
+
+@pytest.fixture(scope="module")
+def servo():
+    return servos.draw(np.random.default_rng([78001, 2]))
+
+
+@pytest.fixture(scope="module")
+def record(servo):
+    return servos.recorded(servo)
+
+
+def guessed(servo):
+    """Return the mechanism with constants of the motor that are a fifth off."""
+    motor = servo.rig.drive
+    off = replace(
+        motor, resistance=0.8 * motor.resistance, torque_constant=1.2 * motor.torque_constant
+    )
+    return replace(servo.rig, drive=off)
+
+
+@pytest.mark.slow
+def test_select_judges_a_servo_of_unknown_constants(servo, record):
+    verdict = select(
+        guessed(servo), None, record, vary=["friction.*", *servos.VARIED], settings=HELD
+    )
+    motor = servo.rig.drive
+    known = {one.path: one for one in verdict.parameters}
+    for path, true in zip(servos.VARIED, (motor.resistance, motor.torque_constant), strict=True):
+        assert known[path].low < true < known[path].high
+        assert known[path].high - known[path].low < 0.04 * true
+    law, band = curve_of(servo.law, verdict), verdict.friction
+    assert np.mean((band.low <= law) & (law <= band.high)) > 0.9
+    assert any("Runs of the mechanism" in line for line in verdict.words.cannot_tell)
+    assert not any("distinguished from viscous" in line for line in verdict.words.cannot_tell)
+
+
+def curve_of(law, verdict):
+    """Return friction of a law at the places of a verdict's band."""
+    return curve_at(law, verdict, verdict.judgement.problem.asked().velocity)
+
+
+def curve_at(law, verdict, velocity):
+    """Return friction of a law at velocities, and what the gear transmits in the middle."""
+    rows = verdict.judgement.problem.at(velocity)
+    seen = bound(law, {"transmitted": float(np.mean(rows.transmitted))})
+    return np.array([seen.steady(v, 1.0) for v in velocity.tolist()])
+
+
+@pytest.fixture(scope="module")
+def simple(servo):
+    """Return a servo without a surplus at rest, and its record."""
+    law = BamM3(
+        kinetic_coefficient=servo.law.kinetic_coefficient,
+        transmitted_coefficient=servo.law.transmitted_coefficient,
+        viscous_coefficient=servo.law.viscous_coefficient,
+    )
+    made = replace(servo, law=law)
+    return made, servos.recorded(made)
+
+
+@pytest.mark.slow
+def test_a_shape_that_is_held_is_that_of_the_law_judged(servo, record):
+    vary = ["friction.*", *servos.VARIED]
+    result = fit(guessed(servo), BamM4, record, vary=vary, fixed={"fading_exponent": 1.0})
+    assert result.law.fading_exponent == 1.0
+    verdict = result.verdict
+    rows = verdict.judgement.problem.asked()
+    np.testing.assert_allclose(
+        verdict.judgement.acting(rows), curve_of(result.law, verdict), rtol=1e-5
+    )
+    for name in servo.law.fit_order:
+        own = result.estimate(f"friction.{name}")
+        assert own.low < getattr(servo.law, name) < own.high
+
+
+@pytest.fixture(scope="module")
+def verdict(simple):
+    servo, record = simple
+    return select(guessed(servo), [BamM3], record, vary=["friction.*", *servos.VARIED])
+
+
+def test_fit_and_select_of_one_law_say_the_same_of_a_voltage(simple, verdict):
+    servo, record = simple
+    alone = fit(guessed(servo), BamM3, record, vary=["friction.*", *servos.VARIED])
+    best = verdict.closest.fit
+    assert [(x.path, x.value, x.low, x.high) for x in alone.estimates] == [
+        (x.path, x.value, x.low, x.high) for x in best.estimates
+    ]
+    assert alone.law == best.law
+    assert alone.mechanism == best.mechanism
+    assert alone.verdict.words == verdict.words
+    assert alone.route == verdict.route == "balance"
+    stated = {x["parameter"]: x for x in verdict.to_dict()["parameters"]}
+    for path, true in {
+        **{f"friction.{name}": getattr(servo.law, name) for name in vars(servo.law)},
+        **{path: getattr(servo.rig.drive, path.rpartition(".")[2]) for path in servos.VARIED},
+    }.items():
+        own = alone.estimate(path)
+        assert own.low < true < own.high
+        assert own.high - own.low < 0.1 * true
+        assert (stated[path]["low"], stated[path]["high"]) == (own.low, own.high)
+
+
+def test_a_law_that_is_true_is_used_and_its_band_is_that_of_its_parameters(simple, verdict):
+    servo, _ = simple
+    assert isinstance(verdict.judgement.problem, DrivenProblem)
+    assert verdict.words.verdict.startswith("Use BAM M3")
+    law, band = curve_of(servo.law, verdict), verdict.friction
+    assert np.mean((band.low <= law) & (law <= band.high)) > 0.9
+    assert np.median((band.high - band.low) / np.abs(law)) < 0.05
+    named = curve_of(verdict.law, verdict)
+    np.testing.assert_allclose(verdict.judgement.acting(verdict.judgement.problem.asked()), named)
+
+
+def test_what_a_law_lacks_is_friction_all_the_same(servo, record):
+    verdict = select(guessed(servo), [BamM3], record, vary=["friction.*", *servos.VARIED])
+    assert not verdict.words.verdict.startswith("Use")
+    law, band = curve_of(servo.law, verdict), verdict.friction
+    assert np.mean((band.low <= law) & (law <= band.high)) > 0.9
+    motor = servo.rig.drive
+    known = {one.path: one for one in verdict.parameters}
+    for path, true in zip(servos.VARIED, (motor.resistance, motor.torque_constant), strict=True):
+        assert known[path].low_any < true < known[path].high_any
+
+
+@pytest.mark.slow
+def test_a_law_of_any_form_sees_what_the_gear_transmits(servo, record):
+    result = fit(servo.rig, BamM4, record, fixed={"fading_exponent": 1.0}, settings=HELD)
+    share = result.estimate("friction.transmitted_coefficient")
+    assert share.low < servo.law.transmitted_coefficient < share.high
+    assert share.value == pytest.approx(servo.law.transmitted_coefficient, rel=0.1)
+
+
+def test_points_beside_a_band_are_friction_at_what_the_gear_transmits_usually(simple, verdict):
+    servo, _ = simple
+    points = verdict.judgement.measured()
+    law = np.abs(curve_at(servo.law, verdict, points.velocity))
+    assert np.median(np.abs(np.abs(points.friction) - law) / law) < 0.2
+
+
+def test_forces_that_are_linear_in_what_is_looked_for_need_no_runs():
+    t = np.arange(0.0, 10.0, 0.01)
+    force = 3.0 * np.cos(t) + np.sign(np.cos(t))
+    pushed = Measurement(time=t, position=np.sin(t), force=force)
+    assert followed(Axis(inertia=1.0), pushed, ["mechanism.inertia"]) is None
+
+
+def test_constants_that_runs_do_not_tell_apart_are_left_to_the_balance(servo):
+    plain = replace(servo, law=CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.02))
+    assert followed(guessed(servo), servos.recorded(plain), servos.VARIED, hold="zero") is None
