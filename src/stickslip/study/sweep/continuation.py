@@ -115,10 +115,10 @@ BEHIND: Final = (1e-3, 4e-3)
 """Distances behind a change at which other branches are looked for."""
 STRAYED = 100.0
 """Distance of the halves of an orbit, over that of its run, from which they are distinct."""
-HALVED, SHRUNK, NEAR = 1e-3, 0.02, 0.5
+HALVED, SHRUNK = 1e-3, 0.02
 """Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
-doubling, size of a cycle, over the largest one, at which it ends in steady sliding, and how far
-from them, over them, that may be. Of smaller cycles no fold can be told by derivatives."""
+doubling, and size of a cycle, over the largest one, at which it ends in steady sliding: of smaller
+cycles derivatives tell no fold."""
 NEARBY = 1e-7
 """Residual, over the size of the states, below which the last step needs no run of its own."""
 OUTGROWN = 2.0
@@ -1004,7 +1004,7 @@ class Curve:
         if ds > 0.0 and size(here) > least:
             _, last = self.located(
                 _Part(0.0, ds, here, there), u0, here.tangent,
-                lambda p: size(p) - least, NEAR * least,
+                lambda p: size(p) - least, 0.5 * least,
             )  # fmt: skip
         if last is not here:
             arc = float(here.tangent @ (last.unknowns - u0))
