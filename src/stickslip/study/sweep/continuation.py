@@ -969,17 +969,18 @@ class Curve:
 
     def vanishing(
         self, here: Point, there: Point
-    ) -> tuple[Callable[[Point], float], float, str] | None:
+    ) -> tuple[Callable[[Point], float], float, list[Shot], str] | None:
         """Return what becomes 0 in a step or right behind it, if anything does.
 
-        That is its size in an orbit, the least one that is followed, and what it means.
+        That is its size in an orbit, the least one that is followed, a list for the orbit there,
+        and what it means.
         """
         if self.map.cycles % 2 == 0 and _halves_meet(here, there):
             along = here.half / _length(here.half)
             what = f"in a doubling of period {self.map.cycles // 2}"
-            return lambda point: float(point.half @ along), HALVED, what
+            return lambda point: float(point.half @ along), HALVED, self.halved, what
         if self.map.section is not None and self.extent(there) < SHRUNK:
-            return self.extent, SHRUNK, "as the cycle shrinks to steady sliding"
+            return self.extent, SHRUNK, [], "as the cycle shrinks to steady sliding"
         return None
 
     def last(
@@ -990,6 +991,7 @@ class Curve:
         events: list[Event],
         size: Callable[[Point], float],
         least: float,
+        kept: list[Shot],
         what: str,
     ) -> tuple[list[Point], str, list[Event]]:
         """End a branch right before an orbit in which a size becomes 0.
@@ -1012,8 +1014,7 @@ class Curve:
             if (end := self.limit(here, last)) is not None:
                 return self.cut(points, last, end, events)
             points.append(last)
-        if least == HALVED:
-            self.halved.append(last.shot)
+        kept.append(last.shot)
         return points, f"It ends at {quantity(last.shot.value, self.unit, 4)} {what}.", events
 
     def limit(self, here: Point, there: Point) -> tuple[float, int, float, str] | None:

@@ -663,6 +663,8 @@ def continue_event(
 ) -> EventCurve:
     """Follow an event of a branch of periodic orbits over two parameters.
 
+    For cycles that nothing drives in time the states of the curve hold the length `cycle`.
+
     Parameters
     ----------
     event : BranchEvent
@@ -677,7 +679,7 @@ def continue_event(
     points : int
         Largest number of points to either side.
     period : float, optional
-        Length of a cycle [s]; that of the drives if not given.
+        Length of a cycle [s]; that of the drives if not given, and unknown where there are none.
 
     Returns
     -------
