@@ -296,15 +296,26 @@ def test_a_level_at_usual_inputs_is_as_sure_as_its_draws():
     assert high - low < 3.0
 
 
-def test_copies_of_readings_say_nothing_of_the_noise():
+@pytest.mark.parametrize("copied", [np.repeat, np.tile])
+def test_copies_of_readings_say_nothing_of_the_noise(copied):
     v, noise = np.array([0.01, 0.03, 0.1, 0.3, 1.0]), np.random.default_rng(14).normal(size=5)
     read = 5.0 + 3.0 * v + 0.2 * noise
-    table = Measurement(velocity=np.repeat(v, 3), friction=np.repeat(read, 3))
-    found = select(AXIS, None, table)
-    band = found.band(v)
-    assert any("10 are left out" in line for line in found.words.cannot_tell)
+    verdict = select(AXIS, None, Measurement(velocity=copied(v, 3), friction=copied(read, 3)))
+    band = verdict.band(v)
+    assert any("10 are left out" in line for line in verdict.words.cannot_tell)
     once = select(AXIS, None, Measurement(velocity=v, friction=read)).band(v)
     np.testing.assert_allclose([band.low, band.high], [once.low, once.high], rtol=0.02)
+
+
+@pytest.mark.parametrize(("step", "repeated"), [(0.1, 5), (1e-9, 2)], ids=["rounded", "few"])
+def test_equal_repeats_are_no_copies_where_they_are_rounded_or_few(step, repeated):
+    v = np.array([0.01, 0.03, 0.1, 0.3, 1.0])
+    read = 5.0 + 3.0 * v + 0.02 * np.random.default_rng(0).normal(size=5)
+    table = np.column_stack([v, step * np.round(read / step)])
+    table = np.sort(np.concatenate([table, table[:repeated]]), axis=0)
+    verdict = select(AXIS, None, Measurement(velocity=table[:, 0], friction=table[:, 1]))
+    assert verdict.judgement.problem.table.copies == 0
+    assert not any("left out" in line for line in verdict.words.cannot_tell)
 
 
 def test_readings_at_rest_are_named_and_those_far_away_by_their_place():
