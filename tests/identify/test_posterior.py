@@ -21,6 +21,7 @@ from stickslip.identify.posterior import (
     eliminated,
     inverted,
     neighbours,
+    not_negative,
 )
 
 X = np.linspace(-1.0, 1.0, 12)
@@ -156,6 +157,14 @@ def test_a_random_coefficient_that_is_not_negative_counts_by_its_share(model: Li
         np.testing.assert_allclose(posterior.weights, exact / exact.sum(), rtol=1e-8, atol=1e-12)
         for draw in posterior.draws(200):
             assert np.all(draw.random[1] >= -1e-12)
+
+
+def test_a_variance_that_rounding_made_negative_makes_no_coefficient_positive() -> None:
+    covariance, positive = np.diag([-1e-20, 1.0])[None], np.ones((1, 2), dtype=bool)
+    assert not_negative(np.array([[-1.0, 9.0]]), covariance, positive)[0] < -100.0
+    assert not_negative(np.array([[1.0, 0.0]]), covariance, positive)[0] == pytest.approx(
+        np.log(0.5)
+    )
 
 
 def test_a_law_counts_by_the_share_of_it_in_which_a_level_that_falls_brakes() -> None:

@@ -28,6 +28,7 @@ from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError
 from stickslip.identify.compared import family_of_law
 from stickslip.identify.laws import MeasuredCurve, Sliding, compose, curve_law
+from stickslip.identify.verdict import at_usual_inputs
 from stickslip.identify.vocabulary import Grid
 
 AXIS = Axis(inertia=1.0)
@@ -61,26 +62,26 @@ def verdict():
 @pytest.mark.parametrize("name", CURVES)
 def test_the_law_of_a_curve_is_named_or_not_told_from_the_named_law(name):
     curve, family = CURVES[name]
-    found = select(AXIS, None, table(curve))
-    assert family in found.set
-    assert found.explained
+    verdict = select(AXIS, None, table(curve))
+    assert family in verdict.set
+    assert verdict.explained
 
 
 @pytest.mark.parametrize("name", CURVES)
 def test_the_band_holds_the_true_curve(name):
     curve, _ = CURVES[name]
     v = np.geomspace(0.01, 1.0, 60)
-    found = select(AXIS, None, table(curve, seed=3)).band(v)
-    inside = (found.low <= curve(v)) & (curve(v) <= found.high)
+    band = select(AXIS, None, table(curve, seed=3)).band(v)
+    inside = (band.low <= curve(v)) & (curve(v) <= band.high)
     assert np.mean(inside) >= 0.9
     # a curve through 20 readings is about as uncertain as one of them, of four times its noise
-    assert np.median(found.high - found.low) < 2.0 * 4.0 * 0.02
+    assert np.median(band.high - band.low) < 2.0 * 4.0 * 0.02
 
 
 def test_a_curve_that_no_law_has_lies_in_the_band(lawless):
     v = np.geomspace(0.01, 1.0, 60)
-    found = lawless.band(v)
-    assert np.mean((found.low <= waves(v)) & (waves(v) <= found.high)) >= 0.9
+    band = lawless.band(v)
+    assert np.mean((band.low <= waves(v)) & (waves(v) <= band.high)) >= 0.9
 
 
 def test_the_band_opens_beyond_the_measured_speeds(verdict):
@@ -101,23 +102,23 @@ def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
     }  # fmt: skip
     held = []
     for seed in range(5):
-        found = select(AXIS, None, table(stribeck, seed=seed)).judgement
+        judgement = select(AXIS, None, table(stribeck, seed=seed)).judgement
         assert {
             interval.low_any <= interval.low <= interval.high <= interval.high_any
-            for interval in found.intervals
+            for interval in judgement.intervals
         } == {True}
         held += [
             interval.low_any <= truth[name] <= interval.high_any
-            for interval in found.intervals
+            for interval in judgement.intervals
             if (name := interval.path.rpartition(".")[2]) in truth
         ]
     assert np.mean(held) > 0.85  # of 240 such intervals, 97 % held
 
 
 def test_friction_of_the_law_is_what_its_structure_predicts():
-    found = select(AXIS, None, table(stribeck, BOTH, seed=2))
-    force = np.asarray(found.law.force(BOTH, np.ones(len(BOTH))))
-    np.testing.assert_allclose(force, found.named_curve(BOTH), rtol=1e-9)
+    verdict = select(AXIS, None, table(stribeck, BOTH, seed=2))
+    force = np.asarray(verdict.law.force(BOTH, np.ones(len(BOTH))))
+    np.testing.assert_allclose(force, verdict.named_curve(BOTH), rtol=1e-9)
 
 
 def test_a_table_seen_in_a_mirror_has_the_mirrored_band():
@@ -134,9 +135,9 @@ def test_a_table_seen_in_a_mirror_has_the_mirrored_band():
 def test_friction_in_other_units_scales_the_band(verdict):
     read = table(stribeck)
     scaled = Measurement(velocity=read.velocity, friction=1000.0 * np.asarray(read.friction))
-    found = select(AXIS, None, scaled).band([0.05])
+    band = select(AXIS, None, scaled).band([0.05])
     expected = verdict.band([0.05])
-    np.testing.assert_allclose(found.low, 1000.0 * expected.low, rtol=1e-6)
+    np.testing.assert_allclose(band.low, 1000.0 * expected.low, rtol=1e-6)
 
 
 @pytest.mark.rounding
@@ -152,9 +153,9 @@ def test_last_bits_of_the_readings_change_no_sentence(verdict):
 def test_readings_at_rest_are_no_sliding():
     v = np.concatenate([BOTH, [5e-6, 2e-4, -5e-4]])
     read = np.concatenate([np.asarray(table(CURVES["viscous"][0], BOTH).friction), [0.4, 0.3, -1]])
-    found = select(AXIS, None, Measurement(velocity=v, friction=read))
-    assert found.family == ("level", "viscous")
-    (level, slope) = found.parameters
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=read))
+    assert verdict.family == ("level", "viscous")
+    (level, slope) = verdict.parameters
     assert level.low_any < 2.0 < level.high_any
     assert slope.low_any < 3.0 < slope.high_any
 
@@ -162,25 +163,25 @@ def test_readings_at_rest_are_no_sliding():
 def test_an_outlier_is_said_and_hardly_counts():
     read = np.array(table(CURVES["viscous"][0]).friction)
     read[4] += 1.0
-    found = select(AXIS, None, Measurement(velocity=SPEEDS, friction=read))
-    assert list(found.judgement.outliers) == [4]
-    assert any(line.startswith("Reading 5 lies") for line in found.words.cannot_tell)
-    band = found.band([0.1])
+    verdict = select(AXIS, None, Measurement(velocity=SPEEDS, friction=read))
+    assert list(verdict.judgement.outliers) == [4]
+    assert any(line.startswith("Reading 5 lies") for line in verdict.words.cannot_tell)
+    band = verdict.band([0.1])
     assert band.low[0] < 2.3 < band.high[0]
 
 
 def test_noise_alone_is_no_friction_and_as_much_friction_as_noise_is_some():
-    found = []
+    pairs = []
     for seed in range(8):
         v, noise = np.geomspace(0.002, 0.4, 15), 0.05 * np.random.default_rng(seed).normal(size=15)
         each = [Measurement(velocity=v, friction=noise + level) for level in (0.0, 0.05)]
-        found.append([select(AXIS, None, one) for one in each])
-    assert all(none.best is None for none, _ in found)
-    assert {none.sentence for none, _ in found if not none.family} == {
+        pairs.append([select(AXIS, None, one) for one in each])
+    assert all(none.best is None for none, _ in pairs)
+    assert {none.sentence for none, _ in pairs if not none.family} == {
         "No friction stands above the noise of the readings."
     }
     # 3.9 standard deviations of a mean, and odds of 100 are asked for
-    assert sum(some.best is not None for _, some in found) >= 6
+    assert sum(some.best is not None for _, some in pairs) >= 6
 
 
 @pytest.mark.parametrize("row", range(9))
@@ -296,15 +297,40 @@ def test_a_level_at_usual_inputs_is_as_sure_as_its_draws():
     assert high - low < 3.0
 
 
-def test_copies_of_readings_say_nothing_of_the_noise():
+def test_a_level_at_usual_inputs_needs_no_draws_of_every_parameter(monkeypatch):
+    warm, v = np.tile([20.0, 30.0, 40.0], 8), np.repeat(np.geomspace(0.01, 1.0, 8), 3)
+    friction = 4.0 - 0.05 * warm + 0.02 * np.random.default_rng(0).normal(size=24)
+    read = Measurement(velocity=v, friction=friction, inputs={"temperature": warm})
+    fitted = select(AXIS, None, read).closest.fit
+    (sentence,) = at_usual_inputs(fitted)
+    drawn = dict(fitted.judgement.named_values)
+    level = drawn.pop("friction.kinetic_coefficient")
+    assert np.ptp(level) > 0.0
+    monkeypatch.setitem(vars(fitted.judgement), "named_values", drawn)
+    (other,) = at_usual_inputs(fitted)
+    assert other.partition("(")[0] == sentence.partition("(")[0]
+
+
+@pytest.mark.parametrize("copied", [np.repeat, np.tile])
+def test_copies_of_readings_say_nothing_of_the_noise(copied):
     v, noise = np.array([0.01, 0.03, 0.1, 0.3, 1.0]), np.random.default_rng(14).normal(size=5)
     read = 5.0 + 3.0 * v + 0.2 * noise
-    table = Measurement(velocity=np.repeat(v, 3), friction=np.repeat(read, 3))
-    found = select(AXIS, None, table)
-    band = found.band(v)
-    assert any("10 are left out" in line for line in found.words.cannot_tell)
+    verdict = select(AXIS, None, Measurement(velocity=copied(v, 3), friction=copied(read, 3)))
+    band = verdict.band(v)
+    assert any("10 are left out" in line for line in verdict.words.cannot_tell)
     once = select(AXIS, None, Measurement(velocity=v, friction=read)).band(v)
     np.testing.assert_allclose([band.low, band.high], [once.low, once.high], rtol=0.02)
+
+
+@pytest.mark.parametrize(("step", "repeated"), [(0.1, 5), (1e-9, 2)], ids=["rounded", "few"])
+def test_equal_repeats_are_no_copies_where_they_are_rounded_or_few(step, repeated):
+    v = np.array([0.01, 0.03, 0.1, 0.3, 1.0])
+    read = 5.0 + 3.0 * v + 0.02 * np.random.default_rng(0).normal(size=5)
+    table = np.column_stack([v, step * np.round(read / step)])
+    table = np.sort(np.concatenate([table, table[:repeated]]), axis=0)
+    verdict = select(AXIS, None, Measurement(velocity=table[:, 0], friction=table[:, 1]))
+    assert verdict.judgement.problem.table.copies == 0
+    assert not any("left out" in line for line in verdict.words.cannot_tell)
 
 
 def test_readings_at_rest_are_named_and_those_far_away_by_their_place():
@@ -322,12 +348,12 @@ def test_a_surplus_over_speed_and_load_is_called_so():
     load, v = np.repeat([10.0, 30.0, 90.0], 8), np.tile(np.geomspace(0.01, 1.0, 8), 3)
     read = load * (0.02 + 0.1 * np.exp(-3.0 * (v / load * 30.0) / 0.3))
     read *= 1.0 + 0.01 * np.random.default_rng(3).normal(size=24)
-    found = select(
+    verdict = select(
         replace(AXIS, load=30.0), None, Measurement(velocity=v, friction=read, load=load)
     )
-    assert "hersey" in found.family
-    assert "with a surplus over speed / load" in found.sentence
-    assert any("not in proportion to the load" in line for line in found.words.cannot_tell)
+    assert "hersey" in verdict.family
+    assert "with a surplus over speed / load" in verdict.sentence
+    assert any("not in proportion to the load" in line for line in verdict.words.cannot_tell)
 
 
 @pytest.mark.parametrize("surplus", [0.0, 0.4])
@@ -336,12 +362,12 @@ def test_the_exponent_of_the_load_is_a_parameter(surplus):
     v = np.repeat(np.geomspace(0.01, 1.0, 8), 3)
     read = (0.5 + surplus * np.exp(-v / 0.1)) * load**0.67
     read += 0.01 * np.random.default_rng(1).normal(size=24)
-    found = select(AXIS, None, Measurement(velocity=v, friction=read, load=load))
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=read, load=load))
     exponent = next(
-        parameter for parameter in found.parameters if parameter.path == "load_exponent"
+        parameter for parameter in verdict.parameters if parameter.path == "load_exponent"
     )
     assert exponent.low < 0.67 < exponent.high < exponent.low + 0.1
-    band = found.band([0.1, 0.1], load=[7.0, 15.0])
+    band = verdict.band([0.1, 0.1], load=[7.0, 15.0])
     truth = (0.5 + surplus * math.exp(-1.0)) * np.array([7.0, 15.0]) ** 0.67
     assert ((band.low < truth) & (truth < band.high)).all()
 
@@ -350,9 +376,11 @@ def test_friction_that_changes_with_the_temperature_is_a_law():
     heat = np.tile([20.0, 40.0, 60.0], 8)
     v = np.repeat(np.geomspace(0.01, 1.0, 8), 3)
     read = 2.0 - 0.01 * (heat - 20.0) + 3.0 * v + 0.01 * np.random.default_rng(1).normal(size=24)
-    found = select(AXIS, None, Measurement(velocity=v, friction=read, inputs={"temperature": heat}))
-    assert "level*temperature" in found.family
-    band = found.band([0.1], inputs={"temperature": 30.0})
+    verdict = select(
+        AXIS, None, Measurement(velocity=v, friction=read, inputs={"temperature": heat})
+    )
+    assert "level*temperature" in verdict.family
+    band = verdict.band([0.1], inputs={"temperature": 30.0})
     assert band.low[0] < 2.2 < band.high[0]
 
 
@@ -360,9 +388,9 @@ def test_a_drift_in_the_order_of_measuring_is_named_where_the_order_tells_it():
     v = np.tile(SPEEDS[::2], 3)[np.random.default_rng(0).permutation(30)]
     drift = np.linspace(0.0, 0.4, 30)
     read = 2.0 + 3.0 * v + drift + 0.01 * np.random.default_rng(1).normal(size=30)
-    found = select(AXIS, None, Measurement(velocity=v, friction=read))
-    assert [one.term for one in found.findings if one.asserted] == ["drift"]
-    (said,) = (line for line in found.words.cannot_tell if "over the readings" in line)
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=read))
+    assert [one.term for one in verdict.findings if one.asserted] == ["drift"]
+    (said,) = (line for line in verdict.words.cannot_tell if "over the readings" in line)
     assert said.startswith("Friction rises over the readings, from 2.2")
 
 
@@ -407,11 +435,11 @@ def test_two_temperatures_and_loads_leave_friction_to_be_seen():
 
 def test_given_laws_are_compared_alone_and_no_law_is_said_to_explain_where_none_does():
     read = table(stribeck, np.random.default_rng(2).permutation(SPEEDS))
-    found = select(AXIS, ["coulomb", "coulomb-viscous"], read)
-    assert set(found.set) <= {("level",), ("level", "viscous")}
-    assert not found.explained
-    assert found.sentence.startswith("None of the laws compared describes friction to 10 %")
-    assert found.best.distance > 0.1
+    verdict = select(AXIS, ["coulomb", "coulomb-viscous"], read)
+    assert set(verdict.set) <= {("level",), ("level", "viscous")}
+    assert not verdict.explained
+    assert verdict.sentence.startswith("None of the laws compared describes friction to 10 %")
+    assert verdict.best.distance > 0.1
     assert select(AXIS, [Coulomb, Stribeck], read).family == ("level", "stribeck", "viscous")
 
 
@@ -501,9 +529,9 @@ def test_a_verdict_is_a_document_and_its_law_a_rig_file(verdict):
 
 
 def test_the_named_law_has_the_values_of_a_fit_with_it(verdict):
-    found = fit(AXIS, Stribeck, table(stribeck))
+    fitted = fit(AXIS, Stribeck, table(stribeck))
     own = {parameter.path: parameter.value for parameter in verdict.parameters}
-    for estimate in found.estimates:
+    for estimate in fitted.estimates:
         if estimate.path in own:
             assert own[estimate.path] == pytest.approx(
                 estimate.value, abs=1.5 * estimate.half_width
@@ -513,13 +541,13 @@ def test_the_named_law_has_the_values_of_a_fit_with_it(verdict):
 def test_the_saved_law_slides_under_the_load_it_was_measured_with_beside_the_offset(tmp_path):
     v = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)])
     read = table(lambda v: 2.0 * np.sign(v) + 0.5 * v + 0.3, v, load=4.0)
-    found = select(AXIS, None, read).closest.fit
-    found.save(tmp_path / "law.toml")
+    selected = select(AXIS, None, read).closest.fit
+    selected.save(tmp_path / "law.toml")
     rig = load_rig(tmp_path / "law.toml")
-    fitted = fit(AXIS, found.law, read)
+    fitted = fit(AXIS, selected.law, read)
     assert rig.mechanism.load == fitted.mechanism.load == 4.0
     assert rig.mechanism.offset == pytest.approx(fitted.mechanism.offset, abs=0.001)
-    assert rig.laws["coulomb-viscous"] == found.law
+    assert rig.laws["coulomb-viscous"] == selected.law
 
 
 def test_a_static_level_below_the_kinetic_one_of_its_direction_is_no_law():
@@ -716,8 +744,8 @@ def test_another_table_may_be_off_by_as_much_as_friction_drifts():
     drifting = 1.0 + 0.3 * np.arange(40) / 39.0
     measured = Measurement(velocity=v, friction=(4.0 + 2.0 * v) * drifting)
     later = Measurement(velocity=v[:20], friction=(4.0 + 2.0 * v[:20]) * 1.35)
-    found = select(AXIS, None, measured, validate=later)
-    assert found.inside > 0.9
+    verdict = select(AXIS, None, measured, validate=later)
+    assert verdict.inside > 0.9
 
 
 def test_an_input_may_have_any_unit():
@@ -780,8 +808,8 @@ def test_levels_that_no_speed_shows_are_open(fall):
     random = np.random.default_rng(3)
     friction = (5.0 + 4.0 * np.exp(-SPEEDS / fall)) * (1.0 + 0.004 * random.normal(size=20))
     verdict = select(AXIS, None, Measurement(velocity=SPEEDS, friction=friction))
-    found = {x.path: x for x in verdict.parameters}
-    level, surplus = (found[f"friction.{x}_coefficient"] for x in ("kinetic", "static"))
+    by_path = {x.path: x for x in verdict.parameters}
+    level, surplus = (by_path[f"friction.{x}_coefficient"] for x in ("kinetic", "static"))
     assert (level.low == -np.inf) == (fall == 3.0)
     assert (surplus.high == np.inf) == (fall == 0.004)
     assert level.low < 5.0 < level.high

@@ -216,12 +216,12 @@ def finding_sentence(finding: Finding) -> str:
 
 def rest_sentence(velocities: Array, unit: str) -> str:
     """Return which readings are taken to be of a body at rest."""
-    speeds, one = np.unique(velocities), len(velocities) == 1
+    speeds, several = np.unique(velocities), len(velocities) > 1
     named = joined([quantity(v, unit, 2) for v in speeds[:MOST].tolist()])
     more = f" and {len(speeds) - MOST} more" if len(speeds) > MOST else ""
     return (
-        f"The {'reading' if one else 'readings'} at {named}{more} {'is' if one else 'are'} taken to"
-        " be at rest, where friction is anything up to the break-away, and left out."
+        f"The reading{'s' * several} at {named}{more} {'are' if several else 'is'} taken to be at"
+        " rest, where friction is anything up to the break-away, and left out."
     )
 
 

@@ -241,15 +241,16 @@ def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") 
     >>> round(float(np.exp(found[0])), 2)  # 1/4 + arcsin(-1/2) / 2 pi = 1/6
     0.17
     """
-    total, deviations = np.zeros(len(mean)), np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    near = np.any(positive & (mean < -AT_BOUND * deviations), axis=1)
+    least = ROUNDING**4  # a smaller variance is one of rounding, which may be negative
+    total, variances = np.zeros(len(mean)), np.diagonal(covariance, axis1=1, axis2=2)
+    near = np.any(positive & (mean < -AT_BOUND * np.sqrt(np.maximum(variances, least))), axis=1)
     if not near.all():
         total[near] = not_negative(mean[near], covariance[near], positive[near])
         return total
     mean, covariance, every = mean.copy(), covariance.copy(), np.arange(len(mean))
     left = positive.copy()
     for _ in range(mean.shape[1]):
-        size = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), TINY))
+        size = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), least))
         at = np.argmin(np.where(left, mean / size, np.inf), axis=1)
         counts = left[every, at]
         left[every, at] = False
@@ -258,7 +259,7 @@ def not_negative(mean: Array, covariance: Array, positive: "NDArray[np.bool_]") 
         total += counts * inside
         if not left.any():
             break
-        mills = np.exp(-0.5 * z * z - inside) / math.sqrt(2.0 * math.pi)
+        mills = np.exp(np.where(z < AT_BOUND, 0.0, -0.5 * z * z - inside)) / math.sqrt(math.tau)
         mills = counts * np.where(z < AT_BOUND, -z, mills)
         slope = covariance[every, at] / size[every, at, None]
         mean += slope * mills[:, None]
@@ -604,51 +605,52 @@ class Posterior:
             system = self.model.system(node, self.columns)
             inverse = inverse_root(system)
             for k in np.flatnonzero(numbers[a]).tolist():
-                rng = np.random.default_rng([seed, *node, k])
-                moments = self._moments(system, inverse, self.structures[k])
-                result.append(self._drawn(node, system, k, moments, int(numbers[a, k]), rng))
+                structure, rng = self.structures[k], np.random.default_rng([seed, *node, k])
+                mean, root = self._moments(system, inverse, structure)
+                size = len(mean), SPARE * int(numbers[a, k])
+                x = mean[:, None] + root @ rng.normal(size=size)
+                law, random = self._kept(x, root, system, structure)
+                result.append(Draws(node=node, structure=structure, law=law, random=random))
         return result
 
-    def _drawn(
-        self, node: Node, system: System, at: int, moments: tuple[Array, Array], count: int,
-        rng: np.random.Generator,
-    ) -> Draws:  # fmt: skip
-        """Return draws of the coefficients of one structure at one node, of moments."""
-        whole, known = self.structures[at], self.known_of(self.structures[at])
-        structure = tuple(item for item in whole if item not in known)
-        mean, root = moments
-        m = len(system.deviations)
-        x = mean[:, None] + root @ rng.normal(size=(len(mean), SPARE * count))
-        is_positive = self._is_positive(structure)
-        of_random = np.array(system.positive, dtype=np.intp)
-        bounded = np.concatenate([of_random, m + np.flatnonzero(is_positive)])
-        sizes = system.sizes[[self.columns.index(item) for item in structure]]
-        of_law = np.all(x[bounded[len(system.positive) :]] > 0.0, axis=0)
-        of_law &= np.all((self.model.not_below_zero(structure) * sizes) @ x[m:] >= 0.0, axis=0)
+    def _kept(
+        self, x: Array, root: Array, system: System, structure: Structure
+    ) -> tuple[Array, Array]:
+        """Return law (d, k) and random (m, k) coefficients, of `SPARE` draws for each kept.
+
+        Draws are rows of `_moments`, kept in the order of how many are physics.
+        """
+        certain, m = self.known_of(structure), len(system.deviations)
+        is_free = np.array([item not in certain for item in structure], dtype=bool)
+        free = tuple(item for item in structure if item not in certain)
+        positive, of_random = self._is_positive(free), np.array(system.positive, dtype=np.intp)
+        bounded = np.concatenate([of_random, m + np.flatnonzero(positive)])
+        sizes = system.sizes[[self.columns.index(item) for item in free]]
+        of_law = np.all(x[bounded[len(of_random) :]] > 0.0, axis=0)
+        of_law &= np.all((self.model.not_below_zero(free) * sizes) @ x[m:] >= 0.0, axis=0)
         others = np.all(x[of_random] > 0.0, axis=0)
-        x = x[:, np.lexsort((~others, ~of_law))[:count]]
+        x = x[:, np.lexsort((~others, ~of_law))[: x.shape[1] // SPARE]]
         held_to_zero(x, root, bounded)
-        law = np.maximum(x[m:], np.where(is_positive, 0.0, -np.inf)[:, None])
-        for place, item in enumerate(whole):
-            if item in known:
-                law = np.insert(law, place, known[item], axis=0)
-                sizes = np.insert(sizes, place, 1.0)
-        return Draws(node=node, structure=whole, law=law * sizes[:, None], random=x[:m])
+        law = np.empty((len(structure), x.shape[1]))
+        law[is_free] = np.maximum(x[m:], np.where(positive, 0.0, -np.inf)[:, None]) * sizes[:, None]
+        law[~is_free] = np.reshape(list(certain.values()), (-1, 1))
+        return law, x[:m]
 
     def _is_positive(self, structure: Structure) -> NDArray[np.bool_]:
         return np.array([name not in self.model.signed for name, _ in structure], dtype=bool)
 
     def _moments(self, system: System, inverse: Array, structure: Structure) -> tuple[Array, Array]:
-        """Return mean and a root of the covariance of random and law coefficients (m + d).
+        """Return mean (m + d,) and a root of the covariance (m + d, m + d) of coefficients.
 
-        With the `inverse_root` of the random columns. Laws whose coefficient is known have none.
+        Rows are those of the m random columns, whose `inverse_root` is given, then those of the d
+        columns of the law whose coefficients are free.
         """
         known, m = self.known_of(structure), len(system.deviations)
         free = [m + self.columns.index(item) for item in structure if item not in known]
         d, q, gram = len(free), system.deviations, system.gram
         across = COEFFICIENT * inverse @ (q[:, None] * gram[:m, free])
-        own = COEFFICIENT**2 * gram[np.ix_(free, free)] - across.T @ across + np.eye(d)
-        last = np.linalg.inv(cholesky(own, lower=True)) if d else own
+        precision = COEFFICIENT**2 * gram[np.ix_(free, free)] - across.T @ across + np.eye(d)
+        last = np.linalg.inv(cholesky(precision, lower=True)) if d else precision
         root = np.zeros((m + d, m + d))
         root[:m, :m], root[:m, m:] = inverse.T, -inverse.T @ across @ last.T
         root[m:, m:] = last.T

@@ -557,9 +557,9 @@ def at_usual_inputs(fit: LawFit) -> Iterator[str]:
         if not all(item.bounded for item in own):
             continue
         drawn = fit.judgement.named_values
-        every = [np.append(item.value, drawn.get(item.path, item.value)) for item in own]
-        each = [1.0 + slope * x for slope, x in zip(every[1:], sizes.values(), strict=True)]
-        levels = every[0] * np.prod(np.broadcast_arrays(*each), axis=0)
+        draws = np.broadcast_arrays(*(drawn.get(item.path, item.value) for item in own))
+        every = np.column_stack([[item.value for item in own], draws])
+        levels = every[0] * np.prod(1.0 + every[1:].T * [*sizes.values()], axis=1)
         low, high = np.quantile(levels[1:], (0.025, 0.975)).tolist()
         at = inputs_text(sizes, turning=fit.measurement.turning)
         yield usual_sentence(own[0], float(levels[0]), low, high, at)

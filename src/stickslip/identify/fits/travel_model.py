@@ -155,10 +155,11 @@ def quiet_from(mechanism: Mechanism) -> float:
     0.0
     """
     drives = mechanism.drives().values()
-    smooth = any(drive.smooth_bound() != (0, 0) for drive in drives)
-    if driven_on(mechanism) or mechanism.carried() or smooth:
+    last = [drive.pieces()[-1] for drive in drives if drive.pieces()]
+    changes = any(drive.smooth_bound() != (0, 0) for drive in drives) or any(x.slope for x in last)
+    if driven_on(mechanism) or mechanism.carried() or changes:
         return math.inf
-    return max((drive.pieces()[-1].start for drive in drives if drive.pieces()), default=0.0)
+    return max((piece.start for piece in last), default=0.0)
 
 
 def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> tuple[Trial, ...]:

@@ -598,7 +598,7 @@ class RecordModel(Model):
                 part, times, _ = name.partition("*")
                 with_input = "push" if part == FORCE else "input"
                 # a force beside friction changes with the place and in time
-                scale = with_input if times else name.replace("zero", "force")
+                scale = with_input if times else "force" if name == "zero" else name
                 result[at] = max(self.at(node, scale), LEAST) * size
                 if name == "force" and self.balance.pulled:
                     result[np.flatnonzero(at)[-1]] = self._of_spring(node, of_force)

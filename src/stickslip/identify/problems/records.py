@@ -942,7 +942,7 @@ class RecordProblem(Problem):
             "delay", "delay of the force, or what looks like it", likely, late,
             f"Motion follows the force as if it acted {quantity(abs(middle), 's', 2)}"
             f" {'later' if middle > 0.0 else 'earlier'} than recorded: a channel that is late,"
-            " backlash, a flexible part and a sensor that clips look alike.",
+            " a low pass, backlash, a flexible part and a sensor that clips look alike.",
         )  # fmt: skip
 
 

@@ -216,7 +216,8 @@ class Readings:
     def of(cls, rows: Rows, friction: Array, stated: Array | None = None) -> "Readings":
         """Return single readings; of many, means of cells.
 
-        Where all readings at a setting are equal, they are copies of one.
+        Where all readings at each setting are equal and most settings are repeated, one counts: the
+        others are copies, unless readings are so coarse that noise is lost in rounding.
         """
         n = len(friction)
         single = cls(
@@ -226,9 +227,10 @@ class Readings:
             count=np.ones(n),
             within=np.zeros(n),
         )
-        setting = np.column_stack([rows.velocity, rows.load, rows.run, *rows.inputs.values()])
-        first = np.unique(setting, axis=0, return_index=True)[1]
-        if len(first) == len(np.unique(np.column_stack([setting, friction]), axis=0)):
+        setting = np.column_stack([rows.velocity, rows.load, *rows.inputs.values()])
+        _, first, count = np.unique(setting, axis=0, return_index=True, return_counts=True)
+        alike = len(first) == len(np.unique(np.column_stack([setting, friction]), axis=0))
+        if alike and 2 * np.sum(count > 1) >= len(first) and not step_of(single, Frame.of(single)):
             single = replace(single.where(np.sort(first)), copies=n - len(first))
         return single if len(single.friction) <= MOST_ROWS else single.condensed()
 

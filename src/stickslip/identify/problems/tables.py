@@ -690,8 +690,8 @@ class TableProblem(Problem):
             result.append(f"{ONE_WAY} Measure in the other direction, too.")
         if copies := self.table.copies:
             result.append(
-                "Readings at the same setting are all equal, and taken to be copies, which say"
-                f" nothing of the noise: {copies} are left out."
+                "Readings at the same setting are all equal, as copies or rounded readings are, and"
+                f" say little of the noise: {copies} are left out."
             )
         if not 1 < frame.runs < len(rows.run):
             return result
