@@ -372,6 +372,8 @@ class DrivenRuns:
             runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
         )
         for _ in range(rounds):
+            if not best.finite:
+                break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
             end, _ = improve(
@@ -489,14 +491,12 @@ def followed(
 ) -> DrivenRuns | None:
     """Return runs that follow the readings; None where a balance tells what is unknown as well.
 
-    That is so where there is no motor, where forces are linear in what is looked for, where a
-    constant force is looked for, which no run has, where a plain law has no friction, which is the
-    scale of the rest, and where runs do not tell parameters apart either, as resistance and torque
-    constant are not under friction that is the same at any torque.
+    That is so where there is no motor, where forces are linear in what is looked for, where the
+    mechanism has a constant force, which the balance takes off, where a plain law has no friction,
+    which is the scale of the rest, and where runs do not tell parameters apart either, as
+    resistance and torque constant are not under friction that is the same at any torque.
     """
     if not unknown or motor_of(mechanism) is None:
-        return None
-    if any(path.endswith(".offset") for path in unknown):
         return None
     record = records_of(mechanism, measurement, unknown=unknown)[0]
     if not any(column.bent for column in record.unknown.values()):
@@ -506,12 +506,16 @@ def followed(
     )
     settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
     runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
+    if any(item.path.endswith(".offset") for item in runs.free_parameters.items):
+        return None
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
         given={path: known.get(path, 0.0) for path in unknown},
     ).settled()
+    if not first.seen.finite:
+        return None
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
     beside = beside_law(first.law, records)
@@ -605,8 +609,9 @@ class DrivenModel(Model):
         """Return a law at the knots (m,)."""
 
         def friction(speed: Array, transmitted: float) -> Array:
-            own = bound(law, dict.fromkeys(law.inputs, transmitted))
-            return np.asarray(own.steady(speed, 1.0) + 0.0 * speed)
+            slips = self.plain.slips(self._rows(speed, transmitted))
+            seen = bound(law, {TRANSMITTED: transmitted, **slips.inputs})
+            return np.asarray(seen.steady(speed, slips.load) + 0.0 * speed)
 
         return self.beside.values(friction)
 
