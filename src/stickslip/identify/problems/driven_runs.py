@@ -223,8 +223,7 @@ class Beside:
     @cached_property
     def root(self) -> Array:
         """Root of the covariance of values at the knots, of a size of 1 (m, m)."""
-        own = np.linalg.cholesky(alike(np.log(self.speeds)))
-        return np.kron(np.eye(2 if self.geared else 1), own)
+        return np.kron(np.eye(1 + self.geared), np.linalg.cholesky(alike(np.log(self.speeds))))
 
     def curves(self, speed: Array, transmitted: Array | float) -> Array:
         """Return friction for values of 1 at each knot alone at speeds (n, m) [N]."""
@@ -246,22 +245,16 @@ class Beside:
 
 
 def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
-    """Return friction beside a law, for the speeds of records."""
+    """Return friction beside a law of speed alone, for the speeds of records."""
     balance = Balance(records)
-    frame = balance.frame
     speed = np.abs(np.concatenate([piece.velocity for piece in balance.pieces]))
     top = float(np.quantile(speed, QUICK))
     low = max(top / DECADES, float(np.quantile(speed, 1.0 - QUICK)))
     through = [x for x in map(through_gear, records) if x is not None]
     usual = float(np.median(np.abs(np.concatenate(through)))) if through else 0.0
-    own = bound(law, dict.fromkeys(law.inputs, usual)).steady(np.geomspace(low, top, ASKED), 1.0)
-    return Beside(
-        slowest=low,
-        fastest=top,
-        size=math.sqrt(float(np.mean(np.square(own)))),
-        transmitted=usual,
-        geared=bool(frame.transmitted),
-    )
+    size = math.sqrt(float(np.mean(np.square(law.steady(np.geomspace(low, top, ASKED), 1.0)))))
+    geared = bool(balance.frame.transmitted)
+    return Beside(slowest=low, fastest=top, size=size, transmitted=usual, geared=geared)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -519,10 +512,8 @@ def followed(
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
     beside = beside_law(first.law, records)
-    if not beside.size > 0.0:
-        return None
-    result = first.with_curve(beside)
-    return result if result.determines_rig else None
+    result = first.with_curve(beside) if beside.size > 0.0 else None
+    return result if result is not None and result.determines_rig else None
 
 
 class DrivenModel(Model):
@@ -642,8 +633,11 @@ class DrivenModel(Model):
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for of the mechanism (k,) in draws, by path."""
         away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
-        own = zip(self.paths, self.given.tolist(), self.logs.tolist(), away, strict=True)
-        return {path: at * np.exp(x) if log else at + x for path, at, log, x in own}
+        return dict(zip(self.paths, self.rig_at(away.T).T, strict=True))
+
+    def rig_at(self, away: Array) -> Array:
+        """Return what is looked for of the mechanism at its unknowns (..., p)."""
+        return np.where(self.logs, self.given * np.exp(away), self.given + away)
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         sizes = np.array([*map(self.size, columns)])
@@ -727,8 +721,7 @@ class DrivenProblem(Problem):
             return None
         count = len(self.beside.root)
         x, away = model.root(node) @ random[:count], random[count:]
-        rig = np.where(model.logs, model.given * np.exp(away), model.given + away)
-        runs = self.following.of(law, x, rig)
+        runs = self.following.of(law, x, model.rig_at(away))
         if not runs.seen.finite:
             return None
         seen, law_there = self.following.seen, model.at_knots(law)
@@ -812,9 +805,6 @@ class DrivenProblem(Problem):
 
     def is_alone(self, draw: Draws) -> bool:
         return not SIZES[draw.node[0]]
-
-    def nothing(self) -> "NDArray[np.bool_]":
-        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 

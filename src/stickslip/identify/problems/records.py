@@ -375,8 +375,7 @@ class RecordProblem(Problem):
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
-            every = [self._with_beside(structure) for structure in structures]
-            result.append(candidates_of(family, every))
+            result.append(candidates_of(family, [*map(self._with_beside, structures)]))
         return result
 
     def title(self, term: str) -> str:
@@ -399,10 +398,6 @@ class RecordProblem(Problem):
 
     def is_alone(self, draw: Draws) -> bool:
         return self.model.at(draw.node, "common") == 0.0
-
-    def nothing(self) -> "NDArray[np.bool_]":
-        """Return the nodes and structures (k, s) at which there is no friction."""
-        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 
