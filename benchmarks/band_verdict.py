@@ -13,6 +13,7 @@ from stickslip import Measurement, select
 from stickslip.friction import bound
 from stickslip.identify import BandVerdict
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.problems.driven_runs import DrivenProblem
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.records import RecordProblem
@@ -185,7 +186,7 @@ class Judged:
         problem = judgement.problem
         if isinstance(problem, FreeMotionProblem):
             return problem.further(judgement.draws, problem.start_of(judgement.draws))
-        if isinstance(problem, RecordProblem):
+        if isinstance(problem, RecordProblem | DrivenProblem):
             return widths_of_another(*problem.run_sizes, 0.5 * judgement.known, problem.runs)
         return ()
 
@@ -196,7 +197,7 @@ class Judged:
 
     def doubtful(self, points: Points) -> Any:
         """Return the band that what is advised is to narrow: of records, that of another one."""
-        new = isinstance(self.verdict.judgement.problem, RecordProblem)
+        new = isinstance(self.verdict.judgement.problem, RecordProblem | DrivenProblem)
         rows = self.verdict.judgement.problem.at(points.velocity, points.load, points.inputs)
         return self.verdict.judgement.band(rows, new=True) if new else self.band(points)
 

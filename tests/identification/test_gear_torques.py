@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from stickslip import Measurement, Pendulum, fit
+from stickslip import Axis, BamM3, Measurement, Pendulum, fit, select
 from stickslip.friction import law
+from stickslip.identify.problems.record_rows import MIDDLE
 from stickslip.mechanisms import DCMotor
 
 T = np.arange(0.0, 16.0, 4e-3)
@@ -58,3 +59,23 @@ def test_the_share_of_the_torque_that_a_gear_loses_is_found_by_a_fit():
     share = found.estimate("transmitted_coefficient")
     assert share.low <= SHARE <= share.high
     assert share.high - share.low < 0.5 * SHARE
+
+
+def test_points_beside_a_band_are_at_what_the_gear_transmits_usually_under_any_load():
+    t = np.arange(0.0, 40.0, 0.01)
+    v = 0.5 * np.cos(1.3 * t) + 0.4 * np.cos(2.9 * t)
+    x = 0.5 * np.sin(1.3 * t) / 1.3 + 0.4 * np.sin(2.9 * t) / 2.9
+    load, through = 2.0 + np.sin(0.41 * t), 4.0 + 3.0 * np.sin(0.67 * t)
+    noise = 0.01 * np.random.default_rng(1).normal(size=len(t))
+    friction = (0.1 * load + 0.2 * through + 0.05 * np.abs(v)) * np.sign(v) + noise
+    record = Measurement(
+        time=t, position=x, velocity=v, friction=friction, load=load,
+        inputs={"transmitted": through},
+    )  # fmt: skip
+    judgement = select(Axis(inertia=1.0), [BamM3], record).judgement
+    points, model = judgement.measured(), judgement.problem.model
+    rows = model.balance.rows(MIDDLE)
+    at = [int(np.flatnonzero(rows.velocity == u)[0]) for u in points.velocity]
+    pressed = rows.seen([piece.record.load for piece in model.balance.pieces])[at]
+    usual = 0.1 * pressed + 0.2 * np.median(through) + 0.05 * np.abs(points.velocity)
+    assert np.std(np.abs(points.friction) - usual) < 0.01

@@ -1,5 +1,6 @@
 """Servos that a voltage drives: runs tell the motor and the friction of its gear."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +14,16 @@ from stickslip import (
     CoulombViscous,
     Measurement,
     RecordSettings,
+    WarmViscous,
     fit,
     select,
+    simulate,
 )
+from stickslip.errors import InputError
 from stickslip.friction import bound
+from stickslip.identify.problems import driven_runs
 from stickslip.identify.problems.driven_runs import DrivenProblem, followed
+from stickslip.mechanisms.drives import Sampled
 
 HELD = RecordSettings(hold="zero")
 
@@ -32,11 +38,13 @@ def record(servo):
     return servos.recorded(servo)
 
 
-def guessed(servo):
-    """Return the mechanism with constants of the motor that are a fifth off."""
+def guessed(servo, torque_constant=1.2):
+    """Return the mechanism with constants of the motor that are a fifth off, or as much as said."""
     motor = servo.rig.drive
     off = replace(
-        motor, resistance=0.8 * motor.resistance, torque_constant=1.2 * motor.torque_constant
+        motor,
+        resistance=0.8 * motor.resistance,
+        torque_constant=torque_constant * motor.torque_constant,
     )
     return replace(servo.rig, drive=off)
 
@@ -47,7 +55,7 @@ def test_select_judges_a_servo_of_unknown_constants(servo, record):
         guessed(servo), None, record, vary=["friction.*", *servos.VARIED], settings=HELD
     )
     motor = servo.rig.drive
-    known = {one.path: one for one in verdict.parameters}
+    known = {x.path: x for x in verdict.parameters}
     for path, true in zip(servos.VARIED, (motor.resistance, motor.torque_constant), strict=True):
         assert known[path].low < true < known[path].high
         assert known[path].high - known[path].low < 0.04 * true
@@ -141,7 +149,7 @@ def test_what_a_law_lacks_is_friction_all_the_same(servo, record):
     law, band = curve_of(servo.law, verdict), verdict.friction
     assert np.mean((band.low <= law) & (law <= band.high)) > 0.9
     motor = servo.rig.drive
-    known = {one.path: one for one in verdict.parameters}
+    known = {x.path: x for x in verdict.parameters}
     for path, true in zip(servos.VARIED, (motor.resistance, motor.torque_constant), strict=True):
         assert known[path].low_any < true < known[path].high_any
 
@@ -159,6 +167,97 @@ def test_points_beside_a_band_are_friction_at_what_the_gear_transmits_usually(si
     points = verdict.judgement.measured()
     law = np.abs(curve_at(servo.law, verdict, points.velocity))
     assert np.median(np.abs(np.abs(points.friction) - law) / law) < 0.2
+
+
+def test_what_runs_do_not_look_for_is_said(verdict):
+    (said,) = [line for line in verdict.words.cannot_tell if "Runs do not tell" in line]
+    for what in ("direction", "input", "place", "time", "constant force", "presliding"):
+        assert what in said
+
+
+def test_friction_of_a_gear_is_named_where_runs_have_it(verdict):
+    runs = replace(verdict.judgement.problem.following, error=1e3)  # the balance tells friction
+    assert "with friction of a gear" in runs.sentence
+    plain = replace(runs, beside=replace(runs.beside, geared=False))
+    assert plain.sentence == runs.sentence.replace(" with friction of a gear", "")
+
+
+def test_a_value_of_zero_has_no_prior_and_runs_without_an_end_determine_nothing(verdict):
+    runs = verdict.judgement.problem.following
+    none = copy.copy(runs.seen)
+    none.values = np.where(np.isfinite(runs.sizes), runs.seen.values, 0.0)
+    still = replace(runs, seen=none)
+    np.testing.assert_array_equal(still.covariance(), runs.covariance())
+    assert still.determines_rig
+    lost = runs.seen.with_residual(np.full_like(runs.seen.residual, np.inf))
+    assert not replace(runs, seen=lost).settled().determines_rig
+
+
+def test_segments_that_are_too_short_tell_no_noise(verdict):
+    runs = verdict.judgement.problem.following
+    first = runs.runs.segments[0]
+    short = replace(first, measured=first.measured[:3])
+    assert runs.is_followed
+    more = replace(runs.runs, segments=[*runs.runs.segments, short])
+    assert replace(runs, runs=more).is_followed
+
+
+RESISTANCE = "mechanism.drive.resistance"
+
+
+def test_an_input_that_stays_is_known_to_a_law_of_any_form(servo):
+    law = CoulombViscous(kinetic_coefficient=0.04, viscous_coefficient=0.03 * np.exp(-0.6))
+    record = servos.recorded(replace(servo, law=law))
+    warm = replace(record, inputs={"temperature": np.full(len(record.time), 20.0)})
+    result = fit(
+        guessed(servo, torque_constant=1.0),
+        WarmViscous,
+        warm,
+        fixed={"viscous_temperature_decay": 0.03},
+        vary=["friction.*", RESISTANCE],
+    )
+    problem, verdict = result.verdict.judgement.problem, result.verdict
+    assert isinstance(problem, DrivenProblem)
+    for path, true in {
+        "friction.kinetic_coefficient": 0.04,
+        "friction.viscous_coefficient": 0.03,
+        RESISTANCE: servo.rig.drive.resistance,
+    }.items():
+        own = result.estimate(path)
+        assert own.low < true < own.high
+    rung = verdict.judgement.named
+    composed = problem.composition(rung.structure, rung.coefficients[None])
+    assert composed.inputs["temperature"] == 20.0
+
+
+def test_a_constant_force_is_left_to_the_balance(servo):
+    t = np.arange(0.0, 6.0, servos.PERIOD)
+    volts = 6.0 * np.sin(4.4 * t) + 3.0 * np.sin(11.9 * t + 1.0)
+    law = CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.004)
+    motor = replace(servo.rig.drive, drive=Sampled(times=t, values=volts))
+    run = simulate(Axis(inertia=4e-3, offset=0.02, drive=motor), law, t_end=t[-1])
+    angle = servos.COUNT * np.round(run.at(t)["x"] / servos.COUNT)
+    record = Measurement(time=t, position=angle, voltage=volts, turning=True)
+    axis = Axis(inertia=4e-3, drive=guessed(servo, torque_constant=1.0).drive)
+    for vary in ([RESISTANCE], [RESISTANCE, "mechanism.offset"]):
+        assert followed(axis, record, vary, hold="zero") is None
+    verdict = select(axis, [CoulombViscous], record, vary=["friction.*", RESISTANCE, "offset"])
+    force = next(x for x in verdict.parameters if x.path == "mechanism.offset")
+    assert force.low < 0.02 < force.high
+
+
+def test_a_plain_law_without_friction_is_left_to_the_balance(servo, record, monkeypatch):
+    size = driven_runs.beside_law
+    monkeypatch.setattr(
+        driven_runs, "beside_law", lambda law, records: replace(size(law, records), size=0.0)
+    )
+    assert followed(guessed(servo), record, servos.VARIED, hold="zero") is None
+
+
+def test_starts_of_segments_need_their_route(servo, record):
+    vary = ["friction.*", *servos.VARIED]
+    with pytest.raises(InputError, match="leave it out, or give route shooting"):
+        fit(guessed(servo), BamM3, record, vary=vary, settings=RecordSettings(starts=2))
 
 
 def test_forces_that_are_linear_in_what_is_looked_for_need_no_runs():

@@ -99,15 +99,15 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     return held_power(result, kind.fit_order)
 
 
-def held_power(terms: Collection[str], found: Collection[str]) -> Family:
-    """Return terms, where a power of the speed is viscous unless its exponent is found.
+def held_power(terms: Collection[str], varied: Collection[str]) -> Family:
+    """Return terms, where a power of the speed is viscous unless its exponent is fitted.
 
     Examples
     --------
     >>> held_power(["level", "power"], ["kinetic_coefficient", "viscous_coefficient"])
     ('level', 'viscous')
     """
-    held = "power" in terms and "viscous_exponent" not in found
+    held = "power" in terms and "viscous_exponent" not in varied
     return tuple(sorted({*terms} - {"power"} | {"viscous"} if held else terms))
 
 
@@ -127,12 +127,12 @@ STAYS = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
-class WholeLaw:
-    """A law of which all is found that its parts have."""
+class LawToFit:
+    """A law with the parameters that are fitted."""
 
     kind: type[FrictionLaw]
-    found: tuple[str, ...]
-    """Names of its parameters that are found."""
+    varied: tuple[str, ...]
+    """Names of its parameters that are fitted."""
     held: Mapping[str, float] = field(default_factory=dict)
     """Values of others, by name."""
 
@@ -145,13 +145,13 @@ class WholeLaw:
         optional = {"break_away_coefficient", *(["static_coefficient"] * ("step" in parts))}
         needed = {*self.kind.fit_order} - MAY_BE_HELD
         both = any(part.startswith("both_ways") for part in parts)
-        if not {*self.found} <= {*self.kind.fit_order}:
+        if not {*self.varied} <= {*self.kind.fit_order}:
             return False
-        return not both and needed <= {*self.found} and not optional & {*self.found}
+        return not both and needed <= {*self.varied} and not optional & {*self.varied}
 
     def family(self, known: Collection[str]) -> Family:
         """Return the family among terms that a measurement can tell."""
-        return held_power(family_of_law(self.kind, known), self.found)
+        return held_power(family_of_law(self.kind, known), self.varied)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,26 +184,26 @@ def laws_to_compare(
         if isinstance(item, OwnLaw):
             own.append(item)
             continue
-        fitted = isinstance(item, WholeLaw)
+        fitted = isinstance(item, LawToFit)
         law = item.kind if fitted else law_type(item) if isinstance(item, str) else item
         kind: type[FrictionLaw] = law if isinstance(law, type) else type(law)
-        whole = item if fitted else WholeLaw(kind=kind, found=tuple(law.fit_order))
+        to_fit = item if fitted else LawToFit(kind=kind, varied=tuple(law.fit_order))
         family = None
-        if whole.is_family or kind.states or not whole.found:
+        if to_fit.is_family or kind.states or not to_fit.varied:
             try:
-                family = whole.family(known) if fitted else family_of_law(law, known)
+                family = to_fit.family(known) if fitted else family_of_law(law, known)
             except InputError:
                 if kind.states and fitted:
                     raise untold_states(kind) from None
-                if kind.states or not whole.found:
+                if kind.states or not to_fit.varied:
                     raise
         if family is None:
-            own.append(OwnLaw(law=starting(law, whole.held, load), varied=whole.found))
+            own.append(OwnLaw(law=starting(law, to_fit.held, load), varied=to_fit.varied))
         else:
             families.append(family)
     if not families and not own:
         raise InputError("laws is empty: name at least one law, or leave it out.")
-    fitted = any(isinstance(item, WholeLaw | OwnLaw) for item in given)
+    fitted = any(isinstance(item, LawToFit | OwnLaw) for item in given)
     return LawsToCompare(families=tuple(dict.fromkeys(families)), own=tuple(own), fitted=fitted)
 
 

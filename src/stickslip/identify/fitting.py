@@ -13,7 +13,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import in_sentence
-from stickslip.identify.compared import MAY_BE_HELD, WholeLaw, untold_states
+from stickslip.identify.compared import MAY_BE_HELD, LawToFit, untold_states
 from stickslip.identify.fits import LAW, check_varied, offset_left_out, refuse_open
 from stickslip.identify.own_laws import OwnLaw, starting
 from stickslip.identify.verdict import BandVerdict, LawFit
@@ -49,17 +49,17 @@ def fitted_law(
         refuse_open(law, {*names, *known})
     given = {} if isinstance(law, type) else {name: getattr(law, name) for name in fields_of(kind)}
     held = {**{n: x for n, x in given.items() if x is not None and n not in names}, **known}
-    whole = WholeLaw(kind=kind, found=names, held=held)
+    to_fit = LawToFit(kind=kind, varied=names, held=held)
     plain = all(name in OPTIONAL or (name in MAY_BE_HELD and x == 1.0) for name, x in held.items())
-    if names and whole.is_family and plain:
-        verdict = select([whole])
+    if names and to_fit.is_family and plain:
+        verdict = select([to_fit])
         fit = _as(verdict, kind, held)
         if fit is not None:
             return _said(fit, verdict)
     if kind.states:
         raise untold_states(kind)
-    given_whole = isinstance(law, type) and not known
-    own = whole if given_whole else OwnLaw(law=starting(law, known, load), varied=names)
+    as_it_is = isinstance(law, type) and not known
+    own = to_fit if as_it_is else OwnLaw(law=starting(law, known, load), varied=names)
     verdict = select([own])
     result = _as(verdict, kind, {})
     if result is None:

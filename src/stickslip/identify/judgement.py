@@ -280,9 +280,9 @@ class Problem(ABC):
         same = np.array([item == family for item in self.families_of_structures])
         return np.broadcast_to(same, self.posterior.weights.shape)
 
-    @abstractmethod
     def nothing(self) -> NDArray[np.bool_]:
         """Return the nodes and structures (k, s) at which there is no friction."""
+        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     @abstractmethod
     def steady(self, rows: Any, draws: Sequence[Draws]) -> Array:

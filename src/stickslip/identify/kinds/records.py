@@ -162,9 +162,10 @@ class RecordKind(BandKind):
                 return unused
             return ""
         if route == BALANCE and name in (self.settings | {"horizon"}) - self.known:
+            shooting = _voltage_hides(request, self.owner(request.law))
             return (
-                "applies to simulated segments (route shooting); here the route is balance, which"
-                " compares forces along the measured motion: leave it out."
+                "applies to simulated segments (route shooting); here the route is balance: leave"
+                f" it out{', or give route shooting' * shooting}."
             )
         if name == "tolerance" and route == SHOOTING:
             return "applies to the route balance; here the route is shooting: leave it out."

@@ -25,6 +25,7 @@ best.
 """
 
 import copy
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -36,7 +37,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from stickslip.data import Measurement
-from stickslip.friction import BamM3, CoulombViscous, FrictionLaw, SetValuedLaw, bound
+from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
     FreeParameter,
@@ -86,14 +87,20 @@ from stickslip.identify.problems.free_runs import (
     refined_shapes,
     worth,
 )
-from stickslip.identify.problems.record_columns import GEAR, Balance, through_gear
+from stickslip.identify.problems.record_columns import Balance, through_gear
 from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
 from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
 from stickslip.identify.problems.record_signals import Record, records_of
-from stickslip.identify.problems.records import ASKED, PLACES, RecordProblem, parts_of
+from stickslip.identify.problems.records import (
+    ASKED,
+    PLACES,
+    RecordProblem,
+    candidates_of,
+    parts_of,
+)
 from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
-from stickslip.identify.vocabulary import SIGNED, Grid, parameters_of
+from stickslip.identify.vocabulary import SIGNED, Grid
 from stickslip.maths import Scalar, where
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import Quantity, parameters, vary
@@ -107,7 +114,7 @@ MOST = 100.0
 """Size of a coefficient at most, over the usual one of a parameter."""
 CLOSELY = 5.0
 """What runs leave over the noise of readings, from which more is missing than friction."""
-TOLD = 0.2
+MOST_LEFT = 0.2
 """Deviation after the runs over that before, beyond which they tell little: friction that runs do
 not tell apart from the motor would be any."""
 ROUNDS = 3
@@ -126,8 +133,9 @@ DECADES = 100.0
 FOLLOWING = 5
 """Size with which runs that follow are looked for."""
 UNSEEN = (
-    "Runs do not tell whether friction changes with the place, in time or between records: the"
-    " intervals hold for friction as it was on average."
+    "Runs do not tell whether friction changes with the direction, an input, the place, in time or"
+    " between records, nor a constant force or presliding: the intervals hold for friction as it"
+    " was on average."
 )
 """What is not looked for."""
 
@@ -215,8 +223,7 @@ class Beside:
     @cached_property
     def root(self) -> Array:
         """Root of the covariance of values at the knots, of a size of 1 (m, m)."""
-        own = np.linalg.cholesky(alike(np.log(self.speeds)))
-        return np.kron(np.eye(2 if self.geared else 1), own)
+        return np.kron(np.eye(1 + self.geared), np.linalg.cholesky(alike(np.log(self.speeds))))
 
     def curves(self, speed: Array, transmitted: Array | float) -> Array:
         """Return friction for values of 1 at each knot alone at speeds (n, m) [N]."""
@@ -238,22 +245,16 @@ class Beside:
 
 
 def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
-    """Return friction beside a law, for the speeds of records."""
+    """Return friction beside a law of speed alone, for the speeds of records."""
     balance = Balance(records)
-    frame = balance.frame
     speed = np.abs(np.concatenate([piece.velocity for piece in balance.pieces]))
     top = float(np.quantile(speed, QUICK))
     low = max(top / DECADES, float(np.quantile(speed, 1.0 - QUICK)))
     through = [x for x in map(through_gear, records) if x is not None]
     usual = float(np.median(np.abs(np.concatenate(through)))) if through else 0.0
-    own = bound(law, dict.fromkeys(law.inputs, usual)).steady(np.geomspace(low, top, ASKED), 1.0)
-    return Beside(
-        slowest=low,
-        fastest=top,
-        size=math.sqrt(float(np.mean(np.square(own)))),
-        transmitted=usual,
-        geared=bool(frame.transmitted),
-    )
+    size = math.sqrt(float(np.mean(np.square(law.steady(np.geomspace(low, top, ASKED), 1.0)))))
+    geared = bool(balance.frame.transmitted)
+    return Beside(slowest=low, fastest=top, size=size, transmitted=usual, geared=geared)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -277,14 +278,14 @@ class _WithPrior:
 
     def slopes(self, values: Array) -> Array:
         """Return how many deviations a unit of each value is (k, p)."""
-        told = np.isfinite(self.sizes)
-        logs = np.eye(len(values))[told] / (self.sizes[told] * values[told])[:, None]
-        return np.vstack([logs, self.rows])
+        has_prior = np.isfinite(self.sizes)
+        deviations = self.sizes[has_prior] * values[has_prior]
+        return np.vstack([np.eye(len(values))[has_prior] / deviations[:, None], self.rows])
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals at values (p,), with one row for each that is known before."""
-        seen, told = self.runs.linearise(values, near), np.isfinite(self.sizes)
-        off = np.log(self.given[told] / values[told]) / self.sizes[told]
+        seen, has_prior = self.runs.linearise(values, near), np.isfinite(self.sizes)
+        off = np.log(self.given[has_prior] / values[has_prior]) / self.sizes[has_prior]
         off = np.concatenate([off, -self.rows @ values])
         return ResidualJacobian(
             values=values,
@@ -336,21 +337,23 @@ class DrivenRuns:
         return np.array([PRIOR if x.log and x.path in self.given else math.inf for x in self.items])
 
     @property
+    def values(self) -> dict[str, float]:
+        """What was unknown as it fits best, by path."""
+        return dict(zip([x.path for x in self.items], self.seen.values.tolist(), strict=True))
+
+    @property
     def law(self) -> FrictionLaw:
-        """The law with the values that were found."""
-        own = zip(self.items, self.seen.values.tolist(), strict=True)
-        return vary(
-            self.runs.law, "friction", {x.path: y for x, y in own if x.path not in self.given}
-        )
+        """The law that fits best."""
+        of_law = {path: x for path, x in self.values.items() if path not in self.given}
+        return vary(self.runs.law, "friction", of_law)
 
     @property
     def rig(self) -> dict[str, float]:
-        """Parameters of the mechanism as they were found, by path."""
-        own = zip(self.items, self.seen.values.tolist(), strict=True)
-        return {item.path: x for item, x in own if item.path in self.given}
+        """Parameters of the mechanism as they fit best, by path."""
+        return {path: x for path, x in self.values.items() if path in self.given}
 
     def on(self, mechanism: Mechanism) -> Mechanism:
-        """Return a mechanism with the values that were found."""
+        """Return a mechanism with the values that fit best."""
         return vary(mechanism, "mechanism", self.rig)
 
     def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
@@ -362,6 +365,8 @@ class DrivenRuns:
             runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
         )
         for _ in range(rounds):
+            if not best.finite:
+                break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
             end, _ = improve(
@@ -405,21 +410,25 @@ class DrivenRuns:
 
     def covariance(self, size: float = SIZES[FOLLOWING]) -> Array:
         """Return the covariance of what is unknown (p, p), with friction of a prior size."""
-        told, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
+        has_prior, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
-        prior = np.where(told, self.sizes * self.seen.values, np.inf) ** -2.0
-        precision = slopes.T @ slopes + rows.T @ rows + np.diag(prior)
+        precision = slopes.T @ slopes + rows.T @ rows
+        deviations = self.sizes[has_prior] * self.seen.values[has_prior]
+        precision[has_prior, has_prior] += deviations**-2.0
         return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
 
     @property
-    def is_told(self) -> bool:
+    def determines_rig(self) -> bool:
         """Whether runs tell the parameters of the mechanism beside any friction."""
-        covariance = self.covariance(COEFFICIENT)
-        left = np.sqrt(np.diag(covariance)) / (self.sizes * self.seen.values)
-        own = covariance[: len(self.given), : len(self.given)]
-        size = np.sqrt(np.maximum(np.diag(own), 1e-300))
-        least = np.linalg.eigvalsh(own / np.outer(size, size))[0]
-        return bool(np.all(left[np.isfinite(self.sizes)] <= TOLD) and least > ROUNDED)
+        if not self.seen.finite:
+            return False
+        covariance, has_prior = self.covariance(COEFFICIENT), np.isfinite(self.sizes)
+        left = np.sqrt(np.diag(covariance)[has_prior])
+        left /= self.sizes[has_prior] * self.seen.values[has_prior]
+        of_rig = covariance[: len(self.given), : len(self.given)]
+        size = np.sqrt(np.maximum(np.diag(of_rig), 1e-300))
+        least = np.linalg.eigvalsh(of_rig / np.outer(size, size))[0]
+        return bool(np.all(left <= MOST_LEFT) and least > ROUNDED)
 
     @property
     def is_followed(self) -> bool:
@@ -427,8 +436,8 @@ class DrivenRuns:
 
         Else more than a curve of friction is missing, and the runs are linear about no truth.
         """
-        third = [np.var(np.diff(item.measured, 3)) for item in self.runs.segments]
-        return self.error <= CLOSELY * math.sqrt(float(np.mean(third)) / 20.0)
+        third = np.concatenate([np.diff(item.measured, 3) for item in self.runs.segments])
+        return self.error <= CLOSELY * float(np.std(third)) / math.sqrt(20.0)
 
     @property
     def sentence(self) -> str:
@@ -438,9 +447,10 @@ class DrivenRuns:
             return (
                 f"Runs of the mechanism under the recorded voltage determine {names} and friction."
             )
+        of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
         return (
-            f"Runs of the mechanism with friction of a gear determine {names}; the force balance"
-            " determines friction with these values."
+            f"Runs of the mechanism{of_gear} determine {names}; the force balance determines"
+            " friction with these values."
         )
 
     def known(self, records: Sequence[Record]) -> list[Record]:
@@ -474,30 +484,36 @@ def followed(
 ) -> DrivenRuns | None:
     """Return runs that follow the readings; None where a balance tells what is unknown as well.
 
-    That is so where there is no motor, where forces are linear in what is looked for, and where
-    runs do not tell parameters apart either, as resistance and torque constant are not under
-    friction that is the same at any torque.
+    That is so where there is no motor, where forces are linear in what is looked for, where the
+    mechanism has a constant force, which the balance takes off, where a plain law has no friction,
+    which is the scale of the rest, and where runs do not tell parameters apart either, as
+    resistance and torque constant are not under friction that is the same at any torque.
     """
     if not unknown or motor_of(mechanism) is None:
         return None
     record = records_of(mechanism, measurement, unknown=unknown)[0]
     if not any(column.bent for column in record.unknown.values()):
         return None
-    unknown = [path for path in unknown if path in record.unknown]  # a constant force is not
-    law: type[FrictionLaw] = CoulombViscous if through_gear(record) is None else BamM3
-    wanted: Wanted = Parameters(mechanism=mechanism, law=law, known={}, unknown=tuple(unknown))
+    wanted: Wanted = Parameters(
+        mechanism=mechanism, law=CoulombViscous, known={}, unknown=tuple(unknown)
+    )
     settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
     runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
+    if any(item.path.endswith(".offset") for item in runs.free_parameters.items):
+        return None
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
         given={path: known.get(path, 0.0) for path in unknown},
     ).settled()
+    if not first.seen.finite:
+        return None
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
-    result = first.with_curve(beside_law(first.law, records))
-    return result if result.is_told else None
+    beside = beside_law(first.law, records)
+    result = first.with_curve(beside) if beside.size > 0.0 else None
+    return result if result is not None and result.determines_rig else None
 
 
 class DrivenModel(Model):
@@ -536,9 +552,9 @@ class DrivenModel(Model):
         """... and their slopes there (n, m)."""
         table = np.column_stack([slopes, seen.residual + slopes @ self.x])
         self.gram = runs.share / runs.error**2 * table.T @ table
-        told = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
+        least = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
         wide = OPEN * np.sqrt(np.diag(np.linalg.pinv(self.gram[:-1, :-1])))[len(knots) :]
-        self._rig_deviations: Array = np.where(self.logs, PRIOR, np.maximum(wide, told))
+        self._rig_deviations: Array = np.where(self.logs, PRIOR, np.maximum(wide, least))
         self.deviations = np.concatenate([np.ones(len(knots)), self._rig_deviations])
 
     def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
@@ -566,8 +582,7 @@ class DrivenModel(Model):
             return np.asarray(weights @ (self.beside.values(partial(friction, x)) - middle))
 
         def friction(x: Array, speed: Array, transmitted: float) -> Array:
-            rows = self.plain.at(speed, inputs={TRANSMITTED: transmitted})
-            return law.friction(x.tolist(), self.plain.slips(rows))
+            return law.friction(x.tolist(), self.plain.slips(self._rows(speed, transmitted)))
 
         low, high = np.array([(max(q.low, q.above or q.low), q.high) for q in law.quantities]).T
         known = zip(law.varied, law.values, strict=True)
@@ -585,28 +600,31 @@ class DrivenModel(Model):
         """Return a law at the knots (m,)."""
 
         def friction(speed: Array, transmitted: float) -> Array:
-            own = bound(law, dict.fromkeys(law.inputs, transmitted))
-            return np.asarray(own.steady(speed, 1.0) + 0.0 * speed)
+            slips = self.plain.slips(self._rows(speed, transmitted))
+            seen = bound(law, {TRANSMITTED: transmitted, **slips.inputs})
+            return np.asarray(seen.steady(speed, slips.load) + 0.0 * speed)
 
         return self.beside.values(friction)
+
+    def _rows(self, speed: Array, transmitted: float) -> SteadyRows:
+        """Return steady sliding at speeds (n,) while a gear transmits."""
+        return self.plain.at(speed, inputs={TRANSMITTED: transmitted})
+
+    def _term(self, column: Column, speed: Array, transmitted: float) -> Array:
+        """Return a term of a law at speeds (n,) while a gear transmits."""
+        return self.plain.columns(column, self._rows(speed, transmitted))[0]
 
     def _share(self, column: Column) -> Array:
         """Return a term of a law at the knots (m,)."""
-
-        def friction(speed: Array, transmitted: float) -> Array:
-            rows = self.plain.at(speed, inputs={TRANSMITTED: transmitted})
-            return self.plain.columns(column, rows)[0]
-
-        return self.beside.values(friction)
+        return self.beside.values(partial(self._term, column))
 
     def _size(self, column: Column) -> float:
         """Return the coefficient with which a term alone would be friction of the usual size."""
-        speed, through = self.beside.speeds, self.beside.transmitted
-        own = self.plain.columns(column, self.plain.at(speed, inputs={TRANSMITTED: through}))[0]
+        term = self._term(column, self.beside.speeds, self.beside.transmitted)
         most, name = math.inf, column[0]
         if is_slope(name) and name.place >= 0:
             most = MOST * name.own.sizes.get(name.own.varied[name.place], math.inf)
-        return min(self.beside.size / (math.sqrt(float(np.mean(own**2))) + 1e-300), most)
+        return min(self.beside.size / (math.sqrt(float(np.mean(term**2))) + 1e-300), most)
 
     def root(self, node: Node) -> Array:
         """Return a root of the covariance of what no law says at the knots (m, m)."""
@@ -615,8 +633,11 @@ class DrivenModel(Model):
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for of the mechanism (k,) in draws, by path."""
         away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
-        own = zip(self.paths, self.given.tolist(), self.logs.tolist(), away, strict=True)
-        return {path: at * np.exp(x) if log else at + x for path, at, log, x in own}
+        return dict(zip(self.paths, self.rig_at(away.T).T, strict=True))
+
+    def rig_at(self, away: Array) -> Array:
+        """Return what is looked for of the mechanism at its unknowns (..., p)."""
+        return np.where(self.logs, self.given * np.exp(away), self.given + away)
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         sizes = np.array([*map(self.size, columns)])
@@ -700,8 +721,7 @@ class DrivenProblem(Problem):
             return None
         count = len(self.beside.root)
         x, away = model.root(node) @ random[:count], random[count:]
-        rig = np.where(model.logs, model.given * np.exp(away), model.given + away)
-        runs = self.following.of(law, x, rig)
+        runs = self.following.of(law, x, model.rig_at(away))
         if not runs.seen.finite:
             return None
         seen, law_there = self.following.seen, model.at_knots(law)
@@ -757,15 +777,7 @@ class DrivenProblem(Problem):
         laws: dict[Family, list[Structure]] = {}
         for structure in filter(None, self.posterior.structures):
             laws.setdefault(family_of(structure), []).append(structure)
-        return [
-            Candidates(
-                family=item,
-                structures=structures,
-                parameters=parameters_of(item)
-                + sum(name.place >= 0 if is_slope(name) else name == GEAR for name in item),
-            )
-            for item, structures in laws.items()
-        ]
+        return [*itertools.starmap(candidates_of, laws.items())]
 
     def composition(
         self,
@@ -775,19 +787,16 @@ class DrivenProblem(Problem):
         *,
         offset: bool = False,
     ) -> Composition:
-        count, frame = len(coefficients), self.plain.model.frame
-        means = {name: mean for name, (mean, _) in frame.inputs.items()}
-        means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
-        normal = np.full((count, 1), self.load)
+        means, normal = self.plain.usual_inputs, np.full(len(coefficients), self.load)
         if is_own(structure):
             result = replace(own_composition(structure, coefficients), inputs=means)
         else:
             terms: dict[str, tuple[Any, Array]] = {
-                name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
-                for (name, shape), own in zip(structure, coefficients.T, strict=True)
+                name: (shape, (c if name in FLOWS else c / normal)[:, None])
+                for (name, shape), c in zip(structure, coefficients.T, strict=True)
             }
-            result = compose(terms, means, count)
-        return replace(result, load=normal[:, 0])
+            result = compose(terms, means, len(coefficients))
+        return replace(result, load=normal)
 
     # ---- weights ----------------------------------------------------------------------------
 
@@ -796,9 +805,6 @@ class DrivenProblem(Problem):
 
     def is_alone(self, draw: Draws) -> bool:
         return not SIZES[draw.node[0]]
-
-    def nothing(self) -> "NDArray[np.bool_]":
-        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 

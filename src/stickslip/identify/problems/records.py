@@ -375,11 +375,7 @@ class RecordProblem(Problem):
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
-            every = [self._with_beside(structure) for structure in structures]
-            names = tuple(name for name, _ in every[0])
-            count = parameters_of(family) + (GEAR in family) + len(names) - len(family)
-            count += sum(is_slope(name) and name.place >= 0 for name in family)
-            result.append(Candidates(family=names, structures=every, parameters=count))
+            result.append(candidates_of(family, [*map(self._with_beside, structures)]))
         return result
 
     def title(self, term: str) -> str:
@@ -402,10 +398,6 @@ class RecordProblem(Problem):
 
     def is_alone(self, draw: Draws) -> bool:
         return self.model.at(draw.node, "common") == 0.0
-
-    def nothing(self) -> "NDArray[np.bool_]":
-        """Return the nodes and structures (k, s) at which there is no friction."""
-        return np.asarray(self.is_small(0.0)[:, None] & self.holds(()))
 
     # ---- curves -----------------------------------------------------------------------------
 
@@ -512,9 +504,6 @@ class RecordProblem(Problem):
         if "adhesion" in rig:  # part of the level at the usual load
             shape, own = terms["level"]
             terms["level"] = shape, own + rig["adhesion"][:, None] / normal
-        frame = self.model.frame
-        means = {name: mean for name, (mean, _) in frame.inputs.items()}
-        means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
         # bristles stand around no directions
         memory = "" if {*DIRECTIONS} & terms.keys() else self.memory
         values = self._bristles(terms, normal, draws) if memory else {}
@@ -524,7 +513,7 @@ class RecordProblem(Problem):
             exponent = max(abs(self.presliding.exponent), least)
             values["yield_exponent"] = np.full(count, exponent)
         result = compose(
-            terms, means, count, memory=memory, memory_values=values,
+            terms, self.usual_inputs, count, memory=memory, memory_values=values,
             memory_fixed=("yield_exponent",),
         )  # fmt: skip
         if "power_direction" in terms:  # no law of stickslip.friction has it
@@ -541,11 +530,16 @@ class RecordProblem(Problem):
             for k, (name, _) in enumerate(structure)
             if name == "offset"
         }
-        first, frame = self.records[0], self.model.frame
-        still = {name: float(np.mean(x)) for name, x in first.inputs.items()}
-        means = {name: mean for name, (mean, _) in frame.inputs.items()}
         result = own_composition(structure, coefficients)
-        return replace(result, rig=rig, load=normal[:, 0], inputs=still | means)
+        return replace(result, rig=rig, load=normal[:, 0], inputs=self.usual_inputs)
+
+    @property
+    def usual_inputs(self) -> dict[str, float]:
+        """Inputs of the contact as they are usually, by name."""
+        frame = self.model.frame
+        usual = {name: float(np.mean(x)) for name, x in self.records[0].inputs.items()}
+        usual |= {name: mean for name, (mean, _) in frame.inputs.items()}
+        return usual | dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
 
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
         """Return the normal forces (k, 1) of draws, or that in the middle of all."""
@@ -644,7 +638,7 @@ class RecordProblem(Problem):
         friction = np.isin(design.groups, ("common", "sides", "offset", "side"))
         y = model.response(node) - design.random[:, ~friction] @ plain[~friction]
         through = rows.seen([
-            model.balance.transmitted(piece) * np.ones(len(piece.record.time))
+            model.balance.transmitted(piece) * model.balance.load(piece) + 0.0 * piece.velocity
             for piece in model.balance.pieces
         ])  # fmt: skip
         return rows.velocity, y, through, rows.far
@@ -944,6 +938,14 @@ class RecordProblem(Problem):
             f" {'later' if middle > 0.0 else 'earlier'} than recorded: a channel that is late,"
             " a low pass, backlash, a flexible part and a sensor that clips look alike.",
         )  # fmt: skip
+
+
+def candidates_of(family: Family, structures: Sequence[Structure]) -> Candidates:
+    """Return a family as it is compared: its structures may have more terms beside it."""
+    names = tuple(name for name, _ in structures[0])
+    count = parameters_of(family) + len(names) - len(family)
+    count += sum(name.place >= 0 if is_slope(name) else name == GEAR for name in family)
+    return Candidates(family=names, structures=structures, parameters=count)
 
 
 def parts_of(family: Family) -> Family:
