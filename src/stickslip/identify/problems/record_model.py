@@ -650,13 +650,15 @@ class RecordModel(Model):
                 own += [(z * balance.input(piece, name))[:, None] for name in frame.inputs]
                 if frame.transmitted:
                     own.append((z * balance.transmitted(piece))[:, None])
-                if memory.lags and memory.length:
-                    own.append(np.gradient(z, piece.step)[:, None])
                 parts.append(np.hstack(own))
             return np.hstack([fixed, rows.seen(parts)])
 
-        def look(memory: Memory) -> None:
+        def look(memory: Memory, *, damped: bool = False) -> None:
             x = np.hstack([columns(memory), balance.delayed(MIDDLE, memory)[:, None]])
+            if damped and memory.lags and memory.length:
+                both = zip(balance.pieces, balance.states(memory), strict=True)
+                damping = [np.gradient(z * balance.load(p), p.step) for p, z in both]
+                x = np.insert(x, -1, rows.seen(damping), axis=1)
             c, e = solved_softly(x, rows.response)
             law = np.arange(x.shape[1]) >= fixed.shape[1]
             law[len(frame.sides) - 1 : len(frame.sides) + 1] = True  # viscous friction and drag
@@ -676,17 +678,22 @@ class RecordModel(Model):
         likely = [RIGID, *(item[1] for item in looked[:KEPT])]
         lagging = [balance.states(item[1]) for item in looked if item[1].length and item[1].lags]
         others = rows.seen([np.column_stack(own) for own in zip(*lagging, strict=True)])
-        every = [
+        beside = [
             np.hstack([columns(x), others, balance.delayed(MIDDLE, x)[:, None]]) for x in likely
         ]
-        self._look_otherwise(every)
+        self._look_otherwise(beside)
+        # with the damping of bristles, beside which a late force would not be seen
+        every, looked = [item[1] for item in looked], []
+        for memory in every:
+            look(memory, damped=True)
+        looked.sort(key=lambda item: item[0])
         best = [item[1] for item in looked if item[1].length][:2]
         about = [
             replace(item, length=factor * item.length) for item, factor in product(best, ABOUT)
         ]
         about += [replace(item, exponent=n) for item, n in product([*best, *about], EXPONENTS)]
         for entry in about:
-            look(replace(entry, length=max(entry.length, shortest)))
+            look(replace(entry, length=max(entry.length, shortest)), damped=True)
         looked.sort(key=lambda item: item[0])
         nearest = [looked[0][1]] * (not looked[0][1].lags)  # other lengths are refined later
         for entry, factor in product(nearest, NEARER):
