@@ -667,38 +667,37 @@ class RecordModel(Model):
             size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
             looked.append((capped(e), memory, e, size, float(inertia)))
 
+        def rank(memories: Sequence[Memory], *, damped: bool = False) -> None:
+            for memory in memories:
+                look(memory, damped=damped)
+            looked.sort(key=lambda item: item[0])
+
         beside = np.hstack([columns(RIGID), balance.delayed(MIDDLE, RIGID)[:, None]])
         pushed = force_wave(rows, frame.span, frame.noise, beside)
         # along less, a bristle is nothing but the moment of a turn between samples
         shortest = max(2.0 * frame.noise, *(piece.turned_in for piece in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
-        for memory in [RIGID, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
-            look(memory)
-        looked.sort(key=lambda item: item[0])
+        rank([RIGID, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)])
         likely = [RIGID, *(item[1] for item in looked[:KEPT])]
         lagging = [balance.states(item[1]) for item in looked if item[1].length and item[1].lags]
         others = rows.seen([np.column_stack(own) for own in zip(*lagging, strict=True)])
-        beside = [
+        tried = [
             np.hstack([columns(x), others, balance.delayed(MIDDLE, x)[:, None]]) for x in likely
         ]
-        self._look_otherwise(beside)
+        self._look_otherwise(tried)
         # with the damping of bristles, beside which a late force would not be seen
-        every, looked = [item[1] for item in looked], []
-        for memory in every:
-            look(memory, damped=True)
-        looked.sort(key=lambda item: item[0])
+        every = [item[1] for item in looked]
+        looked.clear()
+        rank(every, damped=True)
         best = [item[1] for item in looked if item[1].length][:2]
         about = [
             replace(item, length=factor * item.length) for item, factor in product(best, ABOUT)
         ]
         about += [replace(item, exponent=n) for item, n in product([*best, *about], EXPONENTS)]
-        for entry in about:
-            look(replace(entry, length=max(entry.length, shortest)), damped=True)
-        looked.sort(key=lambda item: item[0])
+        rank([replace(x, length=max(x.length, shortest)) for x in about], damped=True)
         nearest = [looked[0][1]] * (not looked[0][1].lags)  # other lengths are refined later
-        for entry, factor in product(nearest, NEARER):
-            look(replace(entry, length=max(factor * entry.length, shortest)))
-        looked.sort(key=lambda item: item[0])
+        closer = [x.length * factor for x, factor in product(nearest, NEARER)]
+        rank([replace(nearest[0], length=max(x, shortest)) for x in closer])
         bristles = [item[1] for item in looked if item[1].length]
         balance.first = bristles[0].length
         # both kinds, or the rounds refine only that which the coarse curve here prefers
