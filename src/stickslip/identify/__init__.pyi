@@ -12,7 +12,6 @@ from stickslip.identify.criteria import compare_fixed_steps as compare_fixed_ste
 from stickslip.identify.criteria import criteria_of as criteria_of
 from stickslip.identify.criteria import largest_step as largest_step
 from stickslip.identify.figures import BandDrawing as BandDrawing
-from stickslip.identify.figures import draw_band as draw_band
 from stickslip.identify.figures import draw_joints as draw_joints
 from stickslip.identify.figures import plot_band as plot_band
 from stickslip.identify.fits import Estimate as Estimate

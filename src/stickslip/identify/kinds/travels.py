@@ -332,7 +332,7 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> result = fit(rig, Coulomb, reading)
     >>> print(result.estimates[0])
-    mu_k = 0.255 (0.243 to 0.271)
+    mu_k = 0.255 (0.243 to 0.276)
     """
 
     @property

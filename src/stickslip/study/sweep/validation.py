@@ -1312,7 +1312,7 @@ def compare_estimates(
     >>> known = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.29, 0.31)})
     >>> here = fit(rig, Coulomb, Measurement(travel=0.20, uncertainty=0.001))
     >>> print(*compare_estimates(law, known, here))
-    mu_k: carried 0.300 (0.290 to 0.310), refitted 0.2548 (0.2506 to 0.2605): do not agree (diff...
+    mu_k: carried 0.300 (0.290 to 0.310), refitted 0.255 (0.250 to 0.262): do not agree (differ...
     """
     if not isinstance(fit.law, type(law)):
         raise InputError(
