@@ -104,7 +104,7 @@ from stickslip.identify.vocabulary import SIGNED, Grid
 from stickslip.maths import Scalar, where
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import Quantity, parameters, vary
-from stickslip.show.formatting import joined
+from stickslip.show.formatting import joined, parameter_words
 
 PRIOR = 0.5
 """Standard deviation of the logarithm of a parameter about the value that was given of it."""
@@ -145,7 +145,7 @@ class BesideLaw(SetValuedLaw):
     """A law with friction beside it, of the speed and of what a gear transmits."""
 
     name: ClassVar[str] = "beside"
-    title: ClassVar[str] = "Law with what no law says"
+    title: ClassVar[str] = "Law with friction beside it, of speed and torque"
     formula: ClassVar[str] = r"F = F_0(|v|) + \delta(|v|, T)"
     sources: ClassVar[tuple[str, ...]] = ()
 
@@ -442,11 +442,11 @@ class DrivenRuns:
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        names = joined([path.removeprefix("mechanism.") for path in self.given])
+        words = [f"the {parameter_words(path)}" for path in self.given]
         if self.is_followed:
-            return (
-                f"Runs of the mechanism under the recorded voltage determine {names} and friction."
-            )
+            own = joined([*words, "friction"])
+            return f"Runs of the mechanism under the recorded voltage determine {own}."
+        names = joined(words)
         of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
         return (
             f"Runs of the mechanism{of_gear} determine {names}; the force balance determines"
