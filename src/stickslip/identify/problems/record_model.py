@@ -685,9 +685,10 @@ class RecordModel(Model):
             np.hstack([columns(x), others, balance.delayed(MIDDLE, x)[:, None]]) for x in likely
         ]
         self._look_otherwise(tried)
-        # with the damping of bristles, beside which a late force would not be seen
-        every = [item[1] for item in looked]
-        looked.clear()
+        # with the damping of those that lag, beside which a late force would not be seen
+        plainly = [item for item in looked if not (item[1].lags and item[1].length)]
+        every = [item[1] for item in looked if item[1].lags and item[1].length]
+        looked[:] = plainly
         rank(every, damped=True)
         best = [item[1] for item in looked if item[1].length][:2]
         about = [
