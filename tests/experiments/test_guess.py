@@ -835,6 +835,26 @@ def test_no_mass_is_fitted_where_friction_was_measured(tmp_path):
     assert load_rig(tmp_path / "rig.toml").vary == ()
 
 
+@pytest.mark.parametrize("name", ["specimen", "Prüfling Nr.", "sample_id", "Day", "run_no"])
+def test_specimens_of_a_table_are_trials_wherever_their_rows_are(tmp_path, name):
+    order = np.random.default_rng(3).permutation(60)
+    which, speeds = np.repeat([1.0, 2.0, 7.0], 20)[order], np.tile(np.linspace(1, 40, 20), 3)[order]
+    table = rows((which, speeds, 4.0 + 0.1 * speeds + which), ",", points)
+    file = tmp_path / "a.csv"
+    file.write_text(f"{name},velocity (mm/s),friction (N)\n{table}")
+    guess = guess_data(file)
+    assert guess.columns["trial"] == name
+    assert [len(trial.friction) for trial in read_data([file], guess.reading).trials] == [20] * 3
+
+
+def test_a_counter_of_samples_that_begins_again_names_no_trials(tmp_path):
+    counter = np.arange(T.size) % 32
+    file = tmp_path / "a.csv"
+    table = rows((T, X, F, counter), ",", points)
+    file.write_text(f"time (s),position (m),force (N),sample\n{table}")
+    assert "trial" not in guess_data(file).columns
+
+
 def test_steady_readings_keep_their_trials(tmp_path):
     file = tmp_path / "a.csv"
     speeds = np.tile(np.random.default_rng(0).permutation(np.linspace(0.2, 5.0, 25)), 2)

@@ -1359,14 +1359,16 @@ def trial_column(
             continue
         cells = frame.data[frame.names[name]]
         values = cells.nunique()
-        named = "".join(parts_of(name)) in VOCABULARY["trial"].names
-        # where it is named, all that it must do is come again
+        changes = np.flatnonzero((cells != cells.shift()).to_numpy())[1:].tolist()
+        word = "".join(part for part in parts_of(name) if part not in WORDS["numbering"])
+        # where it is named, all that it must do is come again; a "sample" may be a counter
+        together = times is None or values == len(changes) + 1
+        named = word in VOCABULARY["trial"].names or (together and word in WORDS["specimens"])
         if cells.isna().any() or not 1 < values <= (0.5 if named else SLIGHT) * len(cells):
             continue
         if named:
             return name, "by its name"
-        changes = np.flatnonzero((cells != cells.shift()).to_numpy())[1:].tolist()
-        if begins and not apart and changes == begins and cells.nunique() == len(begins) + 1:
+        if begins and not apart and changes == begins and values == len(begins) + 1:
             apart = name
     return apart, "which changes where times begin again"
 
@@ -1440,9 +1442,7 @@ def _unread(
     frame: QuantityTable, given: Mapping[str, Column], taken: Collection[str]
 ) -> dict[str, str]:
     """Return the columns that are neither given nor taken, as a reason."""
-    read = {*taken}
-    for column in given.values():
-        read |= {column} if isinstance(column, str) else {*column}
+    read = {*taken}.union(*([name] if isinstance(name, str) else name for name in given.values()))
     left = [repr(name) for name in frame.names if name and name not in read]
     return {"not read": joined(left, MOST_LISTED)} if left else {}
 
