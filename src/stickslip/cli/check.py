@@ -16,7 +16,6 @@ from rich.console import Console
 
 from stickslip import data
 from stickslip.cli.console import (
-    MOST_NAMED,
     check_rig_file,
     columns_of,
     note,
@@ -42,6 +41,7 @@ from stickslip.data import (
     Reading,
     Rig,
     check,
+    grouped,
     load_rig,
     read_data,
 )
@@ -395,12 +395,8 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
         if lines:
             gravest = max(said, key=lambda item: SEVERITIES.index(item.severity), default=first)
             yield replace(first, sentence=" ".join(lines), severity=gravest.severity)
-    for sentence in (key for key, number in shared.items() if number > 1):
-        same = [finding for finding in findings if finding.sentence == sentence]
-        who = [finding.record for finding in same]
-        everyone = len(who) == len(names)
-        yield replace(same[0], record="all trials" if everyone else joined(who, MOST_NAMED))
-    yield from (finding for finding in findings if not finding.record)
+    several = [item for item in findings if shared[item.sentence] > 1]
+    yield from grouped([*several, *(finding for finding in findings if not finding.record)])
 
 
 def _summary(findings: Sequence[Finding]) -> str:

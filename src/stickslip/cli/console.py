@@ -35,8 +35,6 @@ from stickslip.show.formatting import printable
 
 # What commands share: consoles, JSON documents, folders that are written whole or not at all.
 
-MOST_NAMED = 6
-"""Trials that a line names."""
 GAP = 2
 """Spaces between columns."""
 MARKS = {"none": ("", ""), "ok": ("", ""), "warn": ("! ", "yellow"), "bad": ("✗ ", "red")}

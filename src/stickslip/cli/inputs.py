@@ -25,6 +25,7 @@ from stickslip.data import (
     carried_by_contact,
     condition_name,
     estimates_by_contact,
+    grouped,
     load_rig,
     read_data,
     read_number,
@@ -675,11 +676,9 @@ def watching(
 
 def show_warnings(checks: Checks) -> None:
     """Print what is doubtful about records, and once what is of several trials."""
-    doubts = [finding for finding in checks.findings if finding.severity == "warning"]
-    for sentence in dict.fromkeys(finding.sentence for finding in doubts):
-        same = [finding for finding in doubts if finding.sentence == sentence]
-        record = joined([item.record for item in same], terminal.MOST_NAMED)
-        terminal.stdout().print(f"! {replace(same[0], record=record)}", style="yellow")
+    for finding in grouped(checks.findings):
+        if finding.severity == "warning":
+            terminal.stdout().print(f"! {finding}", style="yellow")
 
 
 def show_estimates(estimates: Sequence[fits.Estimate]) -> None:

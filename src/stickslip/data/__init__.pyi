@@ -20,6 +20,7 @@ from stickslip.data.checking.data_quality import with_order as with_order
 from stickslip.data.checking.data_quality import words_of as words_of
 from stickslip.data.checking.finding import Finding as Finding
 from stickslip.data.checking.finding import SEVERITIES as SEVERITIES
+from stickslip.data.checking.finding import grouped as grouped
 from stickslip.data.checking.finding import sentences_of as sentences_of
 from stickslip.data.checking.motion import inertia_of as inertia_of
 from stickslip.data.checking.motion import swing_of as swing_of

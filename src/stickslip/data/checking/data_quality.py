@@ -24,7 +24,9 @@ from stickslip.data.checking.finding import (
     TURN,
     Finding,
     Severity,
+    grouped,
     remark,
+    sentences_of,
 )
 from stickslip.data.checking.motion import Motion
 from stickslip.data.differentiation import (
@@ -1617,24 +1619,17 @@ def _joints(
 
     Its force is not compared with its motion alone, since it drives those of the others too.
     """
-    units = (
-        {} if mechanism is None else dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-    )
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True)) if mechanism else {}
     joints = {
         name: replace(trial, turning=True) if units.get(name) == "rad" else trial
         for name, trial in record.joints.items()
     }
     result = {name: [*_record(trial, None, grave, coupled=True)] for name, trial in joints.items()}
     moving = [name for name, own in result.items() if not any(map(_still, own))]
-    if moving:  # what jitter looks like in a joint that rests says nothing
-        result = {
-            name: own
-            if name in moving
-            else [_resting(finding, RESTING_JOINT) for finding in own if _still(finding)]
-            for name, own in result.items()
-        }
-    said = [{finding.sentence for finding in result[name]} for name in moving or result]
-    shared = set.intersection(*said)
+    # what jitter looks like in a joint that rests says nothing
+    for name in {*result}.difference(moving) if moving else ():
+        result[name] = [_resting(item, RESTING_JOINT) for item in result[name] if _still(item)]
+    shared = set.intersection(*({item.sentence for item in result[x]} for x in moving or result))
     # What all moving joints share is said once, in the place of the first.
     first = (moving or [*result])[0]
     for name, own in result.items():
@@ -1832,22 +1827,8 @@ def refusal(wrong: Sequence[Finding]) -> InputError:
 
 
 def findings_text(findings: Sequence[Finding]) -> str:
-    """Return findings as one text: what several trials have in common once, after their names.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> still = Finding(kind="constant", sentence="Position is constant.", record="run1")
-    >>> findings_text([still, replace(still, record="run2"), replace(still, record="")])
-    'run1 and run2: Position is constant. Position is constant.'
-    """
-    records: dict[tuple[str, bool], list[str]] = {}
-    for finding in findings:
-        records.setdefault((finding.sentence, bool(finding.record)), []).append(finding.record)
-    return " ".join(
-        f"{joined([*dict.fromkeys(names)], LISTED)}: {sentence}" if named else sentence
-        for (sentence, named), names in records.items()
-    )
+    """Return findings as one text: what several trials have in common once, after their names."""
+    return " ".join(sentences_of(grouped(findings)))
 
 
 def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:

@@ -1,11 +1,13 @@
 """One remark about a measurement, or about what was found from it."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
+from stickslip.data.tolerances import LISTED
 from stickslip.show.described import Described
+from stickslip.show.formatting import joined
 
 OTHER_SPEEDS: Final = "Measure at further velocities"
 """What answers a motion at too few speeds."""
@@ -106,3 +108,25 @@ def sentences_of(findings: Iterable[Finding], *kinds: str) -> tuple[str, ...]:
     ('It drifts.',)
     """
     return tuple(str(finding) for finding in findings if not kinds or finding.kind in kinds)
+
+
+def grouped(findings: Iterable[Finding]) -> list[Finding]:
+    """Return findings with what several trials have in common once, after the names of these.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> one = Finding(kind="constant", sentence="Position is constant.", record="run1")
+    >>> others = [replace(one, record=name) for name in ("run2", "")]
+    >>> [str(finding) for finding in grouped([one, *others])]
+    ['all trials: Position is constant.', 'Position is constant.']
+    """
+    groups: dict[tuple[str, bool], dict[str, Finding]] = {}
+    for finding in findings:
+        groups.setdefault((finding.sentence, bool(finding.record)), {})[finding.record] = finding
+    trials = {name for group in groups.values() for name in group} - {""}
+    named = {len(trials): "all trials", 1: ""}
+    return [
+        replace(next(iter(same.values())), record=named.get(len(same)) or joined([*same], LISTED))
+        for same in groups.values()
+    ]

@@ -6,7 +6,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-from stickslip.data import Checks
+from stickslip.data import Checks, grouped
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import CITATIONS, FrictionLaw, RateState
 from stickslip.identify import Wording
@@ -73,7 +73,7 @@ def check_items(checks: Checks) -> tuple[page.KeyValue, ...]:
             value=str(finding),
             mark=MARKS.get(finding.severity, "none"),
         )
-        for finding in checks.findings
+        for finding in grouped(checks.findings)
     )
 
 
