@@ -284,6 +284,20 @@ def test_a_frictionless_record_is_said_to_be_one():
     assert all(float(share.replace(",", "")) <= 100.0 for share in shares)
 
 
+def test_an_inertia_below_zero_is_said_before_there_is_no_friction():
+    moving = moved(Coulomb(kinetic_coefficient=1e-9))
+    # another body takes 1.5 times the force of inertia, and pushes back
+    turned = replace(moving, force=-0.5 * moving.force, turning=True)
+    verdict = select(
+        Axis(inertia=1.0, rotary=True), None, turned, vary=["friction.*", "mechanism.inertia"]
+    )
+    first, second, *_ = verdict.sentence.split(". ")
+    assert first == "Check units, gains and signs first"
+    assert second.startswith("The balance gives J = −1 kg m², which cannot be")
+    assert "If they are right, no friction stands above the noise" in verdict.sentence
+    assert verdict.words.lede.startswith("If they are right: from ")
+
+
 @pytest.mark.parametrize("options", [{"settings": RecordSettings(starts=2)}, {"route": "shooting"}])
 def test_what_has_no_effect_is_refused(options):
     with pytest.raises(InputError, match="it has no effect on `select`: leave it out"):

@@ -131,19 +131,21 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
     return said
 
 
+IF_RIGHT = "If they are right"
+"""How a statement begins that holds only if units, gains and signs are right."""
+
+
 def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) -> str:
     """Return which law to use, and how close it is, after what is `wrong` with the mechanism."""
     named = judgement.named
-    if not named.structure and not judgement.is_told:
-        return f"No friction stands above the noise of the {words.measured}."
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
-    mistakes = [item for item in judgement.findings if item.asserted and item.is_mistake]
-    doubts = [*wrong, *(item.sentence for item in mistakes)]
-    if doubts and judgement.is_told:
-        return (
-            f"Check units, gains and signs first. {doubts[0]} If they are right,"
-            f" {phrase}{beside} stays within {distance_text(judgement, named, words)}."
-        )
+    nothing = not named.structure and not judgement.is_told
+    if wrong and (nothing or judgement.is_told):
+        law = f"{phrase}{beside} stays within {distance_text(judgement, named, words)}"
+        law = "no friction stands above the noise" if nothing else law
+        return f"Check units, gains and signs first. {wrong[0]} {IF_RIGHT}, {law}."
+    if nothing:
+        return f"No friction stands above the noise of the {words.measured}."
     if not judgement.is_told:
         return (
             f"No law is recommended: the {words.measured} cannot distinguish friction from zero."
@@ -304,7 +306,8 @@ def candidate_of(
     rig, loaded = as_loaded(rig, measurement)
     rig, of_inputs = as_informed(law, rig, measurement)
     intervals = judgement.intervals if named else ()
-    said = (*unphysical_of(composed, mechanism, intervals), loaded, *of_inputs)
+    turning = measurement.turning
+    said = (*unphysical_of(composed, mechanism, intervals, turning=turning), loaded, *of_inputs)
     remarks = [remark for remark in said if remark]
     estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False) if named else ()
     if of_load := {"load_exponent", "adhesion", "hersey"} & {*rung.family, *composed.rig}:
@@ -394,6 +397,18 @@ def ladder_verdict(
     if other is not None:
         more = specimen_sentence(band, other, judgement.problem.runs, words.force_unit)
         lede = " ".join(filter(None, (lede, more)))
+    unphysical = unphysical_of(
+        judgement.composition,
+        mechanism,
+        judgement.intervals,
+        turning=measurement.turning,
+        # where a law describes friction, an interval that holds possible values raises no doubt
+        sure=judgement.named.distance < NO_LAW,
+    )
+    mistakes = [item.sentence for item in judgement.findings if item.asserted and item.is_mistake]
+    wrong = [*unphysical, *mistakes]
+    if wrong and lede:
+        lede = f"{IF_RIGHT}: {in_sentence(lede)}"
     left = first.left / judgement.problem.size
     settles = [
         f"The law leaves {quantity(first.left, words.force_unit, 2)} of the {words.measured}"
@@ -432,15 +447,11 @@ def ladder_verdict(
     elif words.measured == "readings":
         said_next.append(NO_READINGS)
     said_next += advice
-    # where a law describes friction, an interval that holds possible values raises no doubt
-    sure = judgement.named.distance < NO_LAW
-    composed, intervals = judgement.composition, judgement.intervals
-    unphysical = unphysical_of(composed, mechanism, intervals, sure=sure)
     return BandVerdict(
         mechanism=first.fit.mechanism,
         measurement=measurement,
         words=Wording(
-            verdict=law_sentence(judgement, words, unphysical),
+            verdict=law_sentence(judgement, words, wrong),
             lede=lede,
             settles=tuple(settles),
             cannot_tell=tuple(doubts),

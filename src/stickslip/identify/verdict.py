@@ -37,7 +37,7 @@ from stickslip.identify.wording import (
     usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.quantities import Quantity, fields_of, parameters, turned
 from stickslip.show.formatting import Scale, interval, joined, number, with_unit
 
 if TYPE_CHECKING:
@@ -585,13 +585,17 @@ def unphysical_of(
     mechanism: Mechanism,
     intervals: Sequence[Interval],
     *,
+    turning: bool,
     sure: bool = False,
 ) -> list[str]:
     """Return what to say of parameters of a mechanism that came out where they cannot be.
 
     If that is `sure`, no value of the interval can be.
     """
-    known = {path: q for path, q, _ in parameters(mechanism, "mechanism")}
+    known = {
+        path: replace(q, unit=turned(q.unit, turning))
+        for path, q, _ in parameters(mechanism, "mechanism")
+    }
     ends = {item.path: (item.low, item.high) for item in intervals}
     return [
         unphysical_sentence(known[path], x, impossible=impossible)

@@ -119,14 +119,13 @@ def grouped(findings: Iterable[Finding]) -> list[Finding]:
     >>> one = Finding(kind="constant", sentence="Position is constant.", record="run1")
     >>> others = [replace(one, record=name) for name in ("run2", "")]
     >>> [str(finding) for finding in grouped([one, *others])]
-    ['all trials: Position is constant.', 'Position is constant.']
+    ['run1 and run2: Position is constant.', 'Position is constant.']
     """
     groups: dict[tuple[str, bool], dict[str, Finding]] = {}
     for finding in findings:
         groups.setdefault((finding.sentence, bool(finding.record)), {})[finding.record] = finding
-    trials = {name for group in groups.values() for name in group} - {""}
-    named = {len(trials): "all trials", 1: ""}
+    names = {name for group in groups.values() for name in group} - {""}
     return [
-        replace(next(iter(same.values())), record=named.get(len(same)) or joined([*same], LISTED))
-        for same in groups.values()
+        replace(first, record="all trials" if 2 < len(own) == len(names) else joined(own, LISTED))
+        for own, first in (([*group], next(iter(group.values()))) for group in groups.values())
     ]

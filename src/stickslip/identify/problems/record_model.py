@@ -222,7 +222,7 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-LIMITS = np.geomspace(0.01, 0.95, 30)
+LIMITS = np.geomspace(0.2, 0.95, 16)
 """Limits of the force that are looked at, over the largest."""
 FINER = 5
 """Times that what is looked at is refined by thirds of a step."""
