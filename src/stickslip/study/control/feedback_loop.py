@@ -1598,7 +1598,7 @@ class PIDAxis(LinearOrRotary):
     ... )
     >>> hunting = periodic_orbit(axis, Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5))
     >>> round(hunting.period, 5), round(hunting.sticking[""], 4), hunting.stable
-    (7.6415, 0.8903, True)
+    (7.6415, 0.8904, True)
     """
 
     name: ClassVar[str] = "pid-axis"
