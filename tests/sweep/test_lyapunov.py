@@ -268,6 +268,16 @@ def test_sweeps_diagrams_and_campaigns_mark_chaos_and_nothing_else(tmp_path):
     assert runs.units["spread of x"] == "m"
 
 
+def test_chaos_is_marked_where_a_rest_makes_neighbours_one():
+    """Sticking forgets a difference of starts, so that both means are the same."""
+    soft = SoftStop(place=-1.5e-3, stiffness=3000.0, damping=0.1)
+    frequency, stops = 14.212682062238297, {"upper_stop": 2e-3, "restitution": 0.6}
+    rests = capsule(0.5405930896747617, frequency, lower_soft_stop=soft, **stops)
+    rests = replace(rests, damping=0.04195549131296849)
+    assert lyapunov_exponents(rests, RUBS).chaotic
+    assert average_velocity(rests, RUBS, {FREQUENCY: [frequency]}).chaotic.all()
+
+
 def test_signs_of_chaotic_means_are_not_reversals():
     values = np.linspace(13.2, 17.0, 12)
     swept = average_velocity(CHAOTIC, RUBS, {FREQUENCY: values})

@@ -151,6 +151,8 @@ class Mechanism(quantities.Parametrised, ABC):
     """Names of the contacts where there may be several, as listings show them."""
     imposed: ClassVar[frozenset[str]] = frozenset()
     """Fields of drives from outside, as of shaking ground, which no controller commands."""
+    computed: ClassVar[frozenset[str]] = frozenset()
+    """Coordinates that stand for numbers of a controller: they have no energy."""
 
     @property
     @final

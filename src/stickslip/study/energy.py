@@ -159,8 +159,8 @@ def energy_balance(
     Raises
     ------
     InputError
-        If the times are not within the run, or a drive is a voltage, whose force depends on the
-        motion.
+        If the times are not within the run, or a drive is a voltage or the loop of a `PIDAxis`,
+        whose force depends on the motion.
 
     Examples
     --------
@@ -255,6 +255,11 @@ def columns_of(mechanism: Mechanism) -> tuple[str, ...]:
         raise InputError(
             f"energy_balance: the force of the electric motor of {type(mechanism).__name__} depends"
             " on the motion, too, so that its work is not known apart."
+        )
+    if mechanism.computed:
+        raise InputError(
+            f"energy_balance: the loop of {type(mechanism).__name__} is part of its equations, so"
+            " that its work is not known apart. For energies, control an Axis by `closed_loop`."
         )
     rubs = (f"friction {contact.name}".strip() for contact in mechanism.contacts())
     return (*(f"power {name}" for name in ("drive", *rubs, "dampers", "stops")), PER_TRAVEL)

@@ -10,9 +10,9 @@ A motion under drives that repeat themselves has a mean velocity over whole cycl
 3. The mean over the last n / 2 of them tells how settled the motion is: 0 in a steady one.
 4. A motion closes if what n / 2 cycles at most bring comes again, in all coordinates and rates. The
    mean of one that does not may depend on its start: it is run again from a start `ROUNDING` of its
-   size away. It is chaotic if both means are farther apart than a thousand times that, and regular
-   if they are nearer than a tenth. In between its largest Lyapunov exponent, from where it ended,
-   tells: chaos has one above 0 by three standard errors.
+   size away. It is chaotic if both means are farther apart than a thousand times that. Else its
+   largest Lyapunov exponent, from where it ended, tells: chaos has one above 0 by three standard
+   errors. That neighbours came together tells nothing: a body that rests for once forgets them.
 5. A run that ends early has no mean, and the map says why.
 
 A band over many laws has the velocities of each, and errors of predictions beside them: quantiles
@@ -342,8 +342,9 @@ def average_velocity(
         spread = np.abs(near["all"] - runs["all"][left])
         apart = ROUNDING * sizes[left, len(mechanism.coordinates) + mechanism.rates.index(rate)]
         table["spread"][rows[left]] = spread
-        table["chaotic"][rows[left]], unclear = have_left(spread / apart)
-        for k in left[unclear].tolist():
+        apart_by_now = have_left(spread / apart)
+        table["chaotic"][rows[left]] = apart_by_now
+        for k in left[~apart_by_now].tolist():
             at = {path: float(values[k]) for path, values in own.items()}
             pair = grid.pair_of(mechanism, law, at)
             moved = strobes[k, -1] * speeds_of(pair[0], names)

@@ -569,9 +569,9 @@ class Search:
             spreads[rows] = np.abs(others - means)
             size = np.where(scale > 0.0, scale, np.finfo(float).tiny)
             gaps = (np.abs(points - same) / size).max(axis=(1, 2)) / ROUNDING
-            chaotic[rows], unclear = have_left(gaps)
+            chaotic[rows] = have_left(gaps)
             # exponents are those of cycles of a known length
-            for row in rows[unclear].tolist() if self.map.section is None else ():
+            for row in rows[~chaotic[rows]].tolist() if self.map.section is None else ():
                 with suppress(SimulationError, InputError):
                     chaotic[row] = diverges(self.map, samples[row, -1], value=value)
         self.spreads += list(spreads)
