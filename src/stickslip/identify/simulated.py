@@ -33,7 +33,7 @@ Sources: R. E. Kass and A. E. Raftery, "Bayes factors", JASA 90 (1995) 773-795; 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -41,6 +41,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from stickslip.identify.bands import ENDS, Array
+from stickslip.identify.descents import Descents
 from stickslip.identify.fits import BLOCKS, Estimate, effective_size
 from stickslip.identify.posterior import allotted
 from stickslip.identify.thresholds import THRESHOLDS
@@ -185,33 +186,12 @@ class Simulated(Readable):
         """Return rows (n, k) for points (k, p) by family; NaN where a run fails or is no law."""
 
 
-@dataclass(eq=False)
-class _Search:
-    """Searches of one family, from several starts at once."""
+class _Search(Descents):
+    """Searches of one family, over the deviations of its prior."""
 
-    unknowns: Unknowns
-    at: Array
-    """Where they are (m, p)."""
-    value: Array = field(default_factory=lambda: np.zeros(0))
-    """Logarithm of the posterior there (m,), up to a constant."""
-    gradient: Array = field(default_factory=lambda: np.zeros(0))
-    """Gradients (m, p) and ..."""
-    curvature: Array = field(default_factory=lambda: np.zeros(0))
-    """... minus second derivatives (m, p, p) by Gauss and Newton, over prior deviations."""
-    damping: Array = field(default_factory=lambda: np.zeros(0))
-    live: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
-
-    def proposed(self) -> Array:
-        """Return the points of the next step (m, p)."""
-        p = self.at.shape[1]
-        lifted = self.curvature + self.damping[:, None, None] * (
-            self.curvature * np.eye(p) + 1e-9 * np.eye(p)
-        )
-        step = np.linalg.solve(lifted, self.gradient[:, :, None])[:, :, 0]
-        # a step of more than two prior deviations leaves where the quadratic holds
-        largest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
-        step *= np.minimum(1.0, 2.0 / largest)
-        return np.asarray(self.at + step * self.unknowns.deviation)
+    def __init__(self, unknowns: Unknowns, at: Array) -> None:
+        super().__init__(at, np.broadcast_to(unknowns.deviation, at.shape), settled=SETTLED)
+        self.unknowns = unknowns
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -378,13 +358,7 @@ class SimulatedPosterior:
             unknowns = self.problem.vary(name)
             value = self._value(unknowns, at, left[name])
             best = np.argsort(-value, kind="stable")[: self._starts]
-            searches[name] = _Search(unknowns, at[best], value[best])
-            count = len(best)
-            one = searches[name]
-            one.damping, one.live = np.full(count, 1e-2), np.isfinite(one.value)
-            m, p = one.at.shape
-            one.gradient = np.zeros((m, p))
-            one.curvature = np.broadcast_to(np.eye(p), (m, p, p)).copy()
+            searches[name] = _Search(unknowns, at[best])
         self._linearise(
             searches, {name: search.at for name, search in searches.items()}, first=True
         )
@@ -421,20 +395,13 @@ class SimulatedPosterior:
             at, k, p = points[name][which], len(which), item.at.shape[1]
             left, nudged = every[name][:, :k], every[name][:, k:].reshape(len(self._w), k, p)
             value = self._value(item.unknowns, at, left)
-            for number, place in enumerate(which):
-                gain = value[number] - item.value[place]
-                if not (math.isfinite(value[number]) and (first or gain > 0.0)):
-                    item.damping[place] = max(item.damping[place], 1e-3) * 10.0
-                    item.live[place] &= not first and item.damping[place] < 1e7
-                    continue
+            for number in item.accept(at, value, first=first):
                 slopes = (left[:, number, None] - nudged[:, number]) / 1e-3
                 slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-                item.at[place], item.value[place] = at[number], value[number]
+                place = which[number]
                 item.gradient[place], item.curvature[place] = self._newton(
                     item.unknowns, at[number], left[:, number], slopes
                 )
-                item.damping[place] *= 0.2
-                item.live[place] = first or gain > SETTLED
 
     def _newton(
         self, unknowns: Unknowns, at: Array, left: Array, slopes: Array, which: int | None = None

@@ -70,6 +70,7 @@ from stickslip.identify.problems.travel_laws import (
     moving_back,
 )
 from stickslip.identify.simulated import (
+    SETTLED,
     UNTOLD,
     effective_draws,
     mixture_density,
@@ -1160,16 +1161,13 @@ class _Fits:
                 f"no values of {', '.join(one.model.free)} were found with which every trial can be"
                 " simulated."
             )
-        best = min(
-            one.structures,
-            key=lambda s: float(np.sum(((measured - s.predicted) / errors) ** 2)),
-        )
+        costs = [float(np.sum(((measured - s.predicted) / errors) ** 2)) for s in one.structures]
+        best, *others = (one.structures[k] for k in np.argsort(costs, kind="stable"))
         moved = np.abs(measured) > THRESHOLDS.outlier * errors
         if np.any(moved & (np.abs(best.predicted) < STILL * np.abs(measured))):
             raise ConvergenceError(
                 f"{law.title} friction holds the body at rest in a trial in which it moved."
             )
-        values = one.values(best.unknowns[None])[0].tolist()
         off = abs(float(np.mean(measured - best.predicted)))
         alike = len({trial.setting for trial in trials}) == 1
         said = ""
@@ -1180,10 +1178,22 @@ class _Fits:
                 f" {quantity(float(best.predicted[0]), 'm', 4)}."
             )
         least, stated = standard_errors(trials)
-        try:
-            one.model.check_rest(trials, values, least if stated else errors)
-        except ConvergenceError as error:
-            raise ConvergenceError(f"{said} {error}".strip()) from None
+        errors_of = least if stated else errors
+        far = [float(np.sum(((best.predicted - s.predicted) / errors_of) ** 2)) for s in others]
+        # of minima with the same travels, some may leave the body moving
+        near = [s for s, x in zip(others, far, strict=True) if x <= 2.0 * SETTLED]
+        moving = list[str]()
+        for structure in (best, *near):
+            values = one.values(structure.unknowns[None])[0].tolist()
+            try:
+                one.model.check_rest(trials, values, errors_of)
+            except ConvergenceError as error:
+                moving.append(str(error))
+                one.structures.remove(structure)
+            else:
+                break
+        else:
+            raise ConvergenceError(f"{said} {moving[0]}".strip())
         if said:
             raise ConvergenceError(said)
         return one
