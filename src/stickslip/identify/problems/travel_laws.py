@@ -28,9 +28,8 @@ from scipy.stats import qmc
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import Array
-from stickslip.identify.descents import Descents
 from stickslip.identify.fits import TravelModel, Trial, is_rig, required_of, under_cycles
-from stickslip.identify.simulated import SETTLED
+from stickslip.identify.simulated import SETTLED, Descents
 from stickslip.mechanisms import slip_names, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters
 
