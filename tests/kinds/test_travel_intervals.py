@@ -161,7 +161,7 @@ def test_draws_that_are_led_to_the_readings_count():
     """By linear proposals alone, 4 of them did."""
     rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     fitted = fit(rig, PowerViscous, THREE)
-    assert fitted.to_dict()["effective_draws"] > 15.0
+    assert fitted.to_dict()["effective_draws"] > 50.0
     low, high = fitted.estimates[0].low, fitted.estimates[0].high
     assert low < fitted.estimates[0].value < high
-    assert "effective number of draws" in " ".join(fitted.verdict.words.cannot_tell)
+    assert "effective number of draws" not in " ".join(fitted.verdict.words.cannot_tell)

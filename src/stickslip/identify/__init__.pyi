@@ -48,7 +48,6 @@ from stickslip.identify.problems.travels import INSENSITIVE as INSENSITIVE
 from stickslip.identify.problems.travels import TravelJudgement as TravelJudgement
 from stickslip.identify.problems.travels import USUAL_LAWS as USUAL_LAWS
 from stickslip.identify.problems.travels import band_of as band_of
-from stickslip.identify.problems.travels import fitted_travels as fitted_travels
 from stickslip.identify.problems.travels import judged_travels as judged_travels
 from stickslip.identify.problems.travels import knob_of as knob_of
 from stickslip.identify.problems.travels import propagated as propagated

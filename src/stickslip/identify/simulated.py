@@ -69,6 +69,10 @@ WHITE = 0.7
 """Share of rows that counts at most: what a law lacks is alike in neighbouring rows, also where it
 is too small to be seen in the autocorrelation of the noise."""
 
+FIRST, EASED, STIFFENED, MOST = 1e-2, 0.2, 10.0, 1e7
+"""Damping of a first step, its factors after a step that is kept and one that is not, and the
+damping at which a descent ends."""
+
 UNTOLD = 0.7
 """Deviation of draws over that of their prior, above which the rows tell nothing of a parameter."""
 
@@ -186,32 +190,80 @@ class Simulated(Readable):
 
 
 @dataclass(eq=False)
-class _Search:
-    """Searches of one family, from several starts at once."""
+class Descents:
+    r"""Damped Gauss-Newton descents from several starts at once, as runs are cheaper together.
 
-    unknowns: Unknowns
+    The logarithm of the posterior has the gradient :math:`g` and the curvature :math:`H` over the
+    scales of the unknowns. The step is :math:`(H + \lambda\,\mathrm{diag}\,H)^{-1} g` of those
+    that no bound holds. A step that gains is kept, and :math:`\lambda` falls; else it grows [M]_.
+
+    .. [M] J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory", Lecture Notes
+       in Mathematics 630 (1978) 105-116.
+    """
+
     at: Array
     """Where they are (m, p)."""
-    value: Array = field(default_factory=lambda: np.zeros(0))
+    scale: Array
+    """Scales of the unknowns (m, p), in which steps, gradients and curvatures are counted."""
+    settled: float
+    """Gain of a step, in the logarithm of the posterior, up to which a descent ends."""
+    low: Array | float = -np.inf
+    """Least values of the unknowns (p,) and ..."""
+    high: Array | float = np.inf
+    """... largest ones."""
+    reach: float = 2.0
+    """Longest step of an unknown over its scale."""
+    value: Array = field(init=False)
     """Logarithm of the posterior there (m,), up to a constant."""
-    gradient: Array = field(default_factory=lambda: np.zeros(0))
+    gradient: Array = field(init=False)
     """Gradients (m, p) and ..."""
-    curvature: Array = field(default_factory=lambda: np.zeros(0))
-    """... minus second derivatives (m, p, p) by Gauss and Newton, over prior deviations."""
-    damping: Array = field(default_factory=lambda: np.zeros(0))
-    live: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    curvature: Array = field(init=False)
+    """... minus second derivatives (m, p, p) by Gauss and Newton."""
+    damping: Array = field(init=False)
+    live: NDArray[np.bool_] = field(init=False)
+    """Which of them go on (m,)."""
+
+    def __post_init__(self) -> None:
+        m, p = self.at.shape
+        self.value, self.damping = np.full(m, -np.inf), np.full(m, FIRST)
+        self.gradient, self.live = np.zeros((m, p)), np.ones(m, dtype=bool)
+        self.curvature = np.broadcast_to(np.eye(p), (m, p, p)).copy()
 
     def proposed(self) -> Array:
         """Return the points of the next step (m, p)."""
-        p = self.at.shape[1]
-        lifted = self.curvature + self.damping[:, None, None] * (
-            self.curvature * np.eye(p) + 1e-9 * np.eye(p)
-        )
-        step = np.linalg.solve(lifted, self.gradient[:, :, None])[:, :, 0]
-        # a step of more than two prior deviations leaves where the quadratic holds
-        largest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
-        step *= np.minimum(1.0, 2.0 / largest)
-        return np.asarray(self.at + step * self.unknowns.deviation)
+        p, g = self.at.shape[1], self.gradient
+        held = (self.at <= self.low) & (g < 0.0) | (self.at >= self.high) & (g > 0.0)
+        h = np.where(held[:, :, None] | held[:, None, :], 0.0, self.curvature)
+        diagonal = np.einsum("kii->ki", h)
+        # what hardly matters is held back by what matters: else it would leap
+        least = 1e-9 * np.max(diagonal, axis=1, keepdims=True)
+        added = self.damping[:, None] * diagonal + least + (diagonal <= 0.0)
+        lifted, right = h + added[:, :, None] * np.eye(p), np.where(held, 0.0, g)
+        step = np.linalg.solve(lifted, right[:, :, None])[:, :, 0]
+        longest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
+        step *= np.minimum(1.0, self.reach / longest)
+        return np.asarray(np.clip(self.at + step * self.scale, self.low, self.high))
+
+    def accept(self, points: Array, value: Array, *, first: bool = False) -> NDArray[np.intp]:
+        """Move to those points (k, p) of live descents that gain; return which these are."""
+        (which,) = np.nonzero(self.live)
+        gain = np.where(np.isfinite(value), value, -np.inf) - np.maximum(self.value[which], -1e300)
+        better = np.isfinite(value) & (first | (gain > 0.0))
+        kept, others = which[better], which[~better]
+        self.at[kept], self.value[kept] = points[better], value[better]
+        self.damping[kept] *= EASED
+        self.live[kept] = first | (gain[better] > self.settled)
+        self.damping[others] = np.maximum(self.damping[others], 1e-3) * STIFFENED
+        self.live[others] = (self.damping[others] < MOST) & (not first)
+        return np.flatnonzero(better)
+
+
+class _Search(Descents):
+    """Searches of one family, over the deviations of its prior."""
+
+    def __init__(self, unknowns: Unknowns, at: Array) -> None:
+        super().__init__(at, np.broadcast_to(unknowns.deviation, at.shape), settled=SETTLED)
+        self.unknowns = unknowns
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -378,13 +430,7 @@ class SimulatedPosterior:
             unknowns = self.problem.vary(name)
             value = self._value(unknowns, at, left[name])
             best = np.argsort(-value, kind="stable")[: self._starts]
-            searches[name] = _Search(unknowns, at[best], value[best])
-            count = len(best)
-            one = searches[name]
-            one.damping, one.live = np.full(count, 1e-2), np.isfinite(one.value)
-            m, p = one.at.shape
-            one.gradient = np.zeros((m, p))
-            one.curvature = np.broadcast_to(np.eye(p), (m, p, p)).copy()
+            searches[name] = _Search(unknowns, at[best])
         self._linearise(
             searches, {name: search.at for name, search in searches.items()}, first=True
         )
@@ -421,20 +467,13 @@ class SimulatedPosterior:
             at, k, p = points[name][which], len(which), item.at.shape[1]
             left, nudged = every[name][:, :k], every[name][:, k:].reshape(len(self._w), k, p)
             value = self._value(item.unknowns, at, left)
-            for number, place in enumerate(which):
-                gain = value[number] - item.value[place]
-                if not (math.isfinite(value[number]) and (first or gain > 0.0)):
-                    item.damping[place] = max(item.damping[place], 1e-3) * 10.0
-                    item.live[place] &= not first and item.damping[place] < 1e7
-                    continue
+            for number in item.accept(at, value, first=first):
                 slopes = (left[:, number, None] - nudged[:, number]) / 1e-3
                 slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-                item.at[place], item.value[place] = at[number], value[number]
+                place = which[number]
                 item.gradient[place], item.curvature[place] = self._newton(
                     item.unknowns, at[number], left[:, number], slopes
                 )
-                item.damping[place] *= 0.2
-                item.live[place] = first or gain > SETTLED
 
     def _newton(
         self, unknowns: Unknowns, at: Array, left: Array, slopes: Array, which: int | None = None

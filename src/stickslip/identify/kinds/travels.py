@@ -26,7 +26,6 @@ from stickslip.identify import (
     PredictionBand,
     TravelJudgement,
     band_of,
-    fitted_travels,
     judged_travels,
     sections_of,
 )
@@ -890,50 +889,41 @@ class TravelKind(SimulatedKind):
                 " same vary), give the mechanism the values found and state their uncertainties,"
                 " and compare laws then."
             )
-        return super().select(replace(read, mechanism=varied.mechanism, fixed=None))
+        return super().select(replace(read, mechanism=varied.mechanism, vary=None, fixed=None))
 
     def weighed(
         self, request: Request, laws: Mapping[str, Any], vary: str | Sequence[str] | None
     ) -> tuple[Readable, Weighed]:
-        if request.law is not None:
-            result = self._fitted(request, *laws.values())
-            return result, result
-        t_end = request.t_end or T_END
-        trials = trials_of(request.mechanism, request.measurement, t_end)
-        named, ordinary = started(laws)
-        result = JudgedTravels(judged_travels(
-            request.mechanism, trials, named or None, ordinary=ordinary, assumed=request.assumed,
-            t_end=t_end, watch=request.progress,
-        ))  # fmt: skip
-        return result, result
-
-    def _fitted(self, request: Request, law: Any) -> JudgedTravels:
-        t_end, measurement = request.t_end or T_END, request.measurement
+        law = request.law and next(iter(laws.values()))
         chosen = Parameters.of(
-            request.mechanism, law, request.vary, request.fixed, measurement=measurement
+            request.mechanism, law, request.vary, request.fixed, measurement=request.measurement
         )
-        given: Any = chosen.law
-        start = with_known(starting_law(given), chosen.known) if isinstance(given, type) else given
-        trials = trials_of(chosen.mechanism, measurement, t_end)
+        t_end = request.t_end or T_END
+        trials = trials_of(chosen.mechanism, request.measurement, t_end)
         check_rig(trials, chosen.unknown)
+        values, ordinary = started(laws)
+        values = {name: with_known(x, chosen.known) for name, x in values.items()}
         named: list[str] | None = None
-        if chosen.free is not None:
+        if chosen.free is not None and request.law is not None:
             named = [path.removeprefix("friction.") for path in chosen.free if path != LAW]
-            asked = [*named, *chosen.unknown]
-            if len(asked) > len(trials):
+            sought = [*named, *chosen.unknown]
+            if len(sought) > len(trials):
                 raise InputError(
-                    f"{count(len(trials), 'travel')} cannot determine {len(asked)} parameters: vary"
-                    f" fewer of {', '.join(asked)}, or measure more trials."
+                    f"{count(len(trials), 'travel')} cannot determine {len(sought)} parameters:"
+                    f" vary fewer of {', '.join(sought)}, or measure more trials."
                 )
             if LAW in chosen.free:
+                (start,) = values.values()
                 named += [name for name in start.fit_order if name not in (*named, *chosen.known)]
-        judgement = fitted_travels(
-            chosen.mechanism, trials, start, named=named, rig=chosen.unknown, known=chosen.known,
-            given=not isinstance(given, type), t_end=t_end,
-            watch=request.progress and partial(request.progress, start.name),
+        judgement = judged_travels(
+            chosen.mechanism, trials, values or None, ordinary=ordinary, assumed=request.assumed,
+            named=named, rig=chosen.unknown, known=chosen.known, strict=request.law is not None,
+            t_end=t_end, watch=request.progress,
         )  # fmt: skip
         paths = (f"friction.{name}" for name in named or ())
-        return JudgedTravels(judgement, {*paths, *chosen.unknown}, alone=True)
+        alone = request.law is not None
+        result = JudgedTravels(judgement, {*paths, *chosen.unknown}, alone=alone)
+        return result, result
 
     def bare(self, problem: Any, name: str) -> TravelCandidate:
         return TravelCandidate(
@@ -993,8 +983,12 @@ class TravelKind(SimulatedKind):
 
     def fault(self, fit: Any) -> str:
         judgement: TravelJudgement = fit.problem.judgement
-        if judgement.misfit:
-            left, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
+        left, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
+        is_far = judgement.misfit
+        if fit.problem.alone and judgement.stated and not judgement.explained:
+            left = max(left, fit.scatter)  # of one law that was chosen, not what a curve leaves
+            is_far = left > THRESHOLDS.misfit * stated
+        if is_far:
             return (
                 f"is {quantity(left, 'm', 2)} from them, where {quantity(stated, 'm', 2)} is"
                 " stated: check the rig, units, and values that were given"

@@ -29,6 +29,7 @@ from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import FrictionLaw
 from stickslip.identify.bands import Array
 from stickslip.identify.fits import TravelModel, Trial, is_rig, required_of, under_cycles
+from stickslip.identify.simulated import SETTLED, Descents
 from stickslip.mechanisms import slip_names, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters
 
@@ -72,13 +73,6 @@ STEPS = 8
 STEP = 1e-4
 """Step of finite differences over the size of an unknown: runs with bristles are exact to 1e-8, and
 the error of a one-sided difference is then about as small as it can be."""
-FIRST, EASED, STIFFENED, MOST = 1e-3, 0.1, 10.0, 1e6
-"""Damping of a first step, its factors after a step that is kept and one that is not, and the
-damping at which a descent ends."""
-DONE = 1e-9
-"""Step over the size of each unknown below which a descent ends."""
-WORTH = 1e-4
-"""Share of the cost, which is chi-square, that a step takes off at least if descents go on."""
 REFINED, WIDE = 3, 2.0
 """Shapes that are fitted too, from the best of the grid, and as many settings at which starts are
 tried; and the prior spread of shapes over themselves."""
@@ -584,45 +578,32 @@ def descended(
     ...     moving=np.array([True]),
     ...     steps=20,
     ... )
-    >>> ends.round(6).tolist()
-    [[1.414214], [-1.414214]]
+    >>> ends.round(4).tolist()
+    [[1.4142], [-1.4142]]
     """
-    result = np.array(starts, dtype=float)
-    left = residuals(result)
-    costs = np.sum(left**2, axis=1)
-    moving = np.broadcast_to(moving, result.shape)
-    damping = np.full(len(result), FIRST)
-    slopes = np.zeros((*left.shape, result.shape[1]))
-    stale = np.ones(len(result), dtype=bool)
-    live = np.isfinite(costs) & moving.any(axis=1)
-    for _ in range(steps):
-        if not live.any():
+    at = np.array(starts, dtype=float)
+    result = Descents(at, np.maximum(np.abs(at), sizes), SETTLED, low, high, reach=1.0)
+    moving = np.broadcast_to(moving, at.shape)
+    for number in range(steps + 1):
+        (which,) = np.nonzero(result.live)
+        points = result.proposed()[which] if number else at
+        left = residuals(points)
+        kept = result.accept(points, -0.5 * np.sum(left**2, axis=1), first=not number)
+        if number == steps or not result.live.any():
             break
-        at = np.flatnonzero(live & stale)
-        if len(at):
-            slopes[at] = slopes_of(residuals, result[at], left[at], low=low, high=high,
-                                   sizes=sizes, moving=moving[at])  # fmt: skip
-            stale[at] = False
-        at = np.flatnonzero(live)
-        size = np.maximum(np.abs(result[at]), sizes)
-        step = size * _steps(slopes[at] * size[:, None, :], left[at], damping[at], result[at], low,
-                             high, moving[at])  # fmt: skip
-        there = np.clip(result[at] + step, low, high)
-        moved = np.max(np.abs(there - result[at]) / size, axis=1)
-        left_there = residuals(there)
-        cost = np.sum(left_there**2, axis=1)
-        better = cost < costs[at]
-        kept = at[better]
-        gain = costs[kept] - cost[better]
-        done = (moved[better] < DONE) | (gain <= WORTH * costs[kept])
-        result[kept], left[kept], costs[kept] = there[better], left_there[better], cost[better]
-        stale[kept] = True
-        damping[kept] *= EASED
-        damping[at[~better]] *= STIFFENED
-        live[kept[done]] = False
-        live[at[~better & (moved < DONE)]] = False
-        live &= damping < MOST
-    return result, costs
+        kept = kept[result.live[which[kept]]]
+        if not len(kept):
+            continue
+        slopes = slopes_of(
+            residuals, points[kept], left[kept], low=low, high=high, sizes=sizes,
+            moving=moving[which[kept]],
+        )  # fmt: skip
+        scale = np.maximum(np.abs(points[kept]), sizes)
+        slopes = np.where(np.isfinite(slopes), slopes, 0.0) * scale[:, None, :]
+        result.scale[which[kept]] = scale
+        result.gradient[which[kept]] = -np.einsum("kni,kn->ki", slopes, left[kept])
+        result.curvature[which[kept]] = np.einsum("kni,knj->kij", slopes, slopes)
+    return result.at, -2.0 * result.value
 
 
 def slopes_of(
@@ -646,34 +627,6 @@ def slopes_of(
     there = residuals(shifted) - left[rows]
     result[rows, :, columns] = there / np.where(step == 0.0, math.inf, step)[:, None]
     return result
-
-
-def _steps(
-    slopes: Array,
-    left: Array,
-    damping: Array,
-    points: Array,
-    low: Array,
-    high: Array,
-    moving: NDArray[np.bool_],
-) -> Array:
-    """Return damped steps (k, p) over sizes; 0 for what is held or would leave its bounds."""
-    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-    downhill = -np.einsum("kni,kn->ki", slopes, left)
-    held = (points <= low) & (downhill < 0.0) | (points >= high) & (downhill > 0.0) | ~moving
-    slopes = np.where(held[:, None, :], 0.0, slopes)
-    downhill = np.where(held, 0.0, downhill)
-    normal = np.einsum("kni,knj->kij", slopes, slopes)
-    diagonal = np.einsum("kii->ki", normal)
-    scale = np.where(diagonal > 0.0, diagonal, 1.0)
-    # what hardly matters is held back by what matters: else it would leap
-    least = 1e-9 * np.max(diagonal, axis=1, keepdims=True)
-    added = damping[:, None] * scale + least + np.where(diagonal > 0.0, 0.0, 1.0)
-    solved = np.linalg.solve(normal + added[:, :, None] * np.eye(len(low)), downhill[:, :, None])
-    steps: Array = solved[:, :, 0]
-    longest = np.max(np.abs(steps), axis=1, keepdims=True)
-    # by no more than the size of an unknown
-    return np.asarray(steps / np.maximum(longest, 1.0))
 
 
 def spread_out(trials: Sequence[Trial], most: int) -> list[Trial]:

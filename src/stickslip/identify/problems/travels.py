@@ -70,6 +70,7 @@ from stickslip.identify.problems.travel_laws import (
     moving_back,
 )
 from stickslip.identify.simulated import (
+    SETTLED,
     UNTOLD,
     effective_draws,
     mixture_density,
@@ -191,8 +192,6 @@ class TravelJudgement:
     dropped: Mapping[str, tuple[FrictionLaw, str]] = field(default_factory=dict)
     """Laws that are left out, and why, by name."""
     seed: int = 0
-    curve: bool = True
-    """Whether the curve as measured joins, from three settings on."""
 
     def __post_init__(self) -> None:
         self.measured = np.array([trial.travel for trial in self.trials])
@@ -295,7 +294,7 @@ class TravelJudgement:
     def _curves(self, best: Linear) -> list[Linear]:
         """Return the measured curve about a law, with several spreads of its factor."""
         base = best.predicted
-        if not self.curve or not self.one_way or np.abs(base).min() < 0.02 * np.abs(base).max():
+        if not self.one_way or np.abs(base).min() < 0.02 * np.abs(base).max():
             return []
         result = []
         for bending in BENDING:
@@ -1057,36 +1056,53 @@ def judged_travels(
     *,
     ordinary: Collection[str] = (),
     assumed: Mapping[str, Collection[str]] | None = None,
+    named: Sequence[str] | None = None,
+    rig: Sequence[str] = (),
+    known: Collection[str] = (),
+    strict: bool = False,
     t_end: float = 10.0,
     watch: Callable[[str, float], object] | None = None,
 ) -> TravelJudgement:
     """Judge travels: fit all laws, the usual ones if none are given, and weigh them.
 
     Values of laws that are not `ordinary` were given: of shapes they hold but for those `assumed`,
-    and coefficients are held where the settings do not pay for them.
+    and coefficients are held where the settings do not pay for them. Of a single law, `named` are
+    parameters that are fitted, whatever values were given (all that travels tell if not given),
+    `rig` paths of the mechanism that are fitted too, and `known` parameters that are held; it is
+    searched thoroughly. If `strict`, a law that has no fit is an error.
     """
-    given = laws
+    usual_ones, listed_laws = laws is None, listed()
     if laws is None:
-        laws = {name: starting_law(law_type(name)) for name in USUAL_LAWS if name in listed()}
+        laws = {name: starting_law(law_type(name)) for name in USUAL_LAWS if name in listed_laws}
+    alone = len(laws) == 1
     fits = _Fits.of(trials, t_end)
     fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
     for name in sorted(laws, key=lambda item: bool(laws[item].states)):
-        law, usual = laws[name], given is None or name in ordinary
-        if given is None and isinstance(law, DirectionDependent):
+        law, is_given = laws[name], not (usual_ones or name in ordinary)
+        if usual_ones and isinstance(law, DirectionDependent):
             start = fits.leading.with_unknowns(np.array(fits.size.levels[:1]))
             if not moving_back(start, trials, t_end):
                 continue
-        marked = set((assumed or {}).get(name, ()))
-        known = set() if usual else {x for x in _given_names(law) if x not in marked}
-        held = set() if usual else _unpaid(law, known, trials)
-        said = None if watch is None else partial(watch, name)
+        marked, held = set((assumed or {}).get(name, ())), {*known}
+        if named is not None:  # a value that was given is where a search begins, and no more
+            is_given = False
+            held |= {item for item in fields_of(type(law)) if item not in named}
+        elif is_given:
+            held |= _unpaid(law, {x for x in _given_names(law) if x not in marked}, trials)
         try:
             one = TravelLaw.of(
-                name, law, trials, t_end, held=held, given=not usual, guessed=marked, watch=said
-            )
-            fitted.append(fits.fitted(one, [x for x in fitted if not x.slow]))
+                name, law, trials, t_end, held=held, given=is_given, guessed=marked,
+                named=named or (), rig=rig, watch=None if watch is None else partial(watch, name),
+            )  # fmt: skip
+            one.thorough = alone
+            simpler = [x for x in fitted if not x.slow]
+            if alone and law.states and not rig:
+                simpler = fits.without_bristles(law, held)
+            fitted.append(fits.fitted(one, simpler))
         except (StickslipError, ValueError, IndexError) as error:
             why = str(error) if isinstance(error, StickslipError) else ""
+            if strict and why:
+                raise
             dropped[name] = law, why or "no values reproduce the travels"
     if not fitted:
         raise InputError(
@@ -1095,52 +1111,6 @@ def judged_travels(
     return TravelJudgement(
         mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=fits.size,
         order=USUAL_LAWS, dropped=dropped,
-    )  # fmt: skip
-
-
-def fitted_travels(
-    mechanism: Mechanism,
-    trials: Sequence[Trial],
-    law: FrictionLaw,
-    *,
-    named: Sequence[str] | None = None,
-    rig: Sequence[str] = (),
-    known: Collection[str] = (),
-    given: bool = False,
-    t_end: float = 10.0,
-    watch: Callable[[int], object] | None = None,
-) -> TravelJudgement:
-    """Judge travels by a single law, without the measured curve, whatever it leaves.
-
-    `named` are parameters of the law that are fitted (all that travels tell if not given), `rig`
-    paths of the mechanism that are fitted too, `known` parameters that are held. With `given`
-    values, shapes are held, and coefficients for which the settings do not pay.
-    """
-    fits, kind = _Fits.of(trials, t_end), type(law)
-    held = {*known}
-    if named is not None:  # a value that was given is where a search begins, and no more
-        given = False
-        held |= {name for name in fields_of(kind) if name not in named}
-    elif given:
-        held |= _unpaid(law, set(_given_names(law)), trials)
-    simpler = list[TravelLaw]()
-    if law.states and not rig:  # begins where the law without bristles ends
-        others = [law_type(name) for name in USUAL_LAWS if name in listed()]
-        like = max(
-            (other for other in others if not starting_law(other).states),
-            key=lambda other: len(fields_of(other).keys() & fields_of(kind).keys() - held),
-        )
-        plain = TravelLaw.of(like.name, starting_law(like), trials, t_end, held=held, given=False)
-        with contextlib.suppress(StickslipError):
-            simpler = [fits.fitted(plain)]
-    one = TravelLaw.of(
-        law.name, law, trials, t_end, held=held, given=given, named=named or (), rig=rig,
-        watch=watch,
-    )  # fmt: skip
-    one.thorough = True
-    return TravelJudgement(
-        mechanism=mechanism, trials=trials, t_end=t_end, laws=[fits.fitted(one, simpler)],
-        size=fits.size, order=USUAL_LAWS, curve=False,
     )  # fmt: skip
 
 
@@ -1163,6 +1133,19 @@ class _Fits:
         errors = np.maximum(errors, RESOLVED * float(np.mean(np.abs(measured))))
         return cls(leading=leading, size=leading.size(*leading.scanned()), errors=errors)
 
+    def without_bristles(self, law: FrictionLaw, held: Collection[str]) -> list[TravelLaw]:
+        """Return the law without bristles that has most of the parameters; none if it fails."""
+        others = [law_type(name) for name in USUAL_LAWS if name in listed()]
+        like = max(
+            (other for other in others if not starting_law(other).states),
+            key=lambda other: len(fields_of(other).keys() & fields_of(type(law)).keys() - held),
+        )
+        start, trials, t_end = starting_law(like), self.leading.trials, self.leading.t_end
+        plain = TravelLaw.of(like.name, start, trials, t_end, held=held, given=False)
+        with contextlib.suppress(StickslipError):
+            return [self.fitted(plain)]
+        return []
+
     def fitted(self, one: TravelLaw, simpler: Sequence[TravelLaw] = ()) -> TravelLaw:
         """Return a law fitted in all its shapes; an error says why it makes no such travels."""
         law, own, trials, errors = one.law, self.size, one.trials, self.errors
@@ -1178,16 +1161,13 @@ class _Fits:
                 f"no values of {', '.join(one.model.free)} were found with which every trial can be"
                 " simulated."
             )
-        best = min(
-            one.structures,
-            key=lambda s: float(np.sum(((measured - s.predicted) / errors) ** 2)),
-        )
+        costs = [float(np.sum(((measured - s.predicted) / errors) ** 2)) for s in one.structures]
+        best, *others = (one.structures[k] for k in np.argsort(costs, kind="stable"))
         moved = np.abs(measured) > THRESHOLDS.outlier * errors
         if np.any(moved & (np.abs(best.predicted) < STILL * np.abs(measured))):
             raise ConvergenceError(
                 f"{law.title} friction holds the body at rest in a trial in which it moved."
             )
-        values = one.values(best.unknowns[None])[0].tolist()
         off = abs(float(np.mean(measured - best.predicted)))
         alike = len({trial.setting for trial in trials}) == 1
         said = ""
@@ -1198,10 +1178,22 @@ class _Fits:
                 f" {quantity(float(best.predicted[0]), 'm', 4)}."
             )
         least, stated = standard_errors(trials)
-        try:
-            one.model.check_rest(trials, values, least if stated else errors)
-        except ConvergenceError as error:
-            raise ConvergenceError(f"{said} {error}".strip()) from None
+        errors_of = least if stated else errors
+        far = [float(np.sum(((best.predicted - s.predicted) / errors_of) ** 2)) for s in others]
+        # of minima with the same travels, some may leave the body moving
+        near = [s for s, x in zip(others, far, strict=True) if x <= 2.0 * SETTLED]
+        moving = list[str]()
+        for structure in (best, *near):
+            values = one.values(structure.unknowns[None])[0].tolist()
+            try:
+                one.model.check_rest(trials, values, errors_of)
+            except ConvergenceError as error:
+                moving.append(str(error))
+                one.structures.remove(structure)
+            else:
+                break
+        else:
+            raise ConvergenceError(f"{said} {moving[0]}".strip())
         if said:
             raise ConvergenceError(said)
         return one
