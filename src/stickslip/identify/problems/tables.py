@@ -566,9 +566,11 @@ class TableProblem(Problem):
         when = rng.integers(3, size=len(curves))
         stated = np.isfinite(rows.order)
         for k, time in enumerate((0.0, 0.5, 1.0)):
-            own = replace(rows, order=np.where(stated, rows.order, time))
-            x, group = self.model.random(own)
-            curves[when == k] += random[:, when == k].T @ x.T
+            at = np.full(len(when), not k) if stated.all() else when == k
+            if at.any():
+                own = replace(rows, order=np.where(stated, rows.order, time))
+                x, group = self.model.random(own)
+                curves[at] += random[:, at].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
             count = len(curves)
             effects = random[group == "run"].reshape(2, self.model.frame.runs, count)
