@@ -75,6 +75,8 @@ from stickslip.show.formatting import capital, joined, number, percent, quantity
 DIFFERENT = 1.2
 """Half-width of the band of another specimen over that of those measured, from which both are
 stated."""
+LIMITS = ("clipping", "threshold")
+"""Findings that are limits of a sensor."""
 LEAST = 1e-3
 """Probability below which no number is given."""
 MOST_ODDS = 1e4
@@ -211,7 +213,8 @@ def finding_sentence(finding: Finding) -> str:
     """Return what stands beside the law, with its odds."""
     odds = finding.probability / max(1.0 - finding.probability, 1e-12)
     said = f"more than {number(MOST_ODDS)}" if odds > MOST_ODDS else number(odds, 2)
-    return f"{finding.sentence} Odds that there is any such change: {said} to 1."
+    what = "such a limit" if finding.term in LIMITS else "any such change"
+    return f"{finding.sentence} Odds that there is {what}: {said} to 1."
 
 
 def rest_sentence(velocities: Array, unit: str) -> str:

@@ -324,7 +324,8 @@ class Projector:
         scaled = x / norm[:, None, :]
         gram = scaled.swapaxes(1, 2) @ scaled
         size = gram.shape[1]
-        gram[:, range(size), range(size)] *= 1.0 + 1e-10
+        norms = np.einsum("kii->ki", gram)  # a part that has faded at all places is 0
+        gram[:, range(size), range(size)] = np.where(norms > 0.0, (1.0 + 1e-10) * norms, 1.0)
         gram = np.repeat(gram, len(y) // len(gram), axis=0)
         moment = (y[:, None] @ scaled)[:, 0]
         if about is not None:
