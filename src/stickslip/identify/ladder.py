@@ -75,8 +75,6 @@ from stickslip.show.formatting import capital, joined, number, percent, quantity
 DIFFERENT = 1.2
 """Half-width of the band of another specimen over that of those measured, from which both are
 stated."""
-LIMITS = ("clipping", "threshold")
-"""Findings that are limits of a sensor."""
 LEAST = 1e-3
 """Probability below which no number is given."""
 MOST_ODDS = 1e4
@@ -213,7 +211,7 @@ def finding_sentence(finding: Finding) -> str:
     """Return what stands beside the law, with its odds."""
     odds = finding.probability / max(1.0 - finding.probability, 1e-12)
     said = f"more than {number(MOST_ODDS)}" if odds > MOST_ODDS else number(odds, 2)
-    what = "such a limit" if finding.term in LIMITS else "any such change"
+    what = "such a limit" if finding.term in ("clipping", "threshold") else "any such change"
     return f"{finding.sentence} Odds that there is {what}: {said} to 1."
 
 

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
-from stickslip.identify.posterior import Array
+from stickslip.identify.posterior import ROUNDING, Array
 from stickslip.identify.problems.table_model import Readings
 
 CENSORED_PRIOR = 0.02
@@ -35,11 +35,6 @@ ALIKE = 1e-4
 equal, such as a display that holds."""
 EXACT = 3e-4
 """Noise over friction below which readings are calculated: they may be equal by their law."""
-
-SWEEPS = 2
-"""Times that what each reading says is taken anew from all others."""
-LEAST_TOLD = 1e-6
-"""Least part of its variance that a reading takes off."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,14 +63,8 @@ class Limit:
     ) -> tuple[Array, Array]:
         """Return readings (k,) that say as much as these, and their errors beside the noise [N].
 
-        Parameters
-        ----------
-        middle, variance : array (k,)
-            Mean [N] and variance of friction at the rows, by all other readings.
-        noise : array (k,)
-            Deviation of the noise [N].
-        direction : array (k,)
-            Signs of the velocities.
+        Friction there has a mean (k,) [N] and a variance by all other readings, noise a deviation
+        [N], and the velocity a sign.
         """
         way, bound = np.full(len(middle), np.sign(self.value)), abs(self.value)
         if not self.value:
@@ -83,7 +72,7 @@ class Limit:
         s = np.sqrt(noise**2 + variance)
         z = (way * middle - bound) / s
         r = np.exp(-0.5 * z * z - log_ndtr(z)) / math.sqrt(math.tau)
-        size = np.maximum(s**2 / np.maximum(r * (z + r), LEAST_TOLD) - variance, noise**2)
+        size = np.maximum(s**2 / np.maximum(r * (z + r), ROUNDING) - variance, noise**2)
         return way * (way * middle + s / (z + r)), np.sqrt(size - noise**2)
 
     def others(self, table: Readings) -> Readings:
@@ -95,14 +84,9 @@ class Limit:
     ) -> float:
         """Return the probability that there is a limit.
 
-        Parameters
-        ----------
-        every, other : float
-            Logarithms of the evidence of all readings, and of the others.
-        readings : array (d, k)
-            Draws of readings at its rows, by the others [N].
-        size, sigma, step : float
-            Size of friction, deviation of the noise about the others, resolution [N].
+        Given are the logarithms of the evidence of all readings and of the others, draws (d, k) of
+        readings at its rows by the others, the size of friction, the deviation of the noise about
+        the others, and the resolution [N].
         """
         if sigma < EXACT * size:
             return 0.0

@@ -43,7 +43,6 @@ from stickslip.identify.posterior import (
 )
 from stickslip.identify.problems.records import LOAD
 from stickslip.identify.problems.sensor_limits import (
-    SWEEPS,
     Limit,
     limits_of,
     resolution_of,
@@ -897,13 +896,13 @@ def censored(
         free[limit.rows] = False
     problem = TableProblem(table.where(free), fitted(table.where(free), families))
     known = replace(table, friction=table.friction.copy(), stated=table.stated.copy())
-    for sweep in range(SWEEPS):
+    for again in (False, True):
         for limit in limits:
             rows = table.rows.where(limit.rows)
             curves = problem.friction(rows, problem.posterior.draws(DRAWS, seed=2))
             middle, variance = np.mean(curves, axis=0), np.var(curves, axis=0)
             noise = problem.errors(rows)[0]
-            if sweep:  # without what is taken of it already
+            if again:  # without what is taken of it already
                 middle, variance = without_site(
                     middle, variance, known.friction[limit.rows],
                     known.stated[limit.rows] ** 2 + noise**2,
