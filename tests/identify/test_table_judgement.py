@@ -394,7 +394,7 @@ def test_readings_below_a_threshold_of_the_sensor_are_not_zero_friction():
 
 def test_readings_at_the_limit_of_a_sensor_say_that_friction_is_more():
     random, held = np.random.default_rng(3), list[float]()
-    for _ in range(4):
+    for _ in range(2):
         read = 5.0 + 4.0 * SPEEDS + 0.1 * random.normal(size=len(SPEEDS))
         top = float(np.quantile(read, 0.75))
         found, terms = limits(SPEEDS, np.minimum(read, top))

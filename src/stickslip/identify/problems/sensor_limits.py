@@ -9,7 +9,8 @@ Such readings are censored: of friction they say that it is beyond the limit, an
         \frac{p(y_o)\, P(\text{beyond} \mid y_o)\, p_L}{p(y)\, \delta^k} ,
 
 where :math:`\delta` is the resolution of the readings, with which the density of equal readings is
-their probability, and :math:`p_L = \delta / \text{size}` that of the value of a limit; 0 is known.
+their probability, :math:`P` is a product over them, as if none went with another, and
+:math:`p_L = \delta / \text{size}` the probability of the value of a limit; 0 is known.
 
 Then each is a normal reading whose value and variance, beside the noise, give the mean and the
 variance that friction :math:`\sim N(m, v)` by the others has beyond the limit (expectation
@@ -93,7 +94,9 @@ class Limit:
         inside = np.abs(readings) < self.least
         if self.value:
             inside = np.sign(self.value) * (readings - self.value) >= -0.5 * step
-        beyond = (np.sum(np.all(inside, axis=1)) + 0.5) / (len(readings) + 1.0)
+        beyond = float(np.prod(np.mean(inside, axis=0)))
+        if not beyond:  # such as outliers
+            return 0.0
         resolution = math.log(max(step, ALIKE * sigma))
         odds = math.log(CENSORED_PRIOR / (1.0 - CENSORED_PRIOR)) + other + math.log(beyond)
         odds += (resolution - math.log(size)) * bool(self.value)
