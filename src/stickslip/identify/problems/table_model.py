@@ -601,8 +601,10 @@ class TableModel(Model):
         self.weights, self.reference = weights, reference
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
-        if self.step and not self.repeats:  # equal readings of flat friction have one error
-            self.block = np.unique(readings.friction, return_inverse=True)[1].ravel()
+        values, of_value = np.unique(readings.friction, return_inverse=True)
+        self.is_flat = bool(self.step) and not self.repeats and len(values) <= FEW_GAPS
+        if self.is_flat:  # equal readings have one error
+            self.block = of_value.ravel()
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
         self.ordered_by, self.is_sorted = order_of(readings)
         self.scales = self._scales()
@@ -666,14 +668,14 @@ class TableModel(Model):
     def shared(self, node: Node) -> float:
         """Return the variance of what readings of a block share at a node.
 
-        Noise makes errors of rounding differ: what is the same at one friction fades with it
+        Noise makes errors of rounding at one friction differ: what is the same fades with it
         (B. Widrow, I. Kollar, Quantization Noise, 2008).
         """
         result = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2
-        if self.step:
-            fading = math.exp(-((math.tau * self.sigma(node) / self.step) ** 2))
-            result += self.step**2 / 12.0 * fading
-        return result
+        if not self.is_flat:
+            return result + self.step**2 / 12.0
+        fading = math.exp(-((math.tau * self.sigma(node) / self.step) ** 2))
+        return result + self.step**2 / 12.0 * fading
 
     def begin(self) -> list[Node]:
         """Return nodes over the range of the noise and of what no law says."""
