@@ -49,7 +49,7 @@ KINDS: Mapping[str, Callable[[int, int], Rig]] = {
 LEVELS = (0.95, 0.80, 0.50)
 SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0, "travels": 3.0}
 """Processor time that a verdict of each kind may take [s]."""
-FAULTS = {"drift"}
+FAULTS = {"drift", "clipping", "threshold"}
 """Terms that are faults."""
 Row = Mapping[str, Any]
 

@@ -7,7 +7,15 @@ from benchmarks.posterior.study import AXIS, of_joint, repeated, specimens
 from stickslip import Measurement, select
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import COEFFICIENT
-from stickslip.identify.problems.table_model import BETA, Frame, Readings, Rows, fitted, order_of
+from stickslip.identify.problems.table_model import (
+    BETA,
+    Frame,
+    Readings,
+    Rows,
+    fitted,
+    order_of,
+    step_of,
+)
 from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.projection import Projector
 
@@ -364,3 +372,63 @@ def test_a_reading_left_out_is_compared_with_what_all_others_say():
     far = np.abs(inverse @ read) / np.sqrt(np.diag(inverse))
     assert np.all(model.weights == 1.0)
     np.testing.assert_allclose(model.left_out(node, structure), far, rtol=1e-6)
+
+
+def limits(v, friction):
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=friction)))
+    terms = [finding.term for finding in found.findings if finding.asserted]
+    return found, [term for term in terms if term in ("clipping", "threshold")]
+
+
+def test_readings_below_a_threshold_of_the_sensor_are_not_zero_friction():
+    v = np.geomspace(0.001, 1.0, 20)
+    read = 0.2 + 6.0 * v + 0.03 * np.random.default_rng(12).normal(size=20)
+    found, terms = limits(v, np.round(np.where(read < 0.4, 0.0, read), 3))
+    assert terms == ["threshold"]
+    assert found.named.family == ("level", "viscous")
+    held = {one.path.rpartition(".")[2]: one for one in found.intervals}
+    assert held["viscous_coefficient"].low < 6.0 < held["viscous_coefficient"].high
+    assert held["kinetic_coefficient"].low < 0.2 < held["kinetic_coefficient"].high
+    assert found.known < 0.05  # without the threshold, .6
+
+
+def test_readings_at_the_limit_of_a_sensor_say_that_friction_is_more():
+    random, held = np.random.default_rng(3), list[float]()
+    for _ in range(2):
+        read = 5.0 + 4.0 * SPEEDS + 0.1 * random.normal(size=len(SPEEDS))
+        top = float(np.quantile(read, 0.75))
+        found, terms = limits(SPEEDS, np.minimum(read, top))
+        assert terms == ["clipping"]
+        assert found.named.family == ("level", "viscous")
+        v = SPEEDS[read < top]
+        band = found.band(found.problem.at(v))
+        held.append(np.mean((band.low <= 5.0 + 4.0 * v) & (5.0 + 4.0 * v <= band.high)))
+    assert np.mean(held) > 0.9
+
+
+@pytest.mark.parametrize("digits", [None, 1, 2])
+def test_friction_that_ends_level_is_not_at_the_limit_of_a_sensor(digits):
+    friction = 5.0 * np.tanh(SPEEDS / 0.02)
+    if digits is not None:
+        noise = 0.02 * np.random.default_rng(5).normal(size=len(SPEEDS))
+        friction = np.round(friction + noise, digits)
+    assert limits(SPEEDS, friction)[1] == []
+
+
+def test_flat_friction_that_was_rounded_to_two_values_may_lie_anywhere_between():
+    held = []
+    for seed in range(6):
+        random = np.random.default_rng([9, seed])
+        level = 5.0 + 0.1 * random.uniform(0.2, 0.8)
+        read = np.round(level + 0.03 * random.normal(size=len(SPEEDS)), 1)
+        found, _ = limits(SPEEDS, read)
+        band = found.band(found.problem.at(SPEEDS))
+        held.append(np.all((band.low <= level) & (level <= band.high)))
+    assert np.mean(held) == 1.0
+
+
+def test_two_levels_of_friction_are_no_rounding():
+    friction = np.where(SPEEDS < 0.1, 2.0, 3.0)
+    rows = Rows(velocity=SPEEDS, load=np.ones(20), inputs={}, run=np.zeros(20, int), order=SPEEDS)
+    readings = Readings.of(rows, friction)
+    assert step_of(readings, Frame.of(readings)) == 0.0

@@ -213,7 +213,8 @@ def finding_sentence(finding: Finding) -> str:
     """Return what stands beside the law, with its odds."""
     odds = finding.probability / max(1.0 - finding.probability, 1e-12)
     said = f"more than {number(MOST_ODDS)}" if odds > MOST_ODDS else number(odds, 2)
-    return f"{finding.sentence} Odds that there is any such change: {said} to 1."
+    what = "such a limit" if finding.term in ("clipping", "threshold") else "any such change"
+    return f"{finding.sentence} Odds that there is {what}: {said} to 1."
 
 
 def rest_sentence(velocities: Array, unit: str) -> str:

@@ -56,7 +56,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, lapack, solve_triangular
+from scipy.linalg import lapack
 from scipy.special import log_ndtr
 
 Array: TypeAlias = NDArray[np.float64]
@@ -543,10 +543,11 @@ class Posterior:
                 left = without(every, {k: x / sizes[k] for k, x in known.items()})
                 base += 0.5 * float(every[-1, -1] - left[-1, -1])
             size = of.shape[1]
-            left = np.pad(left, (0, 1))
-            m = left[of[:, :, None], of[:, None, :]]
+            wider = np.zeros((len(left) + 1, len(left) + 1))
+            wider[:-1, :-1] = left
+            m = wider[of[:, :, None], of[:, None, :]]
             m[:, range(size), range(size)] += COEFFICIENT**-2
-            moment = left[of, -2]
+            moment = wider[of, -2]
             inverse, logarithm = inverted(m)
             c = np.einsum("sij,sj->si", inverse, moment)
             c += np.einsum("sij,sj->si", inverse, moment - np.einsum("sij,sj->si", m, c))
@@ -642,7 +643,7 @@ class Posterior:
         d, q, gram = len(free), system.deviations, system.gram
         across = COEFFICIENT * inverse @ (q[:, None] * gram[:m, free])
         precision = COEFFICIENT**2 * gram[np.ix_(free, free)] - across.T @ across + np.eye(d)
-        last = np.linalg.inv(cholesky(precision, lower=True)) if d else precision
+        last = np.linalg.inv(np.linalg.cholesky(precision)) if d else precision
         root = np.zeros((m + d, m + d))
         root[:m, :m], root[:m, m:] = inverse.T, -inverse.T @ across @ last.T
         root[m:, m:] = last.T
@@ -683,7 +684,7 @@ def inverse_root(system: System) -> Array:
     m, q = len(system.deviations), system.deviations
     k = q[:, None] * system.gram[:m, :m] * q
     k[np.diag_indices(m)] += 1.0
-    inverse, _ = lapack.dtrtri(cholesky(k, lower=True), lower=1)
+    inverse, _ = lapack.dtrtri(np.linalg.cholesky(k), lower=1)
     return np.asarray(inverse)
 
 
@@ -722,8 +723,9 @@ def eliminated(system: System) -> tuple[float, Array]:
         gram = units[:, None] * gram[np.ix_(order, order)] * units
     k = q[:, None] * gram[:m, :m] * q
     k[np.diag_indices(m)] += 1.0
-    factor = cholesky(k, lower=True)
-    h = solve_triangular(factor, q[:, None] * gram[:m, m:], lower=True)
+    factor = np.linalg.cholesky(k)
+    h = q[:, None] * gram[:m, m:]
+    h = lapack.dtrtrs(factor, h, lower=1)[0] if m else h
     left = gram[m:, m:] - h.T @ h
     base = system.volume - float(np.sum(np.log(np.diag(factor)))) - 0.5 * float(left[-1, -1])
     return base, left

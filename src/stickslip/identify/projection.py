@@ -25,6 +25,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -105,19 +106,19 @@ class Target:
     scale: Array | float = 1.0
     """How friction grows with the load at the places (n,)."""
 
-    @property
+    @cached_property
     def middle(self) -> Array:
         """Medians (n,)."""
         return np.asarray(np.median(self.draws, axis=0))
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """Size of friction (n,) by which distances are taken."""
         middle = self.middle
         typical = SMALL * np.sqrt(np.mean(middle**2)) + 1e-300
         return np.asarray(np.maximum(np.abs(middle), typical * self.scale))
 
-    @property
+    @cached_property
     def allowed(self) -> Array:
         """How far a law may be off (n,)."""
         low, high = np.quantile(self.draws, (0.16, 0.84), axis=0)
@@ -296,8 +297,11 @@ class Projector:
         positive: "NDArray[np.bool_]",
     ) -> None:
         self.design, self.free = design, free
-        self.weights = np.diag(weights) if weights.ndim == 1 else weights
-        self.positive = positive
+        self.weights, self.positive = weights, positive
+
+    def _weighted(self, x: Array) -> Array:
+        """Return columns (..., n, p) times the weights."""
+        return self.weights[:, None] * x if self.weights.ndim == 1 else self.weights @ x
 
     def _shaped(self, structure: Shaped, shapes: Array) -> Shaped:
         """Return a structure with the free entries (k, f)."""
@@ -313,14 +317,15 @@ class Projector:
 
         They differ from those that are known by about their size where curves do not tell them.
         """
-        x = self.weights @ self.design(self._shaped(structure, shapes))
+        x = self._weighted(self.design(self._shaped(structure, shapes)))
         x = x.reshape(-1, *x.shape[-2:])  # of all draws, or of each
         norm = np.sqrt(np.mean(x * x, axis=1)) + 1e-300
         norm = np.maximum(norm, 1e-12 * norm.max(axis=1, initial=0.0, keepdims=True))
         scaled = x / norm[:, None, :]
         gram = scaled.swapaxes(1, 2) @ scaled
         size = gram.shape[1]
-        gram[:, range(size), range(size)] *= 1.0 + 1e-10
+        norms = np.einsum("kii->ki", gram)  # a part that has faded at all places is 0
+        gram[:, range(size), range(size)] = np.where(norms > 0.0, (1.0 + 1e-10) * norms, 1.0)
         gram = np.repeat(gram, len(y) // len(gram), axis=0)
         moment = (y[:, None] @ scaled)[:, 0]
         if about is not None:
@@ -340,7 +345,7 @@ class Projector:
 
         They are `about` some (k, p), if any are known.
         """
-        y = draws @ self.weights.T
+        y = self._weighted(draws.T).T
         least = np.full(len(draws), np.inf)
         shapes = np.zeros((len(draws), len(self.free)))
         c = np.zeros((len(draws), len(self.positive)))
@@ -365,8 +370,8 @@ class Projector:
         low = np.log([item.low for item in self.free])
         high = np.log([item.high for item in self.free])
         logs, damping = np.log(shapes), np.full(len(y), 1e-3)
+        _, base = self._solved(structure, np.exp(logs), y)
         for _ in range(POLISHES):
-            _, base = self._solved(structure, np.exp(logs), y)
             slopes = []
             for place in range(len(self.free)):
                 step = np.zeros(len(self.free))
@@ -385,5 +390,5 @@ class Projector:
             better = misfit < least
             damping = np.where(better, 0.3 * damping, 10.0 * damping)
             least = np.where(better, misfit, least)
-            logs[better], c[better] = new[better], coefficients[better]
+            logs[better], c[better], base[better] = new[better], coefficients[better], left[better]
         return c, np.exp(logs)

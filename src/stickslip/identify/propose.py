@@ -101,14 +101,16 @@ def propose(
     curves = curves - curves.mean(axis=0)
     covariance = curves.T @ curves / draws
     covariance[count:, count:] += shared
-    numbers = np.arange(count, curves.shape[1]).reshape(places, -1)
+    # of what is asked the variance is all that counts
+    variance, covariance = np.diag(covariance)[:count].copy(), covariance[count:].copy()
+    numbers = np.arange(len(covariance)).reshape(places, -1)
     errors = np.broadcast_to(np.reshape(noise, (-1, 1)) if np.ndim(noise) == 1 else noise,
                              numbers.shape)  # fmt: skip
     scatter = errors[:, :, None] ** 2 * np.eye(numbers.shape[1]) + 1e-300 * np.eye(numbers.shape[1])
 
     def width() -> float:
         """Return the mean standard deviation at the asked places."""
-        return float(np.mean(np.sqrt(np.maximum(np.diag(covariance)[:count], 0.0) + rest)))
+        return float(np.mean(np.sqrt(np.maximum(variance, 0.0) + rest)))
 
     start = width()
     if not start:
@@ -117,12 +119,14 @@ def propose(
     while len(chosen) < COUNTED:
         if shrinks[-1] <= (enough if len(chosen) < most else HALVED):
             break
-        own = covariance[numbers[:, :, None], numbers[:, None, :]] + scatter
+        own = covariance[numbers[:, :, None], count + numbers[:, None, :]] + scatter
         cross = covariance[numbers, :count]
         read = np.linalg.solve(own, cross) if numbers.shape[1] > 1 else cross / own
         best = int(np.argmax(np.einsum("jri,jri->j", cross, read)))
         rows = covariance[numbers[best]]
-        covariance = covariance - rows.T @ np.linalg.solve(own[best], rows)
+        less = np.linalg.solve(own[best], rows)
+        variance -= np.sum(rows[:, :count] * less[:, :count], axis=0)
+        covariance -= rows[:, count:].T @ less
         chosen.append(best)
         shrinks.append(width() / start)
     some = min(most, len(chosen))

@@ -116,9 +116,10 @@ def select_table(
     offered = problem.offered()
     # friction is asked for, and read, early, midway and late: new readings are in random order
     times, n = (0.0, 0.5, 1.0), len(offered.velocity)
-    rows = [replace(offered, order=np.full(n, time)) for time in times]
-    steady = np.hstack([within_band(problem.steady(at, judgement.draws)) for at in rows])
-    curves = np.hstack([within_band(judgement.curves(at)) for at in rows])
+    rows = offered.where(np.tile(np.arange(n), len(times)))
+    rows = replace(rows, order=np.repeat(times, n))
+    steady = within_band(problem.steady(rows, judgement.draws))
+    curves = within_band(judgement.curves(rows))
     # friction is as well known at each load, about
     grown = np.tile(problem.model.frame.grown(offered), len(times))
     # what runs differ, and ends that may be outliers, no reading takes off

@@ -67,6 +67,7 @@ from stickslip.identify.vocabulary import (
     flow_direction,
     parameters_of,
 )
+from stickslip.identify.wording import share_text
 from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
@@ -796,7 +797,7 @@ class RecordProblem(Problem):
             )
         if name == "run":
             runs = self.model.balance.runs
-            return f"The {runs} runs differ by {percent(size)} of friction (standard deviation)."
+            return f"The {runs} runs differ by {share_text(size)} of friction (standard deviation)."
         if name == "relaxing":
             return (
                 "A force beside friction follows the past of the motion, as that of a hose, a cable"
@@ -813,7 +814,7 @@ class RecordProblem(Problem):
             "force": "A force beside friction changes with the place or in time",
         }[name]
         spring = self._spring(draws) if name == "force" and self.model.balance.pulled else ""
-        return f"{what}, by {percent(size)} of friction (standard deviation){spring}."
+        return f"{what}, by {share_text(size)} of friction (standard deviation){spring}."
 
     def _spring(self, draws: Sequence[Draws]) -> str:
         """Return what to add of a force beside friction that is nearly that of a spring."""

@@ -109,6 +109,9 @@ FINE = 4
 """Parts of a gap in which a kink may be."""
 MOST_GAPS = 60
 """Gaps between speeds, loads or inputs up to which jumps are tried."""
+FEW_GAPS, OF_EACH, COARSEST = 4, 3, 0.1
+"""Differences between readings that say nothing of a step, readings of each value that do, and the
+largest step of these over friction: two friction levels are no rounding."""
 TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
@@ -598,6 +601,10 @@ class TableModel(Model):
         self.weights, self.reference = weights, reference
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
+        values, of_value = np.unique(readings.friction, return_inverse=True)
+        self.is_flat = bool(self.step) and not self.repeats and len(values) <= FEW_GAPS
+        if self.is_flat:  # equal readings have one error
+            self.block = of_value.ravel()
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
         self.ordered_by, self.is_sorted = order_of(readings)
         self.scales = self._scales()
@@ -657,6 +664,18 @@ class TableModel(Model):
     def tau(self, node: Node) -> float:
         """Return the deviation of what no law says at a node [N]."""
         return RHO[node[1]] * self.sigma(node)
+
+    def shared(self, node: Node) -> float:
+        """Return the variance of what readings of a block share at a node.
+
+        Noise makes errors of rounding at one friction differ: what is the same fades with it
+        (B. Widrow, I. Kollar, Quantization Noise, 2008).
+        """
+        result = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2
+        if not self.is_flat:
+            return result + self.step**2 / 12.0
+        fading = math.exp(-((math.tau * self.sigma(node) / self.step) ** 2))
+        return result + self.step**2 / 12.0 * fading
 
     def begin(self) -> list[Node]:
         """Return nodes over the range of the noise and of what no law says."""
@@ -797,7 +816,7 @@ class TableModel(Model):
         gram = columns.T @ weighted
         # readings of a cell have the determinant of their noise, not of their mean's
         volume = 0.5 * float(np.sum(readings.count * np.log(w / readings.count)))
-        shared = BETA[node[3]] ** 2 * self.repeats + self.step**2 / 12.0 / sigma**2
+        shared = self.shared(node) / sigma**2
         if shared > 0.0:
             sums = np.zeros((int(self.block.max()) + 1, columns.shape[1]))
             np.add.at(sums, self.block, weighted)
@@ -818,7 +837,7 @@ class TableModel(Model):
         laws = laws * self.frame.size / (np.sqrt(np.mean(laws**2, axis=0)) + 1e-300) * COEFFICIENT
         x = np.hstack([self._columns * self.deviations(node), laws])
         noise = (self.growth(readings.rows, node) * self.sigma(node)) ** 2
-        shared = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2 + self.step**2 / 12.0
+        shared = self.shared(node)
         w = readings.count / (noise / self.weights + readings.stated**2)
         factor = (shared / (1.0 + shared * np.bincount(self.block, w)))[self.block]
         sums = np.zeros((int(self.block.max()) + 1, x.shape[1] + 1))
@@ -884,7 +903,8 @@ def _grouped(x: Array, gap: float) -> Integers:
 def step_of(readings: Readings, frame: Frame) -> float:
     """Return the step to which friction was rounded [N], if it is coarse; else 0.
 
-    It is the least difference between readings, if that divides all others.
+    It is the least difference between readings, if that divides all others; of few values, each
+    of several readings, if it divides these.
 
     Examples
     --------
@@ -894,9 +914,14 @@ def step_of(readings: Readings, frame: Frame) -> float:
     >>> round(step_of(readings, Frame.of(readings)), 6)
     0.1
     """
-    gaps = np.diff(np.unique(readings.friction))
+    values = np.unique(readings.friction)
+    gaps = np.diff(values)
+    if 0 < len(gaps) < FEW_GAPS and len(readings.friction) >= OF_EACH * len(values):
+        steps = values / gaps.min()
+        if gaps.min() < COARSEST * frame.size and np.allclose(steps, np.rint(steps), 0.0, 1e-6):
+            return float(gaps.min())
     # exact friction in proportion to even speeds has even gaps too, and they are all alike
-    if len(gaps) < 4 or np.any(readings.count > 1.0) or np.ptp(gaps) < 1e-3 * gaps.min():
+    if len(gaps) < FEW_GAPS or np.any(readings.count > 1.0) or np.ptp(gaps) < 1e-3 * gaps.min():
         return 0.0
     least = float(gaps.min())
     steps = gaps / least

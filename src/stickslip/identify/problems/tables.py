@@ -42,6 +42,12 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.records import LOAD
+from stickslip.identify.problems.sensor_limits import (
+    Limit,
+    limits_of,
+    resolution_of,
+    without_site,
+)
 from stickslip.identify.problems.table_model import (
     AT_ENDS,
     BETA,
@@ -128,6 +134,10 @@ class TableProblem(Problem):
     families: Sequence[Family] | None = None
     load_error: float = 0.0
     """Standard uncertainty of the normal force that was stated, over that."""
+    limits: Sequence[Finding] = ()
+    """Limits of the sensor, beyond which friction at some readings is."""
+    unlimited: "NDArray[np.bool_] | None" = None
+    """Which readings of the fit are none of these (n,), and are those of the table."""
     posterior: Posterior = field(init=False)
 
     def __post_init__(self) -> None:
@@ -141,6 +151,15 @@ class TableProblem(Problem):
     def model(self) -> TableModel:
         """Readings with weights."""
         return self.fit.model
+
+    @property
+    def _of_table(self) -> "NDArray[np.bool_] | slice":
+        return slice(None) if self.unlimited is None else self.unlimited
+
+    @property
+    def weights(self) -> Array:
+        """Weights of the readings of the table (n,)."""
+        return self.model.weights[self._of_table]
 
     @classmethod
     def of(
@@ -165,9 +184,22 @@ class TableProblem(Problem):
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
         fit, rests = fitted(table, known), table.at_rest
+        limits, reached = list[Finding](), list[Limit]()
+        for limit in limits_of(table):
+            others = limit.others(table)
+            if not _moves(others.rows):
+                continue
+            beside = cls(others, fitted(others, known), turning=turning)
+            if (finding := beside.limited(limit, table, fit)).asserted:
+                limits.append(finding)
+                reached.append(limit)
+        free = np.ones(len(table.friction), dtype=bool)
+        if limits:
+            fit, free = censored(table, reached, known)
+            table = table.where(free)
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
-        if len(slow):
+        if len(slow) and not limits:
             moving = table.where(~np.isin(np.arange(len(table.friction)), slow))
             if _moves(moving.rows):
                 other = fitted(moving, known)
@@ -177,7 +209,29 @@ class TableProblem(Problem):
                     rests = np.append(rests, table.rows.velocity[slow])
                     table, fit = moving, other
         unsure = load_error_of(mechanism, measurement)
-        return cls(table, fit, turning=turning, rests=rests, families=families, load_error=unsure)
+        return cls(
+            table, fit, turning=turning, rests=rests, families=families, load_error=unsure,
+            limits=limits, unlimited=free if limits else None,
+        )  # fmt: skip
+
+    def limited(self, limit: Limit, table: Readings, fit: TableFit) -> Finding:
+        """Return the limit of a sensor beside which these readings of a table are the others."""
+        rows, unit = table.rows.where(limit.rows), "N m" if self.turning else "N"
+        draws = self.posterior.draws(DRAWS, seed=2)
+        likely = limit.probability(
+            fit.posterior.evidence, self.posterior.evidence, self.readings(rows, draws),
+            self.size, self.model.sigma(self.posterior.best), resolution_of(table.friction),
+        )  # fmt: skip
+        count, end = len(limit.rows), quantity(limit.end, unit, 3)
+        sentence = (
+            f"{count} readings are {quantity(limit.value, unit, 3)}, the largest that is shown, as"
+            " by a sensor at its limit: friction there is taken to be that or more."
+            if limit.value
+            else f"{count} readings are 0, and no other is below {end}, as by a sensor with a"
+            " threshold: friction there is taken to be anything below it."
+        )
+        title = "limit of the sensor" if limit.value else "threshold of the sensor"
+        return stated(limit.term, title, likely, np.full(1, limit.end / self.size), sentence)
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "TableProblem":
         before, model = self.posterior, copy.copy(self.model)
@@ -566,9 +620,11 @@ class TableProblem(Problem):
         when = rng.integers(3, size=len(curves))
         stated = np.isfinite(rows.order)
         for k, time in enumerate((0.0, 0.5, 1.0)):
-            own = replace(rows, order=np.where(stated, rows.order, time))
-            x, group = self.model.random(own)
-            curves[when == k] += random[:, when == k].T @ x.T
+            at = np.full(len(when), not k) if stated.all() else when == k
+            if at.any():
+                own = replace(rows, order=np.where(stated, rows.order, time))
+                x, group = self.model.random(own)
+                curves[at] += random[:, at].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
             count = len(curves)
             effects = random[group == "run"].reshape(2, self.model.frame.runs, count)
@@ -621,7 +677,7 @@ class TableProblem(Problem):
     def _far_ends(self) -> list[int]:
         """Readings alone at an end that are far from the others, and may be friction."""
         rows, result = self.table.rows, list[int]()
-        suspects = np.flatnonzero(ends_of(rows) & (self.model.weights < 1.0)).tolist()
+        suspects = np.flatnonzero(ends_of(rows) & (self.weights < 1.0)).tolist()
         draws = self.posterior.draws(DRAWS, seed=3) if suspects else []
         for row in suspects:
             alike = (rows.direction == rows.direction[row]) & (
@@ -678,7 +734,7 @@ class TableProblem(Problem):
             velocity=rows.velocity,
             friction=self.table.friction,
             load=rows.load,
-            weights=self.model.weights,
+            weights=self.weights,
         )
 
     # ---- what stands beside the law ---------------------------------------------------------
@@ -711,7 +767,7 @@ class TableProblem(Problem):
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return drifts, differences between runs, and breaks over the load or an input."""
         frame = self.model.frame
-        result = [self._drift(draws)]
+        result = [self._drift(draws), *self.limits]
         result += [self._break(x, draws) for x in (*["load"] * frame.loaded, *frame.means)]
         if self.model.frame.runs > 1:
             result.append(self._differences(draws))
@@ -819,8 +875,7 @@ class TableProblem(Problem):
         left = self.table.friction - self.design(rung.structure, at) @ rung.coefficients
         squares = left**2 * self.table.count + self.table.within
         return math.sqrt(
-            float(np.sum(self.model.weights * squares))
-            / float(np.sum(self.model.weights * self.table.count))
+            float(np.sum(self.weights * squares)) / float(np.sum(self.weights * self.table.count))
         )
 
     @property
@@ -828,8 +883,34 @@ class TableProblem(Problem):
         """Readings that are far from the others, with how many deviations."""
         if np.any(self.table.count > 1.0):
             return {}
-        far, places = self.fit.far, np.rint(self.table.rows.order * self.table.last)
+        far, places = self.fit.far[self._of_table], np.rint(self.table.rows.order * self.table.last)
         return {int(places[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
+
+
+def censored(
+    table: Readings, limits: Sequence[Limit], families: Sequence[Family]
+) -> "tuple[TableFit, NDArray[np.bool_]]":
+    """Return the fit of readings of which some are at limits, and which are none of them (n,)."""
+    free = np.ones(len(table.friction), dtype=bool)
+    for limit in limits:
+        free[limit.rows] = False
+    problem = TableProblem(table.where(free), fitted(table.where(free), families))
+    known = replace(table, friction=table.friction.copy(), stated=table.stated.copy())
+    for again in (False, True):
+        for limit in limits:
+            rows = table.rows.where(limit.rows)
+            curves = problem.friction(rows, problem.posterior.draws(DRAWS, seed=2))
+            middle, variance = np.mean(curves, axis=0), np.var(curves, axis=0)
+            noise = problem.errors(rows)[0]
+            if again:  # without what is taken of it already
+                middle, variance = without_site(
+                    middle, variance, known.friction[limit.rows],
+                    known.stated[limit.rows] ** 2 + noise**2,
+                )  # fmt: skip
+            value, error = limit.site(middle, variance, noise, rows.direction)
+            known.friction[limit.rows], known.stated[limit.rows] = value, error
+        problem = TableProblem(table, fitted(known, families))
+    return problem.fit, free
 
 
 def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
