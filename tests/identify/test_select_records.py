@@ -284,10 +284,9 @@ def test_a_frictionless_record_is_said_to_be_one():
     assert all(float(share.replace(",", "")) <= 100.0 for share in shares)
 
 
-@pytest.mark.parametrize("options", [{"settings": RecordSettings(starts=2)}, {"route": "shooting"}])
-def test_what_has_no_effect_is_refused(options):
-    with pytest.raises(InputError, match="it has no effect on `select`: leave it out"):
-        select(AXIS, None, moved(SIDES), **options)
+def test_what_has_no_effect_is_refused():
+    with pytest.raises(InputError, match="it has no effect on records of motion or friction: lea"):
+        select(AXIS, None, moved(SIDES), settings=RecordSettings(starts=2))
 
 
 # ---- parameters of the mechanism
