@@ -29,11 +29,11 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.friction.definition import error_of_segments
 from benchmarks.friction.records import (
     DROOP,
     DUTIES,
     SUPPLY,
-    SWINGING,
     SWINGS,
     UNKNOWN,
     Log,
@@ -46,7 +46,6 @@ from benchmarks.synthetic_truth import judged, run, share
 from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, law
-from stickslip.identify.fits import RecordFit, fit_records
 from stickslip.mechanisms import DCMotor, PositionLoop
 from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import PID, closed_loop
@@ -185,9 +184,7 @@ def rate(
     except StickslipError as error:
         return row | {"error": str(error), "seconds": time.process_time() - began}
     estimates = {estimate.path: estimate for estimate in result.estimates}
-    by_runs = isinstance(result, RecordFit)
-    table = result.inference.of_record.correlation if by_runs else result.correlation
-    paths = result.free_parameters.paths if by_runs else tuple(estimates)
+    table, paths = result.correlation, tuple(estimates)
     pairs = [
         (i, j)
         for i in range(len(paths))
@@ -198,7 +195,7 @@ def rate(
     said = " ".join(result.sentences)
     return row | {
         "seconds": time.process_time() - began,
-        "residual": result.rms if by_runs else result.verdict.closest.left,
+        "residual": result.verdict.closest.left,
         "true": {path: true[path] for path in paths if path in true},
         "found": {
             path: [estimate.value, estimate.low, estimate.high, estimate.reason]
@@ -259,10 +256,8 @@ PUBLISHED = {
 """k_t [N m/A], R [ohm], inertia of the rotor [kg m^2] and zero of the encoder [rad] that Rhoban/bam
 publishes for a servo of this type, fitted to other records (``bam/params/xl330``, commit 11bb7ecc);
 those of the laws are their `typical` values."""
-SETTINGS = RecordSettings(hold="first", resolution=40, starts=2, position_zeros=False)
-"""Records are simulated under the recorded voltage, in segments of 1 s ..."""
-WHOLE = replace(SETTINGS, hold="zero", segment=6.0, resolution=240, starts=1)
-"""... and through the loop as a whole, as the published errors are."""
+SETTINGS = RecordSettings(hold="first")
+"""Records are fitted under the recorded voltage."""
 
 
 def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
@@ -302,40 +297,24 @@ def of_servo(folder: Path, name: str) -> dict[str, Any]:
         ),
     )
     free = ["mechanism.rest_angle", *(f"mechanism.drive.{item}" for item in UNKNOWN)]
-    fits: dict[str, Any] = {}
 
-    def fitted(part: str, start: Any, kind: Any, settings: RecordSettings) -> Any:
-        chosen = [item for item in every if str(item.gain) != part]
-        result = fit_records(
-            start,
-            kind,
-            joined(chosen, loop=settings is WHOLE),
-            vary=["friction.*", *free],
-            settings=settings,
-        )
-        fits[part] = {
-            "values": dict(zip(result.free_parameters.paths, result.values.tolist(), strict=True)),
-            "cost": result.optimum.best.cost,
-            "rows": len(result.optimum.best.residual),
-        }
-        return result
+    def fitted(chosen: Sequence[Log]) -> Any:
+        kind = LAWS.get(name) or law(name)
+        return fit(rig, kind, joined(chosen), vary=["friction.*", *free], settings=SETTINGS)
 
-    results = fitted("all", rig, LAWS.get(name) or law(name), SETTINGS)
-    held_out = {}
+    results, held_out = fitted(every), {}
     for gain in map(str, GAINS):
-        part = fitted(gain, results.mechanism, results.law, replace(SETTINGS, starts=1))
+        part = fitted([item for item in every if str(item.gain) != gain])
         left_out = [item for item in every if str(item.gain) == gain]
-        held_out[gain] = part.score(joined(left_out)).rms
-    loop = PositionLoop(gain=1.0)
-    motor = replace(results.mechanism.drive, supply=SUPPLY, supply_resistance=DROOP, loop=loop)
-    whole = fitted("loop", replace(results.mechanism, drive=motor), results.law, WHOLE)
-    through = [closed_loop_error(whole.mechanism, whole.law, item) for item in every]
+        held_out[gain] = error_of_segments(part, joined(left_out), 1.0, "first").value
+    motor = replace(results.mechanism.drive, supply=SUPPLY, supply_resistance=DROOP)
+    whole = replace(results.mechanism, drive=motor)
+    through = [closed_loop_error(whole, results.law, item) for item in every]
     return {
         **said_of(results),
         "held_out": held_out,
         "loop": through,
         "published": published(name, rig, every),
-        "fits": fits,
     }
 
 
@@ -356,7 +335,7 @@ def said_of(found: Any) -> dict[str, Any]:
     """Return what a row has of a fit to a whole set."""
     return {
         "title": found.law.title,
-        "rms": found.rms,
+        "leaves": found.verdict.closest.left,
         "found": [
             [
                 estimate.path,
@@ -384,13 +363,13 @@ def of_swing(folder: Path, name: str) -> dict[str, Any]:
 
     def fitted(start: Any, friction: Any, chosen: Sequence[str]) -> Any:
         record = Measurement(trials=tuple(every[item] for item in chosen), name="pendulum")
-        return fit(start, friction, record, vary=free, route="shooting", settings=SWINGING)
+        return fit(start, friction, record, vary=free)
 
     result = fitted(rig, LAWS.get(name) or law(name), [*every])
     held_out = {}
     for entry, record in every.items():
         part = fitted(result.mechanism, result.law, [other for other in every if other != entry])
-        held_out[entry] = part.score(Measurement(trials=(record,), name=entry)).rms
+        held_out[entry] = error_of_segments(part, record, 0.5).value
     return {**said_of(result), "held_out": held_out}
 
 
@@ -509,16 +488,12 @@ def interval(name: str, found: Sequence[Any]) -> str:
     return f"{symbol + ' = ' if name else ''}{value:.3g} ({ends})"
 
 
-ROUTES = ("shooting", "balance")
-
-
 def main() -> None:
     """Run the study, or fit the laws to the measured servo, and print."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rigs", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--route", choices=ROUTES, default=ROUTES[0])
     parser.add_argument("--current", type=float, help="noise of a reported current [A]")
     parser.add_argument("--measured", action="store_true")
     parser.add_argument("--law", action="append", help="of --measured, may be repeated; all if not")
@@ -540,11 +515,10 @@ def main() -> None:
         seed=options.seed,
         jobs=options.jobs,
         candidates=(),
-        route=options.route,
         rated=partial(rate, current=options.current),
     ):
         print(line, flush=True)
-    rows = judged(file, options.seed, options.route, "")
+    rows = judged(file, options.seed)
     print(*summary(rows), sep="\n")
 
 

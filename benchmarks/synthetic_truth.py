@@ -23,15 +23,13 @@ import numpy as np
 from benchmarks.rigs import FREE, TRUTHS, Random, Rig, draw, record
 from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit
 from stickslip.errors import StickslipError
-from stickslip.identify.fits import RecordFit
-from stickslip.identify.fits.settings import RecordSettings
-from stickslip.identify.fits.shooting.estimates import infer
+from stickslip.identify import LawFit
+from stickslip.identify.fits import Estimate
 
 ALWAYS = "coulomb-viscous"
-ROUTES = ("shooting",)
-KINDS = ("jackknife", "naive")
-FURTHER = ("not widened", "limit", "limit, not widened")
-"""Intervals without what the hold adds; whether either holds what the law comes to in the end."""
+ROUTES = ("balance",)
+KINDS = ("truth", "limit")
+"""Whether intervals hold the truth, and what the law comes to in the end where it does not hold."""
 VIOLATIONS = ("drag", "drift")
 DRAG = (0.05, 0.5)
 """Drag at the largest speed over the kinetic level, where the law that is fitted has none."""
@@ -42,50 +40,46 @@ TOGETHER = 6
 COVERAGE = (0.90, 0.99)
 """Targets for nominal 95 %."""
 RESULTS = "synthetic_truth.jsonl"
+NORMAL = 1.96
+"""Half width of a 95 % interval over the standard deviation."""
 
 
 def coverage(
-    found: RecordFit, rig: Rig, limits: Mapping[str, float] | None = None
+    found: LawFit, rig: Rig, limits: Mapping[str, float] | None = None
 ) -> list[dict[str, Any]]:
     """Return for every bounded estimate which intervals hold the true value.
 
     Parameters
     ----------
-    found : RecordFit
+    found : LawFit
         A fit to a record of the rig.
     rig : Rig
         The truth.
     limits : mapping of str to float, optional
         By path what the law comes to with more data, where it does not hold.
     """
-    plain = infer(found.optimum.best, found.scale).half_widths
-    naive = 1.96 * np.sqrt(np.maximum(np.diag(found.inference.naive), 0.0))
     rows = []
-    for i, estimate in enumerate(found.estimates):
-        room, _, name = estimate.path.partition(".")
-        true = getattr(rig.law if room == "friction" else rig.axis, name)
+    for estimate in found.estimates:
+        own = rig.law if estimate.path.startswith("friction.") else rig.axis
+        true = getattr(own, estimate.path.rpartition(".")[2])
         if not estimate.bounded:
             rows.append({"path": estimate.path, "bounded": False})
             continue
-        error = estimate.value - true
-        limit = {}
-        if limits is not None:
-            off = estimate.value - limits[estimate.path]
-            held = estimate.low <= limits[estimate.path] <= estimate.high
-            limit = {"limit": bool(held), "limit, not widened": bool(abs(off) <= plain[i])}
+        limit = {} if limits is None else {"limit": bool(_holds(estimate, limits[estimate.path]))}
         rows.append(
             limit
             | {
                 "path": estimate.path,
                 "bounded": True,
-                "jackknife": bool(estimate.low <= true <= estimate.high),
-                "not widened": bool(abs(error) <= plain[i]),
-                "naive": bool(abs(error) <= naive[i]),
-                "errors": float(error / found.inference.errors[i]),
-                "relative": float(found.inference.errors[i] / max(abs(true), 1e-300)),
+                "truth": bool(_holds(estimate, true)),
+                "relative": estimate.half_width / NORMAL / max(abs(true), 1e-300),
             }
         )
     return rows
+
+
+def _holds(estimate: Estimate, value: float) -> bool:
+    return estimate.low <= value <= estimate.high
 
 
 def fitted(
@@ -93,9 +87,8 @@ def fitted(
     measurement: Measurement,
     *,
     law: type[FrictionLaw] | None = None,
-    starts: int = 4,
     route: str = ROUTES[0],
-) -> RecordFit:
+) -> LawFit:
     """Return a fit of a law, the true one if none is given, the inertia looked for too."""
     law = type(rig.law) if law is None else law
     result = fit(
@@ -104,9 +97,8 @@ def fitted(
         measurement,
         vary=[*FREE.get(law.name, ["friction.*"]), "mechanism.inertia"],
         route=route,
-        settings=RecordSettings(starts=starts),
     )
-    assert isinstance(result, RecordFit)
+    assert isinstance(result, LawFit)
     return result
 
 
@@ -147,12 +139,9 @@ def judge(
         result = fitted(rig, measurement, law=law, route=route)
         if violation:
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
-            long = fitted(rig, more, law=law, starts=1, route=route)
+            long = fitted(rig, more, law=law, route=route)
             limits = {estimate.path: estimate.value for estimate in long.estimates}
         row |= {
-            "over_noise": result.rms / rig.noise,
-            "effective": result.inference.effective,
-            "rows": len(result.residual),
             "correlation_time": rig.correlation_time,
             "intervals": coverage(result, rig, limits),
         }
@@ -232,18 +221,18 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         f"coverage of nominal 95 % (target {100 * COVERAGE[0]:.0f} to {100 * COVERAGE[1]:.0f} %):",
         *(
             f"  {kind:22}{share([item[kind] for item in bounded])}"
-            for kind in (*KINDS, *FURTHER)
+            for kind in KINDS
             if all(kind in item for item in bounded)
         ),
-        "by parameter, jackknife:",
+        "by parameter:",
     ]
     for path in dict.fromkeys(item["path"] for item in bounded):
-        hits = [item["jackknife"] for item in bounded if item["path"] == path]
+        hits = [item["truth"] for item in bounded if item["path"] == path]
         lines.append(f"  {path.partition('.')[2]:30}{share(hits)}")
-    lines.append("by true law, jackknife:")
+    lines.append("by true law:")
     for truth in TRUTHS:
         own = [o for row in rows if row["truth"] == truth for o in row["intervals"] if o["bounded"]]
-        lines.append(f"  {truth:22}{share([item['jackknife'] for item in own])}")
+        lines.append(f"  {truth:22}{share([item['truth'] for item in own])}")
     return [*lines, *(f"rig {row['rig']} failed: {row['failed']}" for row in failed)]
 
 

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @final
 class Linear:
-    """Measured less table times values, with rows in four segments."""
+    """Measured less table times values."""
 
     def __init__(
         self,
@@ -45,21 +45,11 @@ class Linear:
     def free_parameters(self) -> FreeParameters:
         return self._unknowns
 
-    def linearise(
-        self,
-        values: Array,
-        near: ResidualJacobian | None = None,
-        *,
-        only: Sequence[int] | None = None,
-        slopes: bool = True,
-    ) -> ResidualJacobian:
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         self.visited.append(np.array(values))
-        segment = np.minimum(np.arange(len(self.measured)) * 4 // len(self.measured), 3)
-        rows = slice(None) if only is None else np.isin(segment, only)
-        residual = (self.measured - self.table @ values)[rows]
+        residual = self.measured - self.table @ values
         return ResidualJacobian(
             values=np.array(values),
             residual=np.full_like(residual, np.inf) if self.fails else residual,
-            slopes=self.table[rows],
-            segment=segment[rows],
+            slopes=self.table,
         )

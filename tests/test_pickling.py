@@ -120,7 +120,6 @@ MADE = {
     "estimate": lambda: fit(BLOCK, Coulomb, TRAVEL).estimates[0],
     "travel verdict": lambda: select(BLOCK, ["coulomb", "viscous"], TRAVEL),
     "law fit": lambda: fit(AXIS, CoulombViscous, series()),
-    "record fit": lambda: fit(AXIS, CoulombViscous, series(), route="shooting"),
     "band verdict": lambda: select(AXIS, None, TABLE),
     "prediction band": lambda: select(AXIS, None, TABLE).band([0.1, 0.5]),
     "foreseen": lambda: select(AXIS, None, TABLE).predict(

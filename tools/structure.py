@@ -34,9 +34,9 @@ UPPER = ("cli", "identify.fits", "show.report", "show.plots")
 """Rooms that only a route should tell apart."""
 ROUTE_BASES = {"Fit", "Verdict", "Problem"}
 """Classes of which each route has its own subclasses."""
-ROUTE_TYPES = {"Measurement", "Score", "Balanced", "_Rubbed", "_Shot"}
+ROUTE_TYPES = {"Measurement", "Balanced", "_Rubbed", "_Shot"}
 """Further classes by which code tells routes apart."""
-ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "shooting", "balance", "features"} | {
+ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "balance", "features"} | {
     "series",
     "friction-map",
     "scalars",

@@ -18,7 +18,14 @@ from stickslip.data.differentiation import rows_of
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
 from stickslip.identify import Foreseen, JointLawFit, LawFit
-from stickslip.identify.fits import RecordFit, RecordSettings
+from stickslip.identify.fits import (
+    FreeParameters,
+    Hold,
+    RecordSettings,
+    Shooting,
+    measured_quantity,
+    segments_of,
+)
 from stickslip.identify.kinds import SimulatedFit
 from stickslip.identify.problems.velocity_steps import record_of
 from stickslip.mechanisms import DCMotor, Mechanism, PositionLoop
@@ -71,7 +78,7 @@ class Metric(ABC, metaclass=Described):
 
         Parameters
         ----------
-        fit : RecordFit or SimulatedFit
+        fit : LawFit or SimulatedFit
             What is judged.
         record : Measurement
             The part that judges.
@@ -106,19 +113,53 @@ class PositionError(Metric):
     """Length of the segments [s]."""
     unit: str = "m"
     """SI unit of the position."""
+    hold: Hold = "zero"
+    """How the force runs between its samples."""
 
     @property
     def text(self) -> str:
         return f"rms error of the position, simulated for {self.horizon:g} s"
 
-    def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
-        score = fit.score(record, horizon=self.horizon)
-        if score.quantity != "position":
-            raise InputError(
-                f"the fit predicts {score.quantity}: a task judged by position needs"
-                " the route shooting."
-            )
-        return _of_blocks([rms**2 for rms in score.blocks])
+    def of(self, fit: Any, record: Measurement) -> Error:
+        return error_of_segments(fit, record, self.horizon, self.hold)
+
+
+def error_of_segments(fit: Any, record: Measurement, length: float, hold: Hold = "zero") -> Error:
+    """Return the error of segments of a length [s], each run from the state that fits it best.
+
+    Parameters
+    ----------
+    fit : Fit
+        Its law and mechanism are run.
+    record : Measurement
+        What is predicted.
+    length : float
+        Length of the segments [s].
+    hold : {"zero", "first"}
+        How the force runs between its samples.
+
+    Returns
+    -------
+    Error
+        Root mean square, with its standard error by the segments.
+
+    Raises
+    ------
+    InputError
+        If the law has bristles, whose deflections at the first sample nothing tells, or a run
+        fails.
+    """
+    if fit.law.states:
+        raise InputError(f"{fit.law.title} friction does not tell where its bristles begin.")
+    segments = segments_of(fit.mechanism, record, length=length, hold=hold)
+    nothing = FreeParameters(())
+    quantity = measured_quantity(record)
+    runs = Shooting(law=fit.law, free_parameters=nothing, segments=segments, quantity=quantity)
+    left = runs.linearise(nothing.start).residual
+    if not np.isfinite(left).all():
+        raise InputError("a run of the law does not reach the end of a segment.")
+    ends = np.cumsum([len(segment.times) for segment in segments])[:-1]
+    return _of_blocks([float(np.mean(part**2)) for part in np.split(left, ends)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,7 +256,7 @@ class ClosedLoop(Metric):
     text: str = "mean absolute error of the angle, simulated in closed loop over whole records"
     """What it is, in words."""
 
-    def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
+    def of(self, fit: Any, record: Measurement) -> Error:
         errors: list[float] = []
         parts: list[np.ndarray[Any, Any]] = []
         start: dict[str, float] = {}

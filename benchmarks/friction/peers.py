@@ -24,7 +24,7 @@ from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import Laws
-from stickslip.identify.fits import RecordFit
+from stickslip.identify.fits import WIDE, Fit, FreeParameter, FreeParameters, load_of, starting_law
 from stickslip.identify.fits.shooting.segments import segments_of
 from stickslip.mechanisms import Axis, Mechanism, Pendulum
 from stickslip.quantities import parameters, vary
@@ -79,7 +79,7 @@ class Peer(metaclass=Described):
     """What it is installed by."""
     law: str
     """Form of friction that it fits."""
-    fit: Callable[[Task, Measurement, RecordFit[Any]], Found]
+    fit: Callable[[Task, Measurement, Fit[Any]], Found]
     """Fits a record; the unknowns are those of a fit of stickslip."""
 
 
@@ -192,11 +192,32 @@ def _filtered(table: Array, cutoff: float, dt: float) -> Array:
     return np.asarray(sosfiltfilt(butter(ORDER, cutoff, fs=1.0 / dt, output="sos"), table, axis=0))
 
 
+def unknowns_of(task: Task, fit: Fit[Any]) -> FreeParameters:
+    """Return what a fit found as unknowns that begin at ordinary values, with wide limits."""
+    laws = fit.law.members if isinstance(fit.law, Laws) else {"": fit.law}
+    starts = {path: value for path, _, value in parameters(task.mechanism, "mechanism")}
+    for name, law in laws.items():
+        begun = starting_law(type(law), 1.0 if name else load_of(task.mechanism))
+        room = f"friction.{name}" if name else "friction"
+        starts |= {path: value for path, _, value in parameters(begun, room)}
+    items = []
+    for estimate in fit.estimates:
+        start, quantity = starts.get(estimate.path, 0.0), estimate.quantity
+        far = WIDE * max(abs(start), 1e-3)
+        items.append(
+            FreeParameter(
+                path=estimate.path, quantity=quantity, start=start,
+                low=max(quantity.low, -far), high=min(quantity.high, far),
+            )
+        )  # fmt: skip
+    return FreeParameters(tuple(items))
+
+
 class Regression:
     """The force of samples as a function of the unknowns of a fit, as its optimiser sees them."""
 
-    def __init__(self, task: Task, record: Measurement, fit: RecordFit[Any]) -> None:
-        self.fit, self.unknown = fit, fit.free_parameters
+    def __init__(self, task: Task, record: Measurement, fit: Fit[Any]) -> None:
+        self.fit, self.unknown = fit, unknowns_of(task, fit)
         own = self.unknown.paths
         linear = [key for key in own if key.startswith("mechanism.") and key != "mechanism.offset"]
         self.motor = "mechanism.drive.torque_constant" in own
@@ -263,7 +284,7 @@ class Regression:
         return Found(dict(zip(self.unknown.paths, values.tolist(), strict=True)), halves, note)
 
 
-def _by_scipy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
+def _by_scipy(task: Task, record: Measurement, fit: Fit[Any]) -> Found:
     from scipy.optimize import curve_fit
 
     model = Regression(task, record, fit)
@@ -297,7 +318,7 @@ def _begun(model: Regression) -> tuple[Array, tuple[Array, Array]]:
     return inside, (low, high)
 
 
-def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
+def _by_lmfit(task: Task, record: Measurement, fit: Fit[Any]) -> Found:
     lmfit = _library("lmfit")
     model = Regression(task, record, fit)
     start, (low, high) = _begun(model)
@@ -323,7 +344,7 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     return model.found(best, full, _of_rows(model))
 
 
-def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
+def _by_pysindy(task: Task, record: Measurement, fit: Fit[Any]) -> Found:
     """Select terms of the acceleration, as its optimiser does, and read them as friction."""
     sindy = _library("pysindy")
     inertias = [name for name in INERTIAS if hasattr(task.mechanism, name[10:])]
@@ -357,10 +378,11 @@ def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         "friction.kinetic_coefficient": -shares["sign(v)"],
         "friction.quadratic_coefficient": -shares["v|v|"],
     }
-    low = {item.path: item.quantity.low for item in fit.free_parameters.items}
+    unknown = unknowns_of(task, fit)
+    low = {item.path: item.quantity.low for item in unknown.items}
     # Least squares know no ranges of a law.
-    raised = [path for path in fit.free_parameters.paths if values.get(path, 0.0) < low[path]]
-    own = {path: max(values.get(path, 0.0), low[path]) for path in fit.free_parameters.paths}
+    raised = [path for path in unknown.paths if values.get(path, 0.0) < low[path]]
+    own = {path: max(values.get(path, 0.0), low[path]) for path in unknown.paths}
     note = f"terms kept: {', '.join(kept)}; no intervals"
     if raised:
         note += f"; raised to the range of the law: {', '.join(raised)}"
@@ -426,7 +448,7 @@ MODELS: Final[Mapping[type, str]] = {
 }
 
 
-def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
+def _by_mujoco(task: Task, record: Measurement, fit: Fit[Any]) -> Found:
     """Segments as in a fit of stickslip, from states guessed and not fitted."""
     mujoco = _library("mujoco")
     try:
@@ -438,8 +460,9 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
             " peer mujoco out."
         ) from None
     mechanism: Any = task.mechanism
-    own = {path: setter for path, setter in SETTERS.items() if path in fit.free_parameters.paths}
-    start = dict(zip(fit.free_parameters.paths, fit.free_parameters.start.tolist(), strict=True))
+    found = unknowns_of(task, fit)
+    own = {path: setter for path, setter in SETTERS.items() if path in found.paths}
+    start = dict(zip(found.paths, found.start.tolist(), strict=True))
     # The shortest step of all records, as the model has one.
     steps = [float(np.median(np.diff(np.asarray(trial.time)))) for trial in record.records()]
     model_of = {
@@ -454,7 +477,7 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     }
     spec = mujoco.MjSpec.from_string(MODELS[type(mechanism)].format(**model_of))
     model = spec.compile()
-    low, high = (dict(zip(fit.free_parameters.paths, x, strict=True)) for x in _ends(fit))
+    low, high = (dict(zip(found.paths, x.tolist(), strict=True)) for x in found.limits())
     unknown = sysid.ParameterDict()
     for path, put in own.items():
         unknown.add(
@@ -466,7 +489,7 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     chunks = [
         _chunk(sysid, model, whole, segment)
         for number, whole in enumerate(record.records())
-        for segment in segments_of(mechanism, record, length=task.metric.horizon, hold="zero")  # type: ignore[attr-defined]
+        for segment in segments_of(mechanism, record, length=task.metric.horizon)  # type: ignore[attr-defined]
         if segment.record == number
     ]
     states, controls, sensed = zip(*chunks, strict=True)
@@ -481,22 +504,12 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         half = sysid.calculate_intervals(rows[0], ended.jac)[1]
     values = {path: float(best[path].value[0]) for path in own}
     # What its model does not have is 0.
-    held = {path: 0.0 for path in fit.free_parameters.paths if path not in own}
+    held = {path: 0.0 for path in found.paths if path not in own}
     return Found(
         held | values,
         dict(zip(own, map(float, half), strict=True)),
         f"{len(chunks)} segments from guessed states; {WHITE}",
     )
-
-
-def _ends(fit: RecordFit[Any]) -> tuple[list[float], list[float]]:
-    """Return finite ends of the values that are looked at."""
-    items = fit.free_parameters.items
-    sizes = [max(abs(item.start), 1e-3) for item in items]
-    low = [max(item.quantity.low, -100.0 * size) for item, size in zip(items, sizes, strict=True)]
-    return low, [
-        min(item.quantity.high, 100.0 * size) for item, size in zip(items, sizes, strict=True)
-    ]
 
 
 def _joint(field: str) -> Callable[[Any, float], None]:

@@ -26,8 +26,6 @@ People push it later. In ilqr it accelerates by 54 rad/s^2 at 3.0 s; torque and 
 """
 UNEVEN = 0.1
 """Time [s] from which the steps of all of them are even."""
-SWINGING = RecordSettings(segment=0.5, position_zeros=False)
-"""In segments of 0.5 s, as its published errors are."""
 
 
 def swing(name: str) -> Measurement:
@@ -84,8 +82,6 @@ PENDULUM = definition.Task(
     split=_pendulum,
     metric=definition.PositionError(horizon=0.5, unit="rad"),
     vary=("friction.*", "mechanism.mass", "mechanism.inertia", "mechanism.rest_angle"),
-    route="shooting",
-    settings=SWINGING,
     cutoff=3.0,
     published=(
         definition.Published(
@@ -391,9 +387,8 @@ DROOP = 0.14
 with R and k_t of the law of M3."""
 GRID = 5e-3
 """Steps [s] on which records and runs are compared, as in BAM."""
-SETTINGS = RecordSettings(hold="first", segment=2.0, resolution=80, starts=4, position_zeros=False)
-"""Records are simulated under the recorded voltage, in segments of 2 s: in those of 1 s, searches
-end at resistances of less than 0.1 ohm."""
+SETTINGS = RecordSettings(hold="first")
+"""Records are fitted under the recorded voltage."""
 UNKNOWN = ("resistance", "torque_constant", "rotor_inertia")
 OPEN = {"mechanism.drive.current_limit": 0.0}
 """A winding that is not connected."""
@@ -494,7 +489,6 @@ SERVO_TASKS = (
         vary=("friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{key}" for key in UNKNOWN)),
         laws=("coulomb-viscous", "bam-m3", "bam-m4"),
         selects=False,
-        route="shooting",
         settings=SETTINGS,
         cutoff=10.0,
         published=(
@@ -545,8 +539,7 @@ REFERENCE_TASKS = (
         judged="the last 2 s",
         mechanism=Axis(inertia=1.0),
         split=_modelica,
-        metric=definition.PositionError(horizon=1.0),
-        route="shooting",
+        metric=definition.PositionError(horizon=1.0, hold="first"),
         settings=RecordSettings(hold="first"),
         cutoff=60.0,
         truth={"level": 5.0, "excess at rest": 10.0, "viscous": 1.0, "inertia": 1.0},

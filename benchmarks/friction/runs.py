@@ -18,12 +18,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from benchmarks.friction.definition import CoefficientError, Task
+from benchmarks.friction.definition import CoefficientError, ForceError, Task
 from benchmarks.friction.peers import PEERS, Found, by_speed
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import law_type
-from stickslip.identify.fits import RecordFit
+from stickslip.identify.fits import Fit
 from stickslip.identify.kinds import fit, select
 from stickslip.quantities import vary
 from stickslip.show.described import Described
@@ -365,7 +365,9 @@ def _of_peer(case: Task, tool: str) -> Iterator[Row]:
             error=error, estimates=numbers, seconds=seconds, outcome=estimate.note,
         )  # fmt: skip
         return
-    # Its own fit tells unknowns and start, and judges values of others by the same steps.
+    if isinstance(case.metric, ForceError):
+        raise InputError("the force along a motion is foreseen by a posterior, and this has none.")
+    # Our fit tells the unknowns, and values of others are judged by the same steps.
     own = _fit(case, peer.law, fitted)
     seconds, result = _timed(lambda: peer.fit(case, fitted, own))
     at = _at(own, result)
@@ -380,7 +382,7 @@ def _of_peer(case: Task, tool: str) -> Iterator[Row]:
             "low": _end_of(result, item.path, -1.0),
             "high": _end_of(result, item.path, 1.0),
         }
-        for item in own.free_parameters.items
+        for item in own.estimates
     )
     yield replace(row, error=error, doubt=doubt, estimates=estimates, outcome=result.note)
 
@@ -390,11 +392,8 @@ def _end_of(found: Found, path: str, side: float) -> float | None:
     return found.values[path] + side * half if math.isfinite(half) else None
 
 
-def _at(own: RecordFit[Any], found: Found) -> RecordFit[Any]:
-    """Return a fit with other values of its unknowns, as what is judged."""
-    values = own.free_parameters.start
-    values[:] = [found.values[path] for path in own.free_parameters.paths]
-    best = own.problem.linearise(values)
+def _at(own: Fit[Any], found: Found) -> Fit[Any]:
+    """Return a fit with other values of its unknowns, whose law and mechanism are judged."""
     law = {
         # Offsets of sensors are unknowns of the record, not parameters of the law.
         path: x
@@ -410,7 +409,6 @@ def _at(own: RecordFit[Any], found: Found) -> RecordFit[Any]:
         own,
         law=vary(own.law, "friction", law),
         mechanism=vary(own.mechanism, "mechanism", rig),
-        optimum=replace(own.optimum, best=best),
     )
 
 

@@ -24,8 +24,8 @@ from tools.lowest import lowest
 import stickslip
 import stickslip.show.plots
 from stickslip.friction import LAWS
-from stickslip.identify.fits.shooting.fitting import OwnRouteName
 from stickslip.identify.kinds.registry import OWN
+from stickslip.identify.kinds.verbs import OwnRouteName
 from stickslip.lazy import Door
 from stickslip.mechanisms import MECHANISMS
 from stickslip.study.optimisation import GOALS, GoalName
@@ -68,7 +68,7 @@ from stickslip.mechanisms.drives import Pulse, Sampled, SineSwing
 from stickslip.friction import LAWS
 from stickslip.mechanisms import Link, Torque
 from stickslip.engine import EventTimes, Max
-from stickslip.identify import RecordFit, TravelVerdict
+from stickslip.identify import LawFit, TravelVerdict
 from stickslip.study.sweep import average_velocity
 from stickslip.show.plots import draw_run, plot_run, save
 
@@ -100,8 +100,8 @@ reveal_type(fit(block, "lugre", one).law)
 found = fit(Axis(inertia=1.0), CoulombViscous, table, route="table",
             vary=["friction.*", "mechanism.inertia"], fixed={"mechanism.offset": 0})
 print(found.law.viscous_coefficient)
-if isinstance(found, RecordFit):
-    reveal_type(found.score(record))
+if isinstance(found, LawFit):
+    reveal_type(found.predict(record))
 
 verdict = select(block, [Coulomb, "lugre", Stribeck], record, validate=record)
 reveal_type(verdict)
@@ -161,7 +161,7 @@ REVEALED = (
     "Fit[Coulomb]",
     "Coulomb",
     "FrictionLaw",
-    "Score",
+    "Foreseen",
     "Verdict[Candidate[Fit[Any]]]",
     "str",
     "TravelCandidate | None",

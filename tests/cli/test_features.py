@@ -71,7 +71,7 @@ def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
 
 
 def test_options_for_records_of_motion_are_refused(run):
-    for option in (("--segment", "1"), ("--hold", "first"), ("--starts", "2")):
+    for option in (("--hold", "first"), ("--starts", "2")):
         code, _, err = run("fit", "slider.toml", *option)
         assert code == 2
         assert err.startswith(f"stickslip: {option[0]} applies to ")

@@ -84,7 +84,7 @@ gain = { friction = 1.0 }
 """
 RIGS = {
     "travel": (TRAVEL, ["--laws", "coulomb"]),
-    "record": (RECORD, ["--laws", "coulomb-viscous", "--starts", "1"]),
+    "record": (RECORD, ["--laws", "coulomb-viscous"]),
     "features": (FEATURES, ["--laws", "coulomb"]),
     "rate-state": (STEPS, ["--laws", "logarithmic", "--starts", "1"]),
 }

@@ -43,17 +43,14 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("fit", "axis.toml", "--horizon", "1"), "--horizon applies to simulated segments"),
-        (("fit", "map.toml", "--segment", "1"), "it has no effect on tables of friction"),
         (("fit", "map.toml", "--hold", "first"), "it has no effect on tables of friction"),
-        (("fit", "axis.toml", "--segment", "1"), "here the route is balance"),
-        (("fit", "axis.toml", "--starts", "2"), "here the route is balance"),
-        (("select", "axis.toml", "--segment", "1"), "it has no effect on `select`"),
-        (("select", "axis.toml", "--horizon", "1"), "it has no effect on `select`"),
+        (
+            ("fit", "axis.toml", "--starts", "2"),
+            "it has no effect on records of motion or friction",
+        ),
         (("select", "map.toml", "--starts", "2"), "it has no effect on tables of friction"),
         (("select", "map.toml", "--route", "balance"), "give arrays with time [s]"),
         (("fit", "axis.toml", "--route", "force-map"), "unknown route 'force-map'"),
-        (("fit", "axis.toml", "--segment", "-1"), "stickslip: --segment must be a time above 0 s"),
     ],
 )
 def test_an_option_without_effect_is_refused(run, arguments, said):
@@ -67,12 +64,8 @@ def test_an_option_without_effect_is_refused(run, arguments, said):
 @pytest.mark.parametrize(
     "option",
     [
-        ("--route", "shooting"),
-        ("--horizon", "1"),
-        ("--segment", "1"),
+        ("--route", "balance"),
         ("--hold", "zero"),
-        ("--starts", "2"),
-        ("--seed", "1"),
     ],
 )
 def test_options_of_records_are_refused_for_travels(run, command, option):
@@ -87,7 +80,6 @@ def test_options_of_records_are_refused_for_travels(run, command, option):
     [
         ("known.toml",),
         ("axis.toml", "--set", "friction.viscous_coefficient=30"),
-        ("known.toml", "--route", "shooting"),
     ],
 )
 def test_what_the_rig_gives_is_held_where_it_is_not_varied(run, rig):

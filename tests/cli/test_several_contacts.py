@@ -281,7 +281,7 @@ def arm_record(tmp_path):
 @pytest.mark.slow
 @pytest.mark.usefixtures("arm_record")
 def test_a_parameter_of_the_law_of_one_joint_is_held(called):
-    asked = ("--law", "shoulder=coulomb-viscous,elbow=coulomb", "--starts", "1", "--json")
+    asked = ("--law", "shoulder=coulomb-viscous,elbow=coulomb", "--json")
     held = ("--fixed", "friction.shoulder.viscous_coefficient=0.01")
     code, shown, said = called(ARM_RIG, "fit", "rig.toml", *asked, *held)
     assert code == 0, said

@@ -105,7 +105,7 @@ def test_select_reads_films_where_their_route_is_asked_for() -> None:
     assert np.allclose(table["measured"], table["predicted"], atol=3e-3)
     assert all(trial.cycles for trial in verdict.trials)
     with pytest.raises(InputError, match="route"):
-        select(capsule(0.4), ["coulomb"], Measurement(travel=0.1), route="shooting")
+        select(capsule(0.4), ["coulomb"], Measurement(travel=0.1), route="balance")
 
 
 def test_check_says_that_a_film_has_another_frequency_than_its_drive() -> None:

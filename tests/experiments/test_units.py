@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip import Axis, Coulomb, Measurement, RecordSettings
+from stickslip import Axis, Coulomb, Measurement
 from stickslip.data.units import check_uncertainty, gain_factor, read_number
 from stickslip.errors import ParameterError
 from stickslip.quantities import Quantity
@@ -51,7 +51,6 @@ def test_constructors_take_text_with_units_and_quantities_of_pint():
         assert Axis(inertia=value).inertia == 3e-4
     assert Coulomb(kinetic_coefficient="20 %").kinetic_coefficient == 0.2
     assert Measurement(travel="200 mm").travel == 0.2
-    assert RecordSettings(segment="500 ms").segment == 0.5
     angles = unit.Quantity(np.array([0.0, 180.0]), "deg")
     assert Measurement(time=[0, 1], position=angles, turning=True).position[1] == math.pi
     own = pint.UnitRegistry()

@@ -11,10 +11,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from tests.pair_cases import PUSH, Pair, axis
 
-from stickslip import Axis, Dahl, FixedStep, Measurement, RecordSettings, fit, simulate
+from stickslip import Axis, Dahl, FixedStep, Measurement, fit, simulate
+from stickslip.engine.solver.compile.states import states_along
 from stickslip.errors import InputError
-from stickslip.friction import law
-from stickslip.identify.fits.shooting.initial_states import Path, follow
+from stickslip.friction import law, specification
 from stickslip.maths import Latches, latched
 from stickslip.mechanisms import given_inputs
 from stickslip.mechanisms.drives import Sine
@@ -198,15 +198,16 @@ def test_elements_around_a_level_that_moves_run_and_slide_at_that_level(memory, 
     np.testing.assert_allclose(np.abs(seen["friction"])[slides], moving[slides], rtol=1e-9)
 
 
+def followed(own, t, travel):
+    """Return states (n, b) at times (n,) of a way that is travelled evenly between them."""
+    steps = np.diff(t)
+    motion = np.column_stack([steps, travel / steps, np.ones(len(steps))])
+    return states_along(own, motion, (), np.zeros((len(own.states), 1)))[..., 0].T
+
+
 def forces_along(own, x, duration=1e3):
     """Return the friction at the ends of straight stretches of x, at a speed of about 1 um/s."""
-    path = Path(
-        time=np.linspace(0.0, duration, len(x)),
-        velocity=np.full(len(x), 1e-6),
-        load=np.ones(len(x)),
-        travel=np.diff(x),
-    )
-    z = follow(own, path, np.zeros((len(own.states), 1)))[..., 0].T
+    z = followed(own, np.linspace(0.0, duration, len(x)), np.diff(x))
     return [own.force(1e-9, 1.0, tuple(state)) for state in z]
 
 
@@ -223,27 +224,18 @@ def test_elements_remember_all_turns_and_one_bristle_the_last_alone():
 
 def test_the_steady_curve_of_gms_is_its_level():
     for v in (-0.3, 0.02, 0.1):
-        z = follow(
-            GMS,
-            Path(
-                time=np.linspace(0.0, 1.0, 200),
-                velocity=np.full(200, v),
-                load=np.ones(200),
-                travel=np.full(199, v / 199),
-            ),
-            np.zeros((4, 1)),
-        )[:, -1, 0]
+        z = followed(GMS, np.linspace(0.0, 1.0, 200), np.full(199, v / 199))[-1]
         assert GMS.force(v, 1.0, tuple(z)) == pytest.approx(GMS.steady(v, 1.0), rel=1e-12)
 
 
 def test_friction_lags_behind_a_velocity_that_varies():
     t = np.linspace(0.0, 2.0, 4001)
     v = 0.05 + 0.03 * np.sin(2.0 * np.pi * t)
-    path = Path(time=t, velocity=v, load=np.ones(4001), travel=0.5 * (v[1:] + v[:-1]) * np.diff(t))
+    travel = 0.5 * (v[1:] + v[:-1]) * np.diff(t)
     widths = []
     for attraction in (30.0, 300.0, 3000.0):
         own = replace(GMS, attraction=attraction)
-        z = follow(own, path, np.zeros((4, 1)))[..., 0].T
+        z = followed(own, t, travel)
         force = np.array([own.force(a, 1.0, tuple(one)) for a, one in zip(v, z, strict=True)])
         # at 0.05 m/s on the way up and down, in the second period
         widths.append(force[2000] - force[3000])
@@ -318,8 +310,7 @@ def test_elements_are_followed_along_a_measured_motion(own):
     run = simulate(axis(PUSH), own, t_end=1.0)
     t = np.arange(0.0, 1.0, 1e-3)
     seen = run.at(t)
-    path = Path(time=t, velocity=seen["v"], load=np.ones(1000), travel=np.diff(seen["x"]))
-    z = follow(own, path, np.zeros((len(own.states), 1)))[..., 0].T
+    z = followed(own, t, np.diff(seen["x"]))
     found = np.array([own.force(a, 1.0, tuple(b)) for a, b in zip(seen["v"], z, strict=True)])
     # of 1.5 N; within a step the velocity is taken as constant
     assert math.sqrt(np.mean((found - seen["friction"]) ** 2)) < 2e-3
@@ -375,38 +366,10 @@ def test_memories_that_no_balance_tells_are_refused_where_friction_was_measured(
     own, t = truth(memory, curve, "viscous"), np.arange(0.0, 1.5, 5e-3)
     run, noise = seen(own, t)
     table = Measurement(time=t, position=run["x"], friction=run["friction"] + 5e-3 * noise)
-    with pytest.raises(InputError, match=r"has states that .* recorded force \(route 'shooting'\)"):
+    with pytest.raises(
+        InputError, match=r"has states that .* fit one of these, or a law without states"
+    ):
         fit(Axis(inertia=1.0), type(own), table)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("memory", "flow"), [("lugre", "power"), ("gms[3]", "viscous")])
-def test_memories_fit_runs_under_a_recorded_force_from_their_type(memory, flow):
-    own, t = truth(memory, "level", flow), np.arange(0.0, 1.5, 5e-3)
-    run, noise = seen(own, t)
-    force = np.array([DRIVE.smooth(moment) for moment in t])
-    record = Measurement(time=t, position=run["x"] + 1e-6 * noise, force=force)
-    settings, body = RecordSettings(hold="first"), Axis(inertia=1.0, load=1.0)
-    found = fit(body, type(own), record, settings=settings, route="shooting")
-    assert found.rms < 3e-6
-    for name in ("kinetic_coefficient", "bristle_stiffness"):
-        assert getattr(found.law, name) == pytest.approx(getattr(own, name), rel=0.15)
-
-
-@pytest.mark.slow
-def test_positions_alone_in_one_segment_give_the_parameters_of_a_memory():
-    own = truth("reset", "level", "viscous")
-    t = np.arange(0.0, 3.0, 2e-3)
-    table = Measurement(
-        time=t,
-        position=recorded(own, 3.0).at(t)["x"] + np.random.default_rng(3).normal(0.0, 1e-6, len(t)),
-        force=np.array([DRIVE.smooth(moment) for moment in t]),
-    )
-    settings = RecordSettings(hold="first", segment=3.1)
-    axis = Axis(inertia=1.0, load=1.0)
-    found = fit(axis, type(own), table, settings=settings, route="shooting")
-    assert found.rms < 1.2e-6
-    assert found.law.sticking_surplus == pytest.approx(own.sticking_surplus, rel=0.1)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.7, 0.99])
@@ -432,3 +395,10 @@ def test_a_bouc_wen_bristle_comes_back_from_beyond_a_level_that_has_fallen(share
     assert z == pytest.approx(-1e-3, rel=1e-3)
     with pytest.raises(ValueError, match=r"loop_share .* at most 0.5"):
         kind(kinetic_coefficient=1.0, bristle_stiffness=1e3, loop_share=0.6)
+
+
+def test_a_written_power_has_its_exponent_fitted_where_the_law_of_that_name_holds_it():
+    assert specification("lugre(level + stribeck) + power").free is not None
+    assert "viscous_exponent" in specification("lugre(level + stribeck) + power").free
+    assert specification("dahl(level + lorentz) + power").free is None
+    assert specification("power + dahl(level)").free == specification("dahl(level) + power").free

@@ -65,7 +65,7 @@ def test_a_single_name_needs_no_list_around_it():
 @pytest.mark.parametrize("verb", [fit, select])
 @pytest.mark.parametrize(
     "unused",
-    [{"route": "shooting"}, {"route": "features"}, {"settings": RecordSettings(starts=2)}],
+    [{"route": "balance"}, {"route": "features"}, {"settings": RecordSettings(starts=2)}],
     ids=lambda given: "-".join(map(str, given)),
 )
 def test_travels_refuse_what_only_records_use(verb, unused):

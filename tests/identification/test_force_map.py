@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +26,6 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw
-from stickslip.identify.fits.shooting.initial_states import Path as Motion
-from stickslip.identify.fits.shooting.initial_states import follow
 
 Array = NDArray[np.float64]
 
@@ -118,46 +115,6 @@ def record_of(law: FrictionLaw, *, end: float = 12.0, rate: float = 500.0) -> Me
         force = law.force(v, load)  # type: ignore[attr-defined]
     offset = 0.0 if isinstance(law, DirectionDependent) else OFFSET
     return Measurement(time=t, position=x, velocity=v, friction=force + offset, load=load)
-
-
-def loops(amplitudes: Array, samples: int = 60) -> Array:
-    """Return positions that turn at plus and minus each amplitude, evenly in between."""
-    turns = np.concatenate([[0.0], np.column_stack([amplitudes, -amplitudes]).ravel()])
-    pieces = [np.linspace(a, b, samples, endpoint=False) for a, b in pairwise(turns)]
-    return np.append(np.concatenate(pieces), turns[-1])
-
-
-@pytest.mark.parametrize("exponent", [0.05, 0.5, 1.0, 1.5])
-def test_steps_across_many_presliding_lengths_stay_stable(exponent):
-    law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e6, yield_exponent=exponent)
-    x = loops(np.full(4, 1e-2), samples=20)  # a step is 2000 presliding lengths
-    path = Motion(
-        time=1.0 * np.arange(len(x)),
-        velocity=np.gradient(x),
-        load=np.ones(len(x)),
-        travel=np.diff(x),
-    )
-    z = follow(law, path, np.zeros((1, 1)))[0, 2:, 0]
-    reversals = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
-    settled = np.ones(len(x), dtype=bool)
-    settled[reversals + 1] = False
-    # long slip in one direction: the level, with its sign; no overshoot on the way there
-    level = 0.5e-6 * np.sign(np.append(0.0, np.diff(x)))
-    rounded = 1e-3 if exponent <= 1.0 else 0.05  # above 1 the level is approached as a power
-    np.testing.assert_allclose(z[settled[2:]], level[2:][settled[2:]], rtol=rounded)
-    assert np.max(np.abs(z)) <= 0.5e-6 * (1.0 + 1e-6)
-
-
-def test_a_sudden_yield_is_met_where_the_closed_form_has_it():
-    # r = (1 - (1 - n) k x)^(1 / (1 - n)), and 0 from x = 1 / ((1 - n) k) on
-    n, k = 0.3, 1e4
-    x = np.linspace(0.0, 3e-4, 301)
-    law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=0.5 * k, yield_exponent=n)
-    path = Motion(time=x, velocity=np.ones(301), load=np.ones(301), travel=np.diff(x))
-    z = follow(law, path, np.zeros((1, 1)))[0, :, 0]
-    r = np.maximum(1.0 - (1.0 - n) * k * x, 0.0) ** (1.0 / (1.0 - n))
-    # within what a step is allowed to be wrong by
-    np.testing.assert_allclose(z * k, 1.0 - r, atol=2e-3)
 
 
 def strokes_and_rests(rate: float, noise: float) -> tuple[Array, Array, Array]:

@@ -136,10 +136,7 @@ def test_unknown_zeros_of_positions_do_not_bias_what_is_fitted(displaced):
 def test_position_zeros_are_for_joints_and_true_or_false():
     measurement = Measurement(time=np.linspace(0, 1, 50), position=np.linspace(0, 1, 50) ** 2)
     with pytest.raises(InputError, match="records of several joints"):
-        fit(
-            Axis(inertia=1.0), Coulomb, measurement, route="shooting",
-            settings=RecordSettings(position_zeros=True),
-        )  # fmt: skip
+        fit(Axis(inertia=1.0), Coulomb, measurement, settings=RecordSettings(position_zeros=True))
     with pytest.raises(ParameterError, match="position_zeros must be True or False, got 1"):
         RecordSettings(position_zeros=1)
 

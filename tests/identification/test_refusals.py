@@ -1,7 +1,6 @@
 """What fits refuse instead of returning numbers that mean nothing."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
@@ -12,22 +11,17 @@ from stickslip import (
     CoulombViscous,
     Measurement,
     RecordSettings,
-    SpringBlock,
     TowedBlock,
-    Viscous,
     fit,
     select,
     simulate,
 )
 from stickslip.errors import InputError, ParameterError
-from stickslip.identify.fits import PlainBalance
 from stickslip.identify.problems.record_checks import wrong_sign
 from stickslip.identify.problems.record_signals import records_of
-from stickslip.mechanisms import TwoMassAxis
 from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=5.0)
-QUICK = RecordSettings(starts=1)
 TIME = np.arange(2000) / 500
 TRUTH = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
 
@@ -44,11 +38,6 @@ def parts():
 @pytest.fixture(scope="module")
 def found(parts):
     return fit(AXIS, "coulomb-viscous", Measurement(**parts))
-
-
-@pytest.fixture(scope="module")
-def simulated(parts):
-    return fit(AXIS, "coulomb-viscous", Measurement(**parts), route="shooting", settings=QUICK)
 
 
 # --- what select refuses, fit refuses
@@ -100,21 +89,9 @@ def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
         fit(AXIS, CoulombViscous, Measurement(trials=many))
 
 
-def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
-    # it only speeds up, as a constant force might make it: a check of its energy cannot tell
-    time = np.arange(60) / 100
-    record = Measurement(time=time, position=0.1 * (np.cosh(4 * time) - 1))
-    with pytest.raises(InputError, match=r"no drive was given.*Give the force"):
-        fit(Axis(inertia=1.0), Viscous, record, route="shooting")
-
-
-def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
+def test_what_a_check_warns_of_stands_beside_the_fit(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
     both = ["friction.*", "mechanism.inertia"]
-    with pytest.raises(InputError, match="% of the force") as caught:
-        fit(AXIS, CoulombViscous, cut, vary=both, route="shooting")
-    assert "Warnings of the data check: " in str(caught.value)
-    assert "the sensor is at the end of its range" in str(caught.value)
     warned = fit(AXIS, CoulombViscous, cut, vary=both).verdict.checks
     assert any("the sensor is at the end of its range" in str(one) for one in warned.findings)
 
@@ -129,7 +106,6 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
     force = force - 0.03 * np.cos(0.5 * np.pi * time)
     record = Measurement(time=time, position=position, force=force)
     axis = Axis(inertia=1.0)
-    assert PlainBalance.of(axis, record, inertia=True).values["inertia"] < 0.0
     found = fit(
         axis, CoulombViscous, record, vary=["friction.*", "mechanism.inertia"], route="balance"
     )
@@ -172,19 +148,16 @@ def test_initial_states_of_a_record_in_time_are_refused(parts):
         fit(AXIS, CoulombViscous, Measurement(**parts, initial={"zz": 5.0}))
 
 
-def test_an_uncertainty_of_a_record_is_refused(parts, simulated):
+def test_an_uncertainty_of_a_record_is_refused(parts):
     record = Measurement(**parts, uncertainty={"position": 10.0})
     with pytest.raises(InputError, match=r"uncertainty \(position\).* has no effect"):
         fit(AXIS, CoulombViscous, record)
-    with pytest.raises(InputError, match="has no effect"):
-        simulated.score(record)
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        {"resolution": 0}, {"resolution": 1}, {"resolution": 20.5}, {"starts": 0}, {"seed": -3},
-        {"segment": 0.0}, {"segment": -1.0}, {"segment": math.nan}, {"starts": True},
+        {"starts": 0}, {"starts": 1.5}, {"seed": -3}, {"starts": True},
     ],
 )  # fmt: skip
 def test_settings_that_mean_nothing_are_refused(changes):
@@ -193,24 +166,15 @@ def test_settings_that_mean_nothing_are_refused(changes):
         RecordSettings(**changes)
 
 
-@pytest.mark.parametrize("horizon", [math.nan, 0.0, -2.0, math.inf, "1 s", True])
-def test_a_horizon_that_is_no_length_of_time_is_refused(simulated, horizon):
-    with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
-        simulated.score(horizon=horizon)
-
-
 # --- a second record
 
 
-def test_a_second_record_must_have_what_the_first_has(parts, found, simulated):
+def test_a_second_record_must_have_what_the_first_has(parts, found):
     bare = Measurement(**{**parts, "force": None})
     with pytest.raises(InputError, match=r"the other measurement has no force"):
         found.predict(bare)
     with pytest.raises(InputError, match=r"the second record has no force"):
         select(AXIS, [Coulomb], found.measurement, validate=bare)
-    speed = np.gradient(parts["position"], TIME)
-    with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
-        simulated.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
 
 
 # --- loads
@@ -248,20 +212,12 @@ def test_trials_have_each_their_own_load():
 @pytest.mark.parametrize(
     ("mechanism", "load", "message"),
     [
-        (AXIS, np.linspace(5.0, 6.0, TIME.size), "changes from 5 N to 6 N.*balance"),
         (AXIS, -5.0, "must be above 0 N"),
-        (SpringBlock(mass=5.0), 5.0, "SpringBlock follows from its own parameters"),
     ],
 )
-def test_a_load_that_simulated_segments_cannot_take_is_refused(parts, mechanism, load, message):
+def test_a_load_that_no_balance_can_take_is_refused(parts, mechanism, load, message):
     with pytest.raises(InputError, match=message):
-        fit(mechanism, CoulombViscous, Measurement(**parts, load=load), route="shooting")
-
-
-def test_a_load_that_is_given_twice_is_refused(parts):
-    record = Measurement(**parts, load=5.0, overrides={"mechanism.load": 6.0})
-    with pytest.raises(InputError, match="given twice"):
-        fit(AXIS, CoulombViscous, record, route="shooting")
+        fit(mechanism, CoulombViscous, Measurement(**parts, load=load))
 
 
 def constant_push(count=300, rate=200.0):
@@ -318,7 +274,6 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
     force = 1e5 * position + 0.01 * noise[1]
     record = Measurement(time=time, position=position + 1e-8 * noise[0], force=force)
     axis = Axis(inertia=5.0)
-    assert PlainBalance.of(axis, record, inertia=True).values["inertia"] < 0.0
     verdict = select(axis, None, record, vary=["friction.*", "mechanism.inertia"])
     # whichever law is closest, friction is not distinguished from zero, and the spring is stated
     assert verdict.best is None
@@ -326,11 +281,3 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
     assert "spring of 100,000 N/m" in " ".join(verdict.words.cannot_tell)
     inertia = next(one for one in verdict.parameters if one.path == "mechanism.inertia")
     assert inertia.low < 0.0 < inertia.high < 2.0
-
-
-def test_one_encoder_of_two_masses_is_refused_with_what_to_give():
-    t = np.arange(0.0, 2.0, 0.01)
-    axis = TwoMassAxis(motor_inertia=1.0, load_inertia=2.0, stiffness=50.0)
-    record = Measurement(time=t, position=np.sin(t), force=np.cos(t))
-    with pytest.raises(InputError, match="position and force of each of x, other by its name"):
-        fit(axis, Coulomb, record)

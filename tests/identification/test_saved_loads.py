@@ -76,15 +76,14 @@ def test_a_load_that_was_set_for_each_trial_is_saved_too(tmp_path):
     assert found.estimate("kinetic_coefficient").quantity.unit == "1"
 
 
-@pytest.mark.parametrize("route", ["shooting", "balance"])
-def test_records_of_motion_are_saved_with_their_load_too(route, tmp_path):
+def test_records_of_motion_are_saved_with_their_load_too(tmp_path):
     law = CoulombViscous(kinetic_coefficient=0.5, viscous_coefficient=3.0)
     t = np.arange(500) / 100
     force = 4.0 * np.sin(4.0 * t) + 3.0 * np.sin(1.7 * t)
     axis = Axis(inertia=1.0, load=4.0, drive=Sampled(times=t, values=force))
     x = simulate(axis, law, t_end=float(t[-1])).at(t)["x"]
     record = Measurement(time=t, position=x, force=force, load=4.0)
-    found = fit(AXIS, CoulombViscous, record, route=route)
+    found = fit(AXIS, CoulombViscous, record)
     assert saved(found, tmp_path).mechanism.load == 4.0
 
 

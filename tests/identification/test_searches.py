@@ -2,21 +2,16 @@
 
 import numpy as np
 import pytest
-from tests.support import quick
 
 from stickslip import (
     Axis,
     CoulombViscous,
     LuGre,
     Measurement,
-    RecordSettings,
     Stribeck,
     fit,
-    simulate,
 )
 from stickslip.engine.solver import EventDriven
-from stickslip.friction import laws
-from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import closed_loop
 
 SOLVER = EventDriven(tier="compiled", max_steps=1_000_000)
@@ -109,26 +104,6 @@ def test_an_exponent_outside_the_order_of_fits_is_fitted_where_it_is_named():
     found = fit(Axis(inertia=1.0), Stribeck, table, vary=free)
     # noise of .05 N on a surplus of 8 N over a hundred rows
     assert found.estimate("fading_exponent").value == pytest.approx(1.0, abs=0.1)
-
-
-@pytest.mark.parametrize(
-    "name",
-    quick(["stribeck", "power-viscous", "quadratic-drag", "direction-dependent"], "power-viscous"),
-)
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
-def test_a_richer_law_never_leaves_more_than_the_one_it_contains(name, seed):
-    random = np.random.default_rng(seed)
-    t = np.arange(0.0, 3.0, 4e-3)
-    force = 30.0 * np.sin(2.0 * t) + 18.0 * np.sin(5.1 * t) + random.normal(0.0, 1.0, len(t))
-    law = CoulombViscous(kinetic_coefficient=6.0, viscous_coefficient=20.0)
-    axis = Axis(inertia=4.0, drive=Sampled(times=t, values=force), offset=1.0)
-    x = np.asarray(simulate(axis, law, t_end=float(t[-1]), solver=SOLVER).at(t)["x"])
-    record = Measurement(time=t, position=x + random.normal(0.0, 1e-5, len(t)), force=force)
-    asked = {"route": "shooting", "settings": RecordSettings(starts=1, seed=seed)}
-    plain = fit(Axis(inertia=4.0), CoulombViscous, record, **asked)
-    rich = fit(Axis(inertia=4.0), laws()[name], record, **asked)
-    # residuals of starts agree to 1 %: first states of segments are fitted as closely
-    assert rich.optimum.best.cost <= 1.02 * plain.optimum.best.cost
 
 
 def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_rounding():

@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, RecordSettings, TowedBlock, fit
+from stickslip import Axis, Capsule, Measurement, TowedBlock
 from stickslip.errors import InputError
-from stickslip.friction import law
 from stickslip.identify.fits.shooting.segments import (
     measured_quantity,
     segments_of,
     with_drive,
-    with_usual_segment,
 )
+from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=2.0)
@@ -132,26 +131,18 @@ def test_a_force_of_zero_is_no_drive_and_takes_the_mechanism_s_own_off():
     assert segments_of(driven, SMOOTH, length=1.0)[0].mechanism.drive not in (None, driven.drive)
 
 
-def test_a_coast_down_sampled_once_a_second_is_fitted_in_segments_of_its_own_length():
-    time = np.arange(0.0, 240.0)
-    falls = 2.0 * np.tan(1.2 - 0.005 * time)  # m v' = -(c v0^2 + c v^2): a level and a drag
-    record = Measurement(time=time, velocity=falls)
-    found = fit(
-        Axis(inertia=100.0),
-        law("level + drag"),
-        record,
-        route="shooting",
-        settings=RecordSettings(starts=1),
-    )
-    level, drag = found.values
-    assert (level, drag) == (pytest.approx(1.0, rel=1e-2), pytest.approx(0.25, rel=1e-2))
-    assert np.all(np.ptp(found.problem.spans[:, 1:], axis=1) > 15.0)
-
-
-def test_a_segment_that_was_asked_for_is_not_made_longer():
+def test_a_record_of_few_samples_has_longer_segments():
     time = np.arange(0.0, 60.0)
-    record = Measurement(time=time, velocity=5.0 - 0.05 * time)
-    with pytest.raises(InputError, match="give segments of at least 8 s"):
-        segments_of(AXIS, record, length=5.0)
-    settings = RecordSettings(segment=5.0)
-    assert with_usual_segment(settings, record) is settings
+    segments = segments_of(AXIS, Measurement(time=time, velocity=5.0 - 0.05 * time))
+    assert [float(s.times[-1]) for s in segments] == [20.0, 20.0, 19.0]
+
+
+def test_what_drives_itself_is_one_segment_with_as_many_rows_for_each_second():
+    capsule = Capsule(
+        capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=2.0, frequency=4.0))
+    )
+    (segment,) = segments_of(capsule, Measurement(time=T, position=np.sin(T)))
+    assert segment.times[-1] == pytest.approx(T[-1], abs=0.01)
+    assert 500 <= len(segment.times) <= 600
+    with pytest.raises(InputError, match=r"begins at −1 s, but the drive of Capsule begins at 0 s"):
+        segments_of(capsule, Measurement(time=T - 1.0, position=np.sin(T)))

@@ -27,16 +27,16 @@ def judged(count, truths, seed):
     found = []
     for number in range(count):
         rig, measurement = made(number, truths[number % len(truths)], seed)
-        found += coverage(fitted(rig, measurement, starts=1), rig)
+        found += coverage(fitted(rig, measurement), rig)
     return found
 
 
-BY_SHOOTING = [3, *(pytest.param(count, marks=pytest.mark.slow) for count in (6, 12))]
+RECORDS = [3, *(pytest.param(count, marks=pytest.mark.slow) for count in (6, 12))]
 LOWEST = {3: 0.65, 6: 0.75, 12: 0.8}
 """Five estimates of a record go together: 12 records know 90 % to 9, 6 to 12, and 3 to 17."""
 
 
-@pytest.fixture(scope="module", params=BY_SHOOTING)
+@pytest.fixture(scope="module", params=RECORDS)
 def intervals(request):
     return judged(request.param, FAST_TRUTHS, 3), request.param
 
@@ -45,14 +45,8 @@ def test_nominal_intervals_cover_the_truth(intervals):
     found, records = intervals
     bounded = [entry for entry in found if entry["bounded"]]
     assert len(bounded) >= 4 * records
-    hits = sum(one["jackknife"] for one in bounded)
+    hits = sum(one["truth"] for one in bounded)
     assert hits / len(bounded) >= LOWEST[records]
-
-
-def test_intervals_as_if_residuals_were_independent_do_not(intervals):
-    naive = [interval["naive"] for interval in intervals[0] if interval["bounded"]]
-    # the bound above would catch them by far
-    assert sum(naive) / len(naive) < 0.6
 
 
 def test_estimates_are_known_to_a_few_percent(intervals):
@@ -119,10 +113,10 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
     assert {row["rig"] for row in synthetic_truth.judged(path, 1)} == {0, 1, 2, 3}
     assert synthetic_truth.judged(path, 2) == []
 
-    # another route in the same file is judged by itself; rows without one are of simulated segments
+    # another route in the same file is judged by itself; rows without one are of the first
     called.clear()
-    assert synthetic_truth.judged(path, 1, "balance") == []
-    list(run(path, rigs=2, seed=1, jobs=1, candidates=(), route="balance"))
+    assert synthetic_truth.judged(path, 1, "other") == []
+    list(run(path, rigs=2, seed=1, jobs=1, candidates=(), route="other"))
     assert called == [0, 1]
     assert len(synthetic_truth.judged(path, 1)) == 4
 
@@ -135,7 +129,7 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
 
 def test_the_summary_counts_coverage():
     one = {"path": "friction.level", "bounded": True} | dict.fromkeys(KINDS, True)
-    other = {**one, "naive": False}
+    other = {**one, "truth": False}
     row = {"rig": 0, "truth": "dahl", "intervals": [one, other]}
     text = "\n".join(summary([row, {"rig": 1, "truth": "dahl", "failed": "why"}]))
     assert "1 rigs (1 failed); 2 of 2" in text
@@ -147,6 +141,6 @@ def test_the_summary_counts_coverage():
 def test_intervals_cover_for_every_smooth_law():
     truths = ("coulomb-viscous", "direction-dependent", "power-viscous", "quadratic-drag")
     bounded = [entry for entry in judged(40, truths, 5) if entry["bounded"]]
-    hits = sum(entry["jackknife"] for entry in bounded)
+    hits = sum(entry["truth"] for entry in bounded)
     # target 90 to 99 %; 40 records know it to some 3 %
     assert hits / len(bounded) >= 0.87

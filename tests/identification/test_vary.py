@@ -85,35 +85,30 @@ def test_a_trial_does_not_override_what_is_fixed():
         fit(BLOCK, Coulomb, Measurement(trials=trials), fixed={"compression": 0.1})
 
 
-@pytest.mark.parametrize("route", ["shooting", "balance"])
-def test_the_mass_is_held_unless_it_is_varied(driven, route):
-    held = fit(AXIS, CoulombViscous, driven, route=route)
+def test_the_mass_is_held_unless_it_is_varied(driven):
+    held = fit(AXIS, CoulombViscous, driven)
     assert held.mechanism.inertia == 2.0
     # a hundredth: inverse dynamics loses some tenths of a per cent at reversals
-    freed = fit(
-        Axis(inertia=1.7), CoulombViscous, driven, vary=[LAW, "mechanism.inertia"], route=route
-    )
+    freed = fit(Axis(inertia=1.7), CoulombViscous, driven, vary=[LAW, "mechanism.inertia"])
     assert freed.mechanism.inertia == pytest.approx(2.0, rel=0.01)
 
 
-@pytest.mark.parametrize("route", [pytest.param("shooting", marks=pytest.mark.slow), "balance"])
-def test_an_offset_is_fitted_unless_it_is_fixed(driven, route):
+def test_an_offset_is_fitted_unless_it_is_fixed(driven):
     pulled = replace(driven, force=driven.force + 0.5)
-    found = fit(AXIS, CoulombViscous, pulled, route=route)
+    found = fit(AXIS, CoulombViscous, pulled)
     assert found.mechanism.offset == pytest.approx(0.5, abs=0.01)
     assert any(one.path.endswith("offset") for one in found.estimates)
-    held = fit(AXIS, CoulombViscous, pulled, fixed={"offset": 0.5}, route=route)
+    held = fit(AXIS, CoulombViscous, pulled, fixed={"offset": 0.5})
     assert not any(one.path.endswith("offset") for one in held.estimates)
     assert held.mechanism.offset == 0.5
 
 
 def test_a_fixed_level_of_the_usual_ones_is_held(driven):
     fixed = {"viscous_coefficient": 4.0}
-    for route in ("shooting", "balance"):
-        found = fit(AXIS, CoulombViscous, driven, fixed=fixed, route=route)
-        assert found.law.viscous_coefficient == 4.0
-        assert "friction.viscous_coefficient" not in {one.path for one in found.estimates}
-        assert found.law.kinetic_coefficient == pytest.approx(3.0, rel=0.01)
+    found = fit(AXIS, CoulombViscous, driven, fixed=fixed)
+    assert found.law.viscous_coefficient == 4.0
+    assert "friction.viscous_coefficient" not in {one.path for one in found.estimates}
+    assert found.law.kinetic_coefficient == pytest.approx(3.0, rel=0.01)
     map_ = fit(AXIS, CoulombViscous, TABLE, fixed={"viscous_coefficient": 3.0})
     assert map_.law.viscous_coefficient == 3.0
     assert map_.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-4)  # the data are exact

@@ -298,10 +298,9 @@ def test_an_inertia_below_zero_is_said_before_there_is_no_friction():
     assert verdict.words.lede.startswith("If they are right: from ")
 
 
-@pytest.mark.parametrize("options", [{"settings": RecordSettings(starts=2)}, {"route": "shooting"}])
-def test_what_has_no_effect_is_refused(options):
-    with pytest.raises(InputError, match="it has no effect on `select`: leave it out"):
-        select(AXIS, None, moved(SIDES), **options)
+def test_what_has_no_effect_is_refused():
+    with pytest.raises(InputError, match="it has no effect on records of motion or friction: lea"):
+        select(AXIS, None, moved(SIDES), settings=RecordSettings(starts=2))
 
 
 # ---- parameters of the mechanism

@@ -201,11 +201,6 @@ def test_the_route_can_be_asked_for_where_motion_was_measured_too():
     assert isinstance(found, SimulatedFit)
 
 
-def test_another_route_says_how_a_force_alone_is_fitted(record):
-    with pytest.raises(InputError, match="route 'features'"):
-        fit(STATED, Coulomb, record, route="shooting")
-
-
 def test_what_features_have_no_use_for_is_refused(record):
     with pytest.raises(InputError, match="starts applies to"):
         select(STATED, [Coulomb], record, settings=RecordSettings(starts=3))

@@ -52,7 +52,7 @@ USED = {
     "table": {"route", "validate"},
 }
 GIVEN = {
-    "route": "shooting",
+    "route": "balance",
     "settings": RecordSettings(starts=2),
     "validate": Measurement(time=T, position=WAVE, force=WAVE),
     "assumed": {"coulomb": ["friction.kinetic_coefficient"]},
@@ -158,12 +158,11 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
         ),
         (select, TABLE, {"vary": ["inertia"]}, r"vary applies to `fit`.*, got inertia"),
         (select, TABLE, {"fixed": {"offset": 0.0}}, r"fixed applies to `fit`.*, got offset"),
-        (select, MOTION, {"route": "shooting"}, "route 'shooting' applies to `fit` of records"),
         (
             select,
             MOTION,
             {"settings": RecordSettings(starts=2)},
-            "settings with starts applies to `fit`",
+            "RecordSettings.starts applies to velocity steps",
         ),
     ],
 )
@@ -192,15 +191,11 @@ def test_of_tables_each_verb_takes_its_own(verb, options, monkeypatch):
     assert len(seen) == 1
 
 
-SETTINGS = {"segment": 0.5, "resolution": 99, "hold": "first", "starts": 2, "seed": 3}
+SETTINGS = {"hold": "first", "starts": 2, "seed": 3}
 WITHOUT = {
-    ("velocity steps", None): ({"segment", "resolution", "hold"}, "velocity steps"),
-    ("spring force", None): (
-        {"segment", "resolution", "hold", "starts"},
-        "the force of a spring",
-    ),
-    ("motion and force", "shooting"): (set(), ""),
-    ("motion and force", "balance"): ({"segment", "resolution", "starts", "seed"}, "balance"),
+    ("velocity steps", None): ({"hold"}, "velocity steps"),
+    ("spring force", None): ({"hold", "starts"}, "the force of a spring"),
+    ("motion and force", "balance"): ({"starts", "seed"}, "records of motion or friction"),
     ("friction over velocity", None): ({*SETTINGS}, "tables of friction"),
 }
 
@@ -215,8 +210,8 @@ def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, mo
     way, seen = type(kind_of(record, asked)), []
     for method in ("fit", "select"):
         monkeypatch.setattr(way, method, lambda self, request: seen.append(request))
-    # of tables and records, select uses no settings at all
-    for verb in (fit,) if kind in ("friction over velocity", "motion and force") else (fit, select):
+    # of tables, select uses no settings at all
+    for verb in (fit,) if kind == "friction over velocity" else (fit, select):
         if name not in unused:
             verb(mechanism, law, record, route=asked, settings=settings)
             assert getattr(seen[-1].settings, name) == SETTINGS[name]
@@ -261,8 +256,8 @@ def test_the_least_residual_has_words_on_every_route():
 def test_options_that_say_nothing_are_not_refused():
     asked = {"mechanism": Axis(inertia=1.0), "measurement": Measurement(travel=0.2)}
     assert Request(**asked, vary="friction.*").given == ()
-    both = Request(**asked, horizon=1.0, t_end=2.0)
-    assert both.given == ("horizon", "t_end")
+    both = Request(**asked, route="travel", t_end=2.0)
+    assert both.given == ("route", "t_end")
     assert both.only({"t_end"}) == Request(**asked, t_end=2.0)
 
 
@@ -277,7 +272,7 @@ def test_options_that_say_nothing_are_not_refused():
         ("coulomb", None),
     ],
 )
-@pytest.mark.parametrize("route", ["shooting", "features"])
+@pytest.mark.parametrize("route", ["balance", "features"])
 def test_a_name_stands_for_a_law_and_what_is_fitted_of_it(route, name, free):
     way, stiffness = kind_of_route(route), "mechanism.stiffness"
     kind = Coulomb if name == "coulomb" else Dahl
@@ -290,7 +285,7 @@ def test_a_name_stands_for_a_law_and_what_is_fitted_of_it(route, name, free):
 
 
 def test_what_is_held_is_not_varied_by_the_name():
-    vary = kind_of_route("shooting").law_and_parameters(
+    vary = kind_of_route("balance").law_and_parameters(
         "dahl", None, ["bristle_stiffness", "friction.viscous_coefficient"]
     )[1]
     assert vary == ["friction.kinetic_coefficient"]
@@ -299,7 +294,7 @@ def test_what_is_held_is_not_varied_by_the_name():
 def test_a_law_that_is_given_itself_keeps_what_is_asked_for():
     law = Dahl(kinetic_coefficient=1.0, bristle_stiffness=1e3, viscous_coefficient=0.0)
     for given in (Dahl, law):
-        found, vary = kind_of_route("shooting").law_and_parameters(given, ["yield_exponent"])
+        found, vary = kind_of_route("balance").law_and_parameters(given, ["yield_exponent"])
         assert found is given
         assert vary == ["yield_exponent"]
 

@@ -36,7 +36,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.identify import kinds
 from stickslip.identify.candidates import Candidate, Verdict, Wording
 from stickslip.identify.fits import Fit
-from stickslip.mechanisms.drives import Sampled, Sine
+from stickslip.mechanisms.drives import Sine
 from stickslip.show import plots
 from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.study.characterization import presliding_loop
@@ -413,19 +413,6 @@ def test_a_verdict_of_a_record_is_plotted_as_its_band_with_the_law(results):
     ]
     widest = max(shades, key=len)
     assert widest[:, 1].min() < verdict.friction.median.min()
-
-
-def test_residuals_of_simulated_segments_have_a_panel_for_what_is_known():
-    time = np.arange(240) / 40.0
-    force = 6.0 * np.sin(5.0 * time)
-    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)
-    driven = Axis(inertia=1.0, drive=Sampled(times=time, values=force))
-    position = simulate(driven, law, t_end=float(time[-1])).at(time)["x"]
-    position = position + 1e-5 * np.random.default_rng(0).normal(size=time.size)
-    record = Measurement(time=time, position=position, force=force)
-    found = fit(Axis(inertia=1.0), CoulombViscous, record, route="shooting")
-    panels = plots.plot_residuals(found, Figure())
-    assert [axes.get_xlabel() for axes in panels] == ["time, s", "velocity, m/s", "position, m"]
 
 
 def test_estimates_are_a_table_with_a_row_each(results):

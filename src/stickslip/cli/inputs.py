@@ -1,7 +1,6 @@
 """What commands are given: laws by file, option or rig, and what was measured."""
 
 import dataclasses
-import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -528,11 +527,8 @@ def measured(
 
     Options for files add to what the rig says of its own. `law` returns the law of a kind.
     """
-    said, horizon, validate = options.settings, options.horizon, options.validate
+    said, validate = options.settings, options.validate
     data, route, reading = options.data, options.route, terminal.reading_of(options)
-    for name, value in (("horizon", horizon), ("segment", said.get("segment"))):
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
     if said.get("hold") not in (None, "zero", "first"):
         raise InputError(f"--hold must be zero or first, got {said['hold']!r}.")
     own = rig.reading.with_changes(reading)
@@ -568,12 +564,11 @@ def measured(
         fixed=held,
         route=route,
         settings=None if numerics == fits.RecordSettings() else numerics,
-        horizon=horizon,
         validate=second,
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     ).only(kind.uses)
-    given = {"horizon": horizon, "route": route, **said, "validate": validate}
+    given = {"route": route, **said, "validate": validate}
     typed = {
         name: f"--{name.replace('_', '-')}" for name, item in given.items() if item is not None
     }

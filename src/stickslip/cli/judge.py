@@ -199,7 +199,7 @@ def run_fit(options: FitOptions) -> None:
         )
     checks = _checked(request)
     result = _fitted(kind, request)
-    shown = kind.summary(result, request.validate, request.horizon)
+    shown = kind.summary(result, request.validate)
     if output is not None:
         documents.write_file(output, result.to_toml())
     if options.as_json:
@@ -222,11 +222,6 @@ def run_fit(options: FitOptions) -> None:
 
 def _checked(request: kinds.Request) -> Checks:
     """Return what is to be said of the measurement; refuse what no fit should be made from."""
-    if request.horizon is not None and request.validate is None:
-        raise InputError(
-            "--horizon is the prediction length on a second record: give --validate FILE too, or"
-            " leave it out."
-        )
     conditions = kinds.kind_of(request.measurement).conditions
     checks = check(
         request.measurement,

@@ -272,34 +272,28 @@ class DataOptions(ReadingOptions):
 class EstimationOptions:
     """How parameters are estimated."""
 
-    horizon: float | None = None
-    """Prediction length on the second record [s]."""
     route: str | None = None
-    """Estimation method: table, balance or shooting (simulated segments) for records, features,
-    rate-state; travel for films of a capsule or a cart. Default: chosen from the data."""
-    segment: float | None = None
-    """Length of the simulated segments of a record [s]; default: 1, or 20 samples if that is
-    longer."""
+    """Estimation method: table or balance for records, features, rate-state; travel for films of
+    a capsule or a cart. Default: chosen from the data."""
     hold: Annotated[str | None, typer.Option(metavar="zero|first")] = None
     """Interpolation of the force: zero-order hold (a command) or first-order, linear (a sensor).
     Default: estimated from the record."""
     starts: Annotated[int | None, typer.Option(min=1)] = None
-    """Number of starting points per search, for records (default 1)."""
+    """Searches of a law that are followed to their end, for velocity steps."""
     seed: Annotated[int | None, typer.Option(min=0)] = None
-    """Random seed for the extra starting points (default 0)."""
+    """Random seed of the draws, for features and velocity steps (default 0)."""
     position_zeros: Annotated[
         bool | None,
         typer.Option("--position-zeros/--no-position-zeros", show_default=False),
     ] = None
     """Whether positions of each record count from an unknown place, as where encoders were set to 0
-    at rest. Default: yes for a body that swings or slides freely, no for records of several
-    joints."""
+    at rest; for records of several joints. Default: no."""
 
     @property
     def settings(self) -> dict[str, Any]:
         """What is said of the settings of estimates, by their fields."""
         names = [field.name for field in fields(EstimationOptions)]
-        given = {name: getattr(self, name) for name in names if name not in ("horizon", "route")}
+        given = {name: getattr(self, name) for name in names if name != "route"}
         return {name: value for name, value in given.items() if value is not None}
 
 

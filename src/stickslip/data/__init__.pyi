@@ -24,12 +24,10 @@ from stickslip.data.checking.finding import grouped as grouped
 from stickslip.data.checking.finding import sentences_of as sentences_of
 from stickslip.data.checking.motion import inertia_of as inertia_of
 from stickslip.data.checking.motion import swing_of as swing_of
-from stickslip.data.differentiation import REPLACED as REPLACED
 from stickslip.data.differentiation import as_readings as as_readings
 from stickslip.data.differentiation import between_gaps as between_gaps
 from stickslip.data.differentiation import interval_of as interval_of
 from stickslip.data.differentiation import noise_of as noise_of
-from stickslip.data.differentiation import outlier_sentence as outlier_sentence
 from stickslip.data.differentiation import step_of as step_of
 from stickslip.data.differentiation import usual_top_speed as usual_top_speed
 from stickslip.data.differentiation import velocity_of as velocity_of

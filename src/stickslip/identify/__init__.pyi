@@ -16,7 +16,6 @@ from stickslip.identify.figures import draw_joints as draw_joints
 from stickslip.identify.figures import plot_band as plot_band
 from stickslip.identify.fits import Estimate as Estimate
 from stickslip.identify.fits import Fit as Fit
-from stickslip.identify.fits import RecordFit as RecordFit
 from stickslip.identify.fitting import fitted_law as fitted_law
 from stickslip.identify.joints import JointLawFit as JointLawFit
 from stickslip.identify.joints import JointVerdict as JointVerdict
@@ -39,7 +38,6 @@ from stickslip.identify.page import sections_of as sections_of
 from stickslip.identify.page import verdict_sections as verdict_sections
 from stickslip.identify.posterior import allotted as allotted
 from stickslip.identify.problems.record_checks import sign_findings as sign_findings
-from stickslip.identify.problems.record_signals import NotToldError as NotToldError
 from stickslip.identify.problems.table_model import INPUT as INPUT
 from stickslip.identify.problems.table_model import INPUTS_PRIOR as INPUTS_PRIOR
 from stickslip.identify.problems.table_model import RUNS as RUNS
@@ -75,7 +73,6 @@ __all__ = [
     "LawFit",
     "Plan",
     "PredictionBand",
-    "RecordFit",
     "SimulatedFit",
     "SimulatedVerdict",
     "TravelFit",

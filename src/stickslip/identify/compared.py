@@ -87,8 +87,7 @@ def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[
     if unknown:
         memory = [item for item in unknown if item in PARTS and PARTS[item].role == "memory"]
         why = (
-            "tells the memories of Dahl and LuGre, and only in time: stickslip.fit with"
-            " route='shooting' simulates it along a recorded force"
+            "tells the memories of Dahl and LuGre, and only in time"
             if memory
             else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
         )
@@ -114,9 +113,9 @@ def held_power(terms: Collection[str], varied: Collection[str]) -> Family:
 def untold_states(law: type[FrictionLaw]) -> NotToldError:
     """Return why a law with states is not fitted to what does not show them."""
     return NotToldError(
-        f"{law.title} friction has states that this measurement does not show, or not with"
-        " these parameters alone: simulate it along a recorded force (route 'shooting'), or"
-        " give a law without states."
+        f"{law.title} friction has states that this measurement does not show, or not with these"
+        " parameters alone. Records in time tell Dahl and LuGre friction with all of its"
+        " parameters: fit one of these, or a law without states."
     )
 
 

@@ -14,10 +14,12 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import in_sentence
 from stickslip.identify.compared import MAY_BE_HELD, LawToFit, untold_states
-from stickslip.identify.fits import LAW, check_varied, offset_left_out, refuse_open
+from stickslip.identify.fits import LAW, check_varied, refuse_open
 from stickslip.identify.own_laws import OwnLaw, starting
 from stickslip.identify.verdict import BandVerdict, LawFit
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
+from stickslip.show.formatting import number, with_unit
 
 OPTIONAL = frozenset({"static_coefficient", "break_away_coefficient"})
 """Parameters that sliding does not tell, and that laws may have beside a family."""
@@ -74,6 +76,29 @@ def _said(fit: LawFit, verdict: BandVerdict) -> LawFit:
         fit.law, fit.mechanism, [estimate.path for estimate in fit.estimates]
     )
     return replace(fit, verdict=verdict, remarks=(*fit.remarks, *left_out))
+
+
+def offset_left_out(
+    law: FrictionLaw, mechanism: Mechanism, paths: Collection[str]
+) -> tuple[str, ...]:
+    """Return a sentence where a level for each direction stands for a constant force as well.
+
+    Of the parameters with `paths` it is none.
+
+    Half the sum of the levels acts against the motion and half their difference always one way, so
+    a constant force beside them is the same number twice.
+    """
+    fitted = any(path in paths for path in ("mechanism.offset", "offset"))
+    if fitted or not law.directional:
+        return ()
+    own = float(getattr(mechanism, "offset", 0.0))
+    unit = "N m" if getattr(mechanism, "rotary", False) else "N"
+    held = with_unit(number(own), unit) if own else "0"
+    return (
+        "A constant force (gravity, a cable, a sensor offset) and different levels in the two"
+        f" directions cannot be separated: the offset is fixed at {held} and absorbed"
+        " into the two levels.",
+    )
 
 
 def names_to_find(

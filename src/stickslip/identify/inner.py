@@ -72,7 +72,7 @@ def pushed(mechanism: Mechanism, record: Measurement, x: Array, v: Array) -> Pus
     if np.ptp(inertia) > THRESHOLDS.rounding * np.max(inertia):
         raise InputError(
             f"the force balance of {type(mechanism).__name__} has an inertia that changes along the"
-            " motion, which `select` does not serve: use `fit` of each law."
+            " motion, and serves none: record the travel to rest instead, which runs of laws tell."
         )
     others = [j for j in range(body.moving) if j != at]
     force = forces[at] - sum(mass[at][j] * q_ddot[j] for j in others)
@@ -202,19 +202,34 @@ class _Body:
         begun = [self.start.get(mechanism.coordinates[j], 0.0) for j in inner]
         begun += [self.start.get(mechanism.rates[j], 0.0) for j in inner]
         state, states, accelerations = np.array(begun), [], []
-        for k, t in enumerate(time.tolist()):
+        before = self._before(time, all_guided={*inner} <= {*guides})
+        grid = np.concatenate([before, time])
+        for k, t in enumerate(grid.tolist()):
             slope, q_ddot = rates_of(t, state)
             states.append(state)
             accelerations.append(q_ddot)
-            if k + 1 == len(time):
+            if k + 1 == len(grid):
                 break
-            h = float(time[k + 1]) - t
+            h = float(grid[k + 1]) - t
             second, _ = rates_of(t + 0.5 * h, state + 0.5 * h * slope)
             third, _ = rates_of(t + 0.5 * h, state + 0.5 * h * second)
             fourth, _ = rates_of(t + h, state + h * third)
             state = state + h / 6.0 * (slope + 2.0 * second + 2.0 * third + fourth)
-        table, q_ddots = np.array(states), np.array(accelerations)
+        table, q_ddots = np.array(states)[len(before) :], np.array(accelerations)[len(before) :]
         q, q_dot = [x] * self.moving, [v] * self.moving
         for i, j in enumerate(inner):
             q[j], q_dot[j] = table[:, i], table[:, len(inner) + i]
         return q, q_dot, [q_ddots[:, j] for j in range(self.moving)]
+
+    def _before(self, time: Array, *, all_guided: bool) -> Array:
+        """Return times (m,) from the start of a drive to that of a record which begins later."""
+        first, step = float(time[0]), float(np.median(np.diff(time)))
+        if self.applied is not None or not self.mechanism.drives() or first <= step:
+            return np.zeros(0)
+        if not all_guided:
+            raise InputError(
+                f"the record begins {number(first, 3)} s after the drive of"
+                f" {type(self.mechanism).__name__}, and what moves inside is only known from its"
+                " start: record from there."
+            )
+        return np.linspace(0.0, first, math.ceil(first / step), endpoint=False)

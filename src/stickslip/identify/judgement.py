@@ -329,7 +329,7 @@ class Problem(ABC):
         names = joined([item[0][0].partition(".")[0] for item in own])
         raise InputError(
             f"{names} friction cannot be compared on this measurement, as it is no sum of parts:"
-            " use stickslip.fit with route='shooting' for its parameters."
+            " compare laws that are."
         )
 
     def slips(self, rows: Any) -> Slipping:

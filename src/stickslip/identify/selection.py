@@ -286,15 +286,13 @@ def select_record(
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)
     held = hold != "first" and _is_held(measurement)
-    made = partial(
-        records_of, unknown=vary, offset=offset, held=held,
-        doubts=doubts_of(mechanism, measurement, vary),
-    )  # fmt: skip
+    doubts = doubts_of(mechanism, measurement, vary)
+    made = partial(records_of, unknown=vary, offset=offset, held=held, doubts=doubts)
     problem_of = partial(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    runs = followed(mechanism, measurement, vary, hold=hold)
+    runs = followed(mechanism, measurement, vary, doubts=doubts, hold=hold)
     if runs is None:
         rig = settled(mechanism, measurement, vary, offset=offset)
     else:
@@ -322,7 +320,10 @@ def select_record(
         second=validate,
         other=validate,
         again=partial(_records_again, rig, made),
-        remarks=[*map(str, checks.of("outliers")), *([runs.sentence] if runs else [])],
+        remarks=[
+            *map(str, checks.of("outliers")),
+            *([runs.sentence] if runs and runs.sentence else []),
+        ],
     )
 
 

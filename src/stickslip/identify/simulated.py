@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from stickslip.identify.bands import ENDS, Array
-from stickslip.identify.fits import BLOCKS, Estimate, effective_size
+from stickslip.identify.fits import BLOCKS, Estimate
 from stickslip.identify.posterior import allotted
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
@@ -701,6 +701,23 @@ class SimulatedPosterior:
 
 
 _Proposal: TypeAlias = tuple[Array, Array]
+
+
+def effective_size(residual: Array) -> float:
+    """Return the number of independent residuals that vary as these (n,) do.
+
+    From the autocorrelation up to its first zero, in the record's order.
+    """
+    r = residual - residual.mean()
+    n = len(r)
+    spectrum = np.fft.rfft(r, 2 * n)
+    correlation = np.fft.irfft(np.abs(spectrum) ** 2)[:n]
+    if correlation[0] <= 0.0:
+        return float(n)
+    correlation = correlation / correlation[0]
+    below = np.flatnonzero(correlation <= 0.0)
+    last = int(below[0]) if below.size else n
+    return float(n / max(1.0 + 2.0 * correlation[1:last].sum(), 1.0))
 
 
 def _root(curvature: Array, deviation: Array) -> Array:

@@ -42,7 +42,6 @@ MADE_UP = Task(
     metric=PositionError(horizon=1.0),
     vary=("friction.*", "mechanism.inertia"),
     laws=("coulomb-viscous", "viscous"),
-    route="shooting",
     cutoff=30.0,
 )
 

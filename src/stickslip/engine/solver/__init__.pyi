@@ -11,7 +11,6 @@ from stickslip.engine.solver.compile.modules import WarmUp as WarmUp
 from stickslip.engine.solver.compile.modules import notice as notice
 from stickslip.engine.solver.compile.modules import object_files as object_files
 from stickslip.engine.solver.compile.modules import warm_up as warm_up
-from stickslip.engine.solver.compile.states import states_along as states_along
 from stickslip.engine.solver.delays import lines_of as lines_of
 from stickslip.engine.solver.ensembles import IncrementalEnsemble as IncrementalEnsemble
 from stickslip.engine.solver.ensembles import IncrementalRun as IncrementalRun

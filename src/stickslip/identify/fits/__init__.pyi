@@ -17,10 +17,8 @@ from stickslip.identify.fits.contact_inputs import unvaried as unvaried
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.gears import gear_torques as gear_torques
 from stickslip.identify.fits.gears import transmitted_along as transmitted_along
-from stickslip.identify.fits.levenberg_marquardt import AGREE as AGREE
 from stickslip.identify.fits.levenberg_marquardt import FIRST_DAMPING as FIRST_DAMPING
 from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian as ResidualJacobian
-from stickslip.identify.fits.levenberg_marquardt import Watch as Watch
 from stickslip.identify.fits.levenberg_marquardt import improve as improve
 from stickslip.identify.fits.motions import FilteredMotion as FilteredMotion
 from stickslip.identify.fits.motions import HARMONICS as HARMONICS
@@ -35,6 +33,7 @@ from stickslip.identify.fits.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.parameters import MOVED as MOVED
 from stickslip.identify.fits.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.parameters import Sizes as Sizes
+from stickslip.identify.fits.parameters import WIDE as WIDE
 from stickslip.identify.fits.parameters import refuse_open as refuse_open
 from stickslip.identify.fits.parameters import required_of as required_of
 from stickslip.identify.fits.parameters import starting_law as starting_law
@@ -57,6 +56,7 @@ from stickslip.identify.fits.results import far_above_dry as far_above_dry
 from stickslip.identify.fits.rig_uncertainties import refuse_load as refuse_load
 from stickslip.identify.fits.rig_uncertainties import span_of as span_of
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of as uncertainties_of
+from stickslip.identify.fits.settings import BLOCKS as BLOCKS
 from stickslip.identify.fits.settings import CHANCE as CHANCE
 from stickslip.identify.fits.settings import Hold as Hold
 from stickslip.identify.fits.settings import MOST as MOST
@@ -67,22 +67,9 @@ from stickslip.identify.fits.settings import RecordSettings as RecordSettings
 from stickslip.identify.fits.settings import SETTLED as SETTLED
 from stickslip.identify.fits.settings import SURE as SURE
 from stickslip.identify.fits.settings import TAKES_PART as TAKES_PART
-from stickslip.identify.fits.shooting.estimates import BLOCKS as BLOCKS
-from stickslip.identify.fits.shooting.estimates import TOGETHER as TOGETHER
-from stickslip.identify.fits.shooting.estimates import effective_size as effective_size
-from stickslip.identify.fits.shooting.estimates import offset_left_out as offset_left_out
-from stickslip.identify.fits.shooting.fit import Prediction as Prediction
-from stickslip.identify.fits.shooting.fit import RecordFit as RecordFit
-from stickslip.identify.fits.shooting.fit import Score as Score
-from stickslip.identify.fits.shooting.fitting import RouteName as RouteName
-from stickslip.identify.fits.shooting.fitting import fit_records as fit_records
-from stickslip.identify.fits.shooting.fitting import route_of as route_of
-from stickslip.identify.fits.shooting.measured_motions import PlainBalance as PlainBalance
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting as Shooting
-from stickslip.identify.fits.shooting.problems import Wanted as Wanted
-from stickslip.identify.fits.shooting.problems import refuse_overrides as refuse_overrides
-from stickslip.identify.fits.shooting.problems import segments_and_hold as segments_and_hold
-from stickslip.identify.fits.shooting.problems import simulated as simulated
+from stickslip.identify.fits.shooting.segments import measured_quantity as measured_quantity
+from stickslip.identify.fits.shooting.segments import segments_of as segments_of
 from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel
 from stickslip.identify.fits.travel_model import Trial as Trial
@@ -111,12 +98,8 @@ from stickslip.identify.fits.validation import varied_paths as varied_paths
 __all__ = [
     "Estimate",
     "Fit",
-    "Prediction",
-    "RecordFit",
     "RecordSettings",
-    "Score",
     "drives_itself",
     "durations",
-    "fit_records",
     "starting_law",
 ]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ParameterError, UnknownNameError, not_whole
-from stickslip.quantities import Quantity
 from stickslip.show.described import Described
 
 Array = NDArray[np.float64]
@@ -16,12 +15,10 @@ Array = NDArray[np.float64]
 Hold: TypeAlias = Literal["zero", "first"]
 """What an applied force does between samples: keeps its value, or goes straight to the next."""
 RESOLUTION = 100
-"""Samples a segment is compared at, pieces its drive has, and poses and stretches of a record that
-are looked at, at most."""
-LEAST = 8
-"""Rows that a segment must have to say anything beside its initial state."""
-SEGMENT = 1.0
-"""Length of a segment [s] that is simulated from a state of its own."""
+"""Rows at which a segment is compared, pieces its drive has, and poses and stretches of a record
+that are looked at, at most."""
+BLOCKS = 8
+"""Blocks of a record between which residuals count as independent."""
 
 # What several rules ask alike has one answer.
 ROUNDING = 1e-9
@@ -50,31 +47,20 @@ SURE = 3.0
 class RecordSettings(metaclass=Described):
     """How records are fitted."""
 
-    segment: float = SEGMENT
-    """Length of a segment [s] that is simulated; the usual second becomes 20 samples of a record
-    that has fewer in it."""
-    resolution: int = RESOLUTION
-    """Rows of a segment at most, 8 or more."""
     hold: Hold | None = None
     """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes straight
     there, None if that is to be estimated from the record.
 
-    Simulated segments and balances heed it; measured friction has no force beside it.
+    Measured friction has no force beside it.
     """
     starts: int = 1
-    """Starts of the search: beyond the first, jittered ones. Constants of a motor that a voltage
-    drives are looked for from two at least."""
+    """Searches of a law by runs that are followed to their end."""
     seed: int = 0
-    """Of the jitter of further starts."""
+    """Of the draws of laws by runs."""
     position_zeros: bool | None = None
     """Whether positions of each record count from a place that is not known, as where encoders are
     set to 0 wherever an arm rests; where not given, those of a body that swings or slides freely
     do. True is for records of several joints, whose constant forces are then 0."""
-
-    @property
-    def holding(self) -> Hold:
-        """The hold; ``"zero"``, as of commands, where none was given or estimated."""
-        return self.hold or "zero"
 
     @property
     def changed(self) -> tuple[str, ...]:
@@ -83,9 +69,7 @@ class RecordSettings(metaclass=Described):
 
     def __post_init__(self) -> None:
         """Check all: a hold that is not known would pass for ``"zero"``."""
-        segment = Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
-        object.__setattr__(self, "segment", segment)
-        for name, least in (("resolution", LEAST), ("starts", 1), ("seed", 0)):
+        for name, least in (("starts", 1), ("seed", 0)):
             value = getattr(self, name)
             whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
             if not (whole and value >= least):

@@ -73,12 +73,7 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
             fitted=None if fit is None else (verdict.closest.title, fit.shown),
         )
 
-    def summary(
-        self,
-        fit: JointLawFit,
-        validate: Measurement | None = None,
-        horizon: float | None = None,
-    ) -> FitSummary:
+    def summary(self, fit: JointLawFit, validate: Measurement | None = None) -> FitSummary:
         assert fit.verdict is not None
         second = {} if validate is None else fit.predict(validate)
         lines = [fit.verdict.words.verdict, fit.verdict.words.lede]

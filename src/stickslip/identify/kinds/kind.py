@@ -163,9 +163,7 @@ class Request:
     route: str | None = None
     """Name of the route for records."""
     settings: RecordSettings | None = None
-    """Segments, starts and seed of fits to records."""
-    horizon: float | None = None
-    """Length of the stretches that are predicted [s]."""
+    """Hold of a force, starts and seed of laws by runs."""
     validate: Measurement | None = None
     """A second record, which no fit sees."""
     assumed: Mapping[str, Sequence[str]] | None = None
@@ -197,7 +195,7 @@ class Request:
         return replace(self, **nothing)
 
 
-OPTIONS = ("route", "settings", "horizon", "validate", "assumed", "t_end", "tolerance")
+OPTIONS = ("route", "settings", "validate", "assumed", "t_end", "tolerance")
 """What may be said of how; each kind uses some of it."""
 
 
@@ -226,7 +224,7 @@ class FitSummary:
     rows: Sequence[Sequence[str]] = ()
     """Cells of that table."""
     lines: Sequence[str] = ()
-    """Residuals, restarts, remarks."""
+    """Residuals, remarks."""
     findings: Sequence[str] = ()
     """Errors of the model."""
     limits: Sequence[str] = ()
@@ -338,9 +336,7 @@ class Kind(ABC, Generic[F, V]):
         """Return the table of a verdict."""
 
     @abstractmethod
-    def summary(
-        self, fit: F, validate: Measurement | None = None, horizon: float | None = None
-    ) -> FitSummary:
+    def summary(self, fit: F, validate: Measurement | None = None) -> FitSummary:
         """Return what a terminal shows of a fit, with its error on a second record."""
 
     @abstractmethod

@@ -678,9 +678,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             fitted=(f"{closest.title}, if it holds", values) if values else None,
         )
 
-    def summary(
-        self, fit: AnyFit, validate: Measurement | None = None, horizon: float | None = None
-    ) -> FitSummary:
+    def summary(self, fit: AnyFit, validate: Measurement | None = None) -> FitSummary:
         assert fit.verdict is not None
         lines = [fit.verdict.words.verdict, fit.verdict.words.lede]
         second = {} if validate is None else fit.judged(validate)

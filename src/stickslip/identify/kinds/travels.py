@@ -1087,9 +1087,7 @@ class TravelKind(SimulatedKind):
             return laws
         return replace(laws, notes=[*laws.notes, *_trial_lines(verdict)])
 
-    def summary(
-        self, fit: Any, validate: Measurement | None = None, horizon: float | None = None
-    ) -> FitSummary:
+    def summary(self, fit: Any, validate: Measurement | None = None) -> FitSummary:
         rows, read = [], quantities_read(fit.trials)
         for trial, *pair in zip(fit.trials, fit.measured, fit.predicted, strict=True):
             rows.append([quantity(travel, "m") for travel in pair])

@@ -30,12 +30,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import INPUT, INPUTS_PRIOR, RUNS, RUNS_PRIOR, LawFit, allotted
 from stickslip.identify.candidates import MOST
-from stickslip.identify.fits import (
-    TOGETHER,
-    Estimate,
-    RecordSettings,
-    uncertainties_of,
-)
+from stickslip.identify.fits import Estimate, RecordSettings, uncertainties_of
 from stickslip.identify.judgement import is_asserted
 from stickslip.quantities import Quantity, vary
 from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table
@@ -59,6 +54,8 @@ Effects: TypeAlias = Mapping[str, tuple[float, Array]]
 Refit: TypeAlias = Callable[..., Any]
 """Fits the law to another measurement, with arguments as `stickslip.fit` has them."""
 
+TOGETHER = 0.95
+"""Correlation from which two conditions are one number and a split of it."""
 MOST_CONDITIONS = 4
 """Conditions that are compared at most: each doubles the sizes that are looked at."""
 DRAWS = 4000

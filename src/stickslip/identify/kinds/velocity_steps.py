@@ -4,7 +4,7 @@ The rows are the coefficient of friction in time (`stickslip.identify.problems.v
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -21,7 +21,6 @@ from stickslip.identify.fits import (
     Estimate,
     Parameters,
     RecordSettings,
-    Watch,
     check_given,
     check_varied,
 )
@@ -538,7 +537,7 @@ def fit_rate_state(
     lowest_evolution_effect: float = 0.0,
     starts: int = SimulatedKind.starts,
     seed: int = 0,
-    progress: Watch | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> AnyFit:
     """Fit rate-and-state friction to velocity steps, as `fit` does, with further arguments.
 

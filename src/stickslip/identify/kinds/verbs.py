@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
-from typing import Any, TypeAlias, overload
+from typing import Any, Literal, TypeAlias, overload
 
 from threadpoolctl import threadpool_limits
 from typing_extensions import TypeVar
@@ -11,14 +11,12 @@ from typing_extensions import TypeVar
 from stickslip.data import Measurement, as_tolerance, as_turning
 from stickslip.engine.executors import threads
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw, Laws, RateState
-from stickslip.identify import LawFit
+from stickslip.friction import FrictionLaw, RateState
+from stickslip.identify import JointLawFit, LawFit
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import (
     Fit,
-    RecordFit,
     RecordSettings,
-    RouteName,
     check_given,
 )
 from stickslip.identify.kinds.kind import Request, SeveralLaws
@@ -35,6 +33,10 @@ from stickslip.mechanisms import Mechanism, as_rotary
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
+OwnRouteName: TypeAlias = Literal["table", "balance", "features", "rate-state"]
+RouteName: TypeAlias = OwnRouteName | str
+"""What `fit` and `select` may be asked for; editors complete ours, and other packages add theirs.
+"""
 OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str
 """One type, since a union of several types of lists would keep checkers from inferring a list."""
 
@@ -49,7 +51,7 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     settings: RecordSettings | None = None,
     progress: Callable[[float], object] | None = None,
-) -> RecordFit[Laws]: ...
+) -> JointLawFit: ...
 
 
 @overload
@@ -81,8 +83,8 @@ def fit(
 ) -> Fit[Any]:
     """Fit parameters of a law to what was measured.
 
-    Travels are fitted by runs to rest; records in time by simulated segments; friction that was
-    measured directly along the measured motion; the force of a spring that pulls a block by its
+    Travels are fitted by runs to rest; records in time by the force balance along the motion, or by
+    runs that follow it; the force of a spring that pulls a block by its
     features, since no law follows irregular stick-slip sample by sample; friction under a load
     point with steps of its speed by rate-and-state laws; and several joints at once by inverse
     dynamics.
@@ -110,23 +112,23 @@ def fit(
         beside a law that is held.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
-    route : {"table", "balance", "shooting", "features", "rate-state"}
+    route : {"table", "balance", "features", "rate-state"}
         How the measurement is fitted, or a route of another package. If not given, it follows from
         the quantities measured.
     settings : RecordSettings, optional
-        Segments, starts and seed of fits to records; of these, features use the seed and velocity
-        steps the starts and the seed. What is changed there without effect is refused.
+        How the force of a record runs between samples; features use the seed and velocity steps
+        the starts and the seed. What is changed there without effect is refused.
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
     progress : callable, optional
-        Called with the number of runs so far for travels, for records with the least root mean
-        square so far; there, False ends the search with the best so far.
+        Called with the number of runs so far for travels, for features and velocity steps with the
+        least root mean square so far; there, False ends the search with the best so far.
 
     Returns
     -------
     Fit
-        A `LawFit`, `TravelFit`, `RecordFit` or `SimulatedFit`: the fitted law, estimates with
+        A `LawFit`, `TravelFit`, `JointLawFit` or `SimulatedFit`: the fitted law, estimates with
         intervals, predictions.
 
     Raises

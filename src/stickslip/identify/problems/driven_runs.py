@@ -27,7 +27,7 @@ best.
 import copy
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from typing import Annotated, Any, ClassVar
@@ -40,17 +40,17 @@ from stickslip.data import Measurement
 from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
+    WIDE,
     FreeParameter,
     FreeParameters,
     Hold,
-    Parameters,
-    RecordSettings,
     ResidualJacobian,
     Shooting,
-    Wanted,
+    drives_itself,
     improve,
-    segments_and_hold,
-    simulated,
+    load_of,
+    measured_quantity,
+    segments_of,
 )
 from stickslip.identify.forces import TRANSMITTED, with_gear
 from stickslip.identify.judgement import DRAWS, Candidates, Problem
@@ -87,6 +87,7 @@ from stickslip.identify.problems.free_runs import (
     refined_shapes,
     worth,
 )
+from stickslip.identify.problems.record_checks import plain_columns
 from stickslip.identify.problems.record_columns import Balance, through_gear
 from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
 from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
@@ -102,8 +103,8 @@ from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
 from stickslip.identify.vocabulary import SIGNED, Grid
 from stickslip.maths import Scalar, where
-from stickslip.mechanisms import Mechanism, motor_of
-from stickslip.quantities import Quantity, parameters, vary
+from stickslip.mechanisms import Mechanism, motor_of, stops_of
+from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.show.formatting import joined, parameter_words
 
 PRIOR = 0.5
@@ -132,6 +133,14 @@ DECADES = 100.0
 """Range of speeds at most."""
 FOLLOWING = 5
 """Size with which runs that follow are looked for."""
+LEVELS = tuple(np.geomspace(0.01, 2.0, 16).tolist())
+"""Levels over the load that are tried of what drives itself: a third more each, from rolling to
+rubber."""
+FAST = 0.5
+"""Share of the fastest speed above which slip counts as steady where runs start, and of a level
+that a viscous part is there at most."""
+LITTLE = 0.01
+"""Share of a force that is next to nothing of it, and of samples that are few of them."""
 UNSEEN = (
     "Runs do not tell whether friction changes with the direction, an input, the place, in time or"
     " between records, nor a constant force or presliding: the intervals hold for friction as it"
@@ -291,7 +300,6 @@ class _WithPrior:
             values=values,
             residual=np.concatenate([seen.residual, self.deviation * off]),
             slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
-            segment=np.concatenate([seen.segment, np.full(len(off), -1)]),
             memory=seen.memory,
         )
 
@@ -307,7 +315,8 @@ class DrivenRuns:
     seen : ResidualJacobian
         They where they follow the readings best.
     given : Mapping of str to float
-        Parameters of the mechanism as they were given, by path.
+        Parameters of the mechanism as they were given, by path: what is looked for, then what is
+        doubtful.
     share : float
         Share of the readings that count as independent.
     error : float
@@ -316,6 +325,8 @@ class DrivenRuns:
         Unknowns about 0 over their deviations before the runs.
     beside : Beside, optional
         Friction beside their law.
+    doubts : Mapping of str to float
+        Standard deviations of logarithms of what is doubtful, by path.
     """
 
     runs: Shooting
@@ -325,6 +336,7 @@ class DrivenRuns:
     error: float = 0.0
     rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
     beside: Beside | None = None
+    doubts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def items(self) -> tuple[FreeParameter, ...]:
@@ -334,7 +346,14 @@ class DrivenRuns:
     @property
     def sizes(self) -> Array:
         """Deviations of logarithms before the runs (p,); infinite of what has none."""
-        return np.array([PRIOR if x.log and x.path in self.given else math.inf for x in self.items])
+        known = [x.log and x.path in self.given for x in self.items]
+        sizes = [self.doubts.get(x.path, PRIOR) for x in self.items]
+        return np.where(known, sizes, math.inf)
+
+    @property
+    def sought(self) -> list[str]:
+        """Paths of what is looked for of the mechanism."""
+        return [path for path in self.given if path not in self.doubts]
 
     @property
     def values(self) -> dict[str, float]:
@@ -354,7 +373,7 @@ class DrivenRuns:
 
     def on(self, mechanism: Mechanism) -> Mechanism:
         """Return a mechanism with the values that fit best."""
-        return vary(mechanism, "mechanism", self.rig)
+        return vary(mechanism, "mechanism", {path: self.rig[path] for path in self.sought})
 
     def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
         """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
@@ -369,7 +388,7 @@ class DrivenRuns:
                 break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
-            end, _ = improve(
+            end = improve(
                 prior, best.values, rounds=FOLLOWING_STEPS, least=2.0 * SETTLED * deviation**2
             )
             best = self.runs.linearise(end.values, end)
@@ -422,10 +441,13 @@ class DrivenRuns:
         """Whether runs tell the parameters of the mechanism beside any friction."""
         if not self.seen.finite:
             return False
-        covariance, has_prior = self.covariance(COEFFICIENT), np.isfinite(self.sizes)
-        left = np.sqrt(np.diag(covariance)[has_prior])
-        left /= self.sizes[has_prior] * self.seen.values[has_prior]
-        of_rig = covariance[: len(self.given), : len(self.given)]
+        count = len(self.sought)
+        if not count:
+            return True
+        of_rig = self.covariance(COEFFICIENT)[:count, :count]
+        has_prior = np.isfinite(self.sizes[:count])
+        left = np.sqrt(np.diag(of_rig)[has_prior])
+        left /= self.sizes[:count][has_prior] * self.seen.values[:count][has_prior]
         size = np.sqrt(np.maximum(np.diag(of_rig), 1e-300))
         least = np.linalg.eigvalsh(of_rig / np.outer(size, size))[0]
         return bool(np.all(left <= MOST_LEFT) and least > ROUNDED)
@@ -442,10 +464,14 @@ class DrivenRuns:
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        words = [f"the {parameter_words(path)}" for path in self.given]
+        words, driven = [f"the {parameter_words(path)}" for path in self.sought], "its own drive"
+        if any(segment.start for segment in self.runs.segments):
+            driven = "the recorded voltage"
         if self.is_followed:
             own = joined([*words, "friction"])
-            return f"Runs of the mechanism under the recorded voltage determine {own}."
+            return f"Runs of the mechanism under {driven} determine {own}."
+        if not words:
+            return ""
         names = joined(words)
         of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
         return (
@@ -458,7 +484,7 @@ class DrivenRuns:
 
         Of its root :math:`L` each column is what one of them, and others with it, changes by.
         """
-        paths = [*self.rig]
+        paths = self.sought
         root = np.linalg.cholesky(self.covariance()[: len(paths), : len(paths)])
         result = []
         for record in records:
@@ -480,32 +506,30 @@ def followed(
     measurement: Measurement,
     unknown: Sequence[str],
     *,
+    doubts: Mapping[str, float],
     hold: Hold | None = None,
 ) -> DrivenRuns | None:
     """Return runs that follow the readings; None where a balance tells what is unknown as well.
 
-    That is so where there is no motor, where forces are linear in what is looked for, where the
+    That is so where a recorded force drives, or forces are linear in what is looked for, where the
     mechanism has a constant force, which the balance takes off, where a plain law has no friction,
     which is the scale of the rest, and where runs do not tell parameters apart either, as
-    resistance and torque constant are not under friction that is the same at any torque.
+    resistance and torque constant are not under friction that is the same at any torque. Runs with
+    impacts are not linear in anything for long, and are not followed either.
     """
-    if not unknown or motor_of(mechanism) is None:
-        return None
-    record = records_of(mechanism, measurement, unknown=unknown)[0]
-    if not any(column.bent for column in record.unknown.values()):
-        return None
-    wanted: Wanted = Parameters(
-        mechanism=mechanism, law=CoulombViscous, known={}, unknown=tuple(unknown)
-    )
-    settings, _ = segments_and_hold(mechanism, measurement, RecordSettings(hold=hold))
-    runs = replace(simulated(settings, wanted, measurement, {}).problem, steps=STEPS)
-    if any(item.path.endswith(".offset") for item in runs.free_parameters.items):
+    if not _is_run(mechanism, measurement, unknown):
         return None
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    if any(known[path] <= 0.0 for path in doubts):
+        return None
+    runs = _runs_of(mechanism, measurement, unknown, doubts, hold)
+    if runs is None:
+        return None
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
-        given={path: known.get(path, 0.0) for path in unknown},
+        given={path: known.get(path, 0.0) for path in (*unknown, *doubts)},
+        doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()},
     ).settled()
     if not first.seen.finite:
         return None
@@ -514,6 +538,86 @@ def followed(
     beside = beside_law(first.law, records)
     result = first.with_curve(beside) if beside.size > 0.0 else None
     return result if result is not None and result.determines_rig else None
+
+
+def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
+    """Return whether runs may tell more than a balance: of what drives itself, or by a voltage."""
+    if drives_itself(mechanism, measurement):
+        return not stops_of(mechanism)
+    if not unknown or motor_of(mechanism) is None:
+        return False
+    record = records_of(mechanism, measurement, unknown=unknown)[0]
+    return any(column.bent for column in record.unknown.values())
+
+
+def _runs_of(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    doubts: Collection[str],
+    hold: Hold | None,
+) -> Shooting | None:
+    """Return runs of a plain law that start from a balance; None where that seeks an offset."""
+    quantity = measured_quantity(measurement)
+    records = records_of(mechanism, measurement)
+    rows, friction, rig = plain_columns(records)
+    back, ahead = (float(np.mean(side * rows.velocity > 0.0)) for side in (-1.0, 1.0))
+    both_ways = min(back, ahead) > LITTLE
+    if both_ways and getattr(mechanism, "offset", None) is not None:
+        return None
+    table = np.column_stack([*friction, *rig])
+    sizes = np.sqrt(np.mean(table**2, axis=0)) + 1e-300
+    _, viscous, offset = (np.linalg.lstsq(table / sizes, rows.response, rcond=1e-9)[0] / sizes)[:3]
+    load = load_of(mechanism) if records[0].load is None else float(np.median(records[0].load))
+    speed = float(np.quantile(np.abs(rows.velocity), QUICK))
+    left = np.abs(rows.response - offset * both_ways)
+    size = float(np.sqrt(np.mean(left**2)))
+    # where speeds hardly differ a level passes for a viscous part, and the other way round
+    level = float(np.median(left[np.abs(rows.velocity) >= FAST * speed])) / load
+    viscous = min(viscous, FAST * level * load / speed)
+    starts = {"kinetic_coefficient": level, "viscous_coefficient": float(viscous)}
+    least = {"kinetic_coefficient": LITTLE * size / load, "viscous_coefficient": 0.0}
+    most = {"kinetic_coefficient": WIDE * size / load, "viscous_coefficient": WIDE * size / speed}
+    kinds = fields_of(CoulombViscous)
+    known = {path: (item, x) for path, item, x in parameters(mechanism, "mechanism")}
+    items = [
+        FreeParameter(
+            path=f"friction.{name}", quantity=kinds[name], low=0.0, high=most[name],
+            start=min(max(x, least[name]), most[name]),
+        )
+        for name, x in starts.items()
+    ]  # fmt: skip
+    for path in (*unknown, *doubts):
+        item, x = known[path]
+        log, far = item.above is not None or path in doubts, WIDE * (size + abs(x))
+        items.append(
+            FreeParameter(
+                path=path, quantity=item, start=x, log=log,
+                low=x / WIDE if log else max(item.low, -far),
+                high=WIDE * x if log else min(item.high, far),
+            )
+        )  # fmt: skip
+    runs = Shooting(
+        law=CoulombViscous(**{name: items[k].start for k, name in enumerate(starts)}),
+        free_parameters=FreeParameters(tuple(items)),
+        segments=segments_of(mechanism, measurement, hold=hold or "zero"),
+        quantity=quantity,
+        steps=STEPS,
+    )
+    return _begun(runs) if drives_itself(mechanism, measurement) else runs
+
+
+def _begun(runs: Shooting) -> Shooting:
+    """Return runs of what drives itself that start at the level which leaves least.
+
+    A level decides at each rest whether the body breaks away, so that what is left has valleys.
+    """
+    path, start = runs.free_parameters.items[0].path, runs.free_parameters.start
+    assert path == "friction.kinetic_coefficient"
+    tried = [np.array([level, *start[1:]]) for level in LEVELS]
+    tried.append(start)
+    least = min((runs.linearise(values) for values in tried), key=lambda seen: seen.cost)
+    return runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
 
 
 class DrivenModel(Model):
@@ -554,7 +658,9 @@ class DrivenModel(Model):
         self.gram = runs.share / runs.error**2 * table.T @ table
         least = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
         wide = OPEN * np.sqrt(np.diag(np.linalg.pinv(self.gram[:-1, :-1])))[len(knots) :]
-        self._rig_deviations: Array = np.where(self.logs, PRIOR, np.maximum(wide, least))
+        self._rig_deviations: Array = np.where(
+            self.logs, runs.sizes[:count], np.maximum(wide, least)
+        )
         self.deviations = np.concatenate([np.ones(len(knots)), self._rig_deviations])
 
     def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
@@ -633,7 +739,8 @@ class DrivenModel(Model):
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for of the mechanism (k,) in draws, by path."""
         away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
-        return dict(zip(self.paths, self.rig_at(away.T).T, strict=True))
+        each = dict(zip(self.paths, self.rig_at(away.T).T, strict=True))
+        return {path: each[path] for path in self.runs.sought}
 
     def rig_at(self, away: Array) -> Array:
         """Return what is looked for of the mechanism at its unknowns (..., p)."""

@@ -35,7 +35,7 @@ OTHER_SIGN = (
 )
 
 
-def _plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
+def plain_columns(records: Sequence[Record]) -> tuple[BalanceRows, list[Array], list[Array]]:
     """Return rows of a balance, and columns (n,): of level and viscous friction, and of the rig."""
     pieces, every = pieces_of(records)
     rows, inertia = BalanceRows(pieces, MIDDLE, every), records[0].inertia is None
@@ -78,7 +78,7 @@ def wrong_sign(records: Sequence[Record]) -> str:
     pushed = any(np.any(item.force) for item in moving)
     if first.friction or not pushed or free_form(moving):
         return ""
-    rows, slides, rig = _plain_columns(moving)
+    rows, slides, rig = plain_columns(moving)
     inertia, speed, response = first.inertia is None, slides[1], rows.response
     stretches = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
     ways = [float(np.sum(np.maximum(side * rows.velocity, 0.0))) for side in (1.0, -1.0)]
@@ -152,7 +152,7 @@ def settled(
         looked = {path: item for path, item in records[0].unknown.items() if not item.doubt}
         if not any(item.bent for item in looked.values()):
             return 0.0, {}, np.zeros(0)
-        rows, friction, rig_ = _plain_columns([record for record in records if moves(record)])
+        rows, friction, rig_ = plain_columns([record for record in records if moves(record)])
         table = np.column_stack([*friction, *rig_])
         at = len(friction) + len(rig_) - len(records[0].unknown)
         places = [at + k for k, path in enumerate(records[0].unknown) if path in looked]

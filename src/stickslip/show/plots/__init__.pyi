@@ -16,12 +16,9 @@ from stickslip.show.plots.fits import Interval as Interval
 from stickslip.show.plots.fits import Piece as Piece
 from stickslip.show.plots.fits import draw_intervals as draw_intervals
 from stickslip.show.plots.fits import draw_pieces as draw_pieces
-from stickslip.show.plots.fits import draw_residuals as draw_residuals
 from stickslip.show.plots.fits import piece_sizes as piece_sizes
 from stickslip.show.plots.fits import plot_fit as plot_fit
-from stickslip.show.plots.fits import plot_friction_map as plot_friction_map
 from stickslip.show.plots.fits import plot_joints as plot_joints
-from stickslip.show.plots.fits import plot_residuals as plot_residuals
 from stickslip.show.plots.fits import plot_scores as plot_scores
 from stickslip.show.plots.fits import plot_verdict as plot_verdict
 from stickslip.show.plots.laws import MAP_SIZES as MAP_SIZES
@@ -145,7 +142,6 @@ __all__ = [
     "draw_pieces",
     "draw_presliding",
     "draw_optimum",
-    "draw_residuals",
     "draw_run",
     "draw_runs",
     "draw_scene",
@@ -166,7 +162,6 @@ __all__ = [
     "plot_closed_loop",
     "plot_ensemble",
     "plot_fit",
-    "plot_friction_map",
     "plot_friction_velocity",
     "plot_joints",
     "plot_law",
@@ -174,7 +169,6 @@ __all__ = [
     "plot_measurement",
     "plot_presliding",
     "plot_optimum",
-    "plot_residuals",
     "plot_run",
     "plot_runs",
     "plot_sweep",

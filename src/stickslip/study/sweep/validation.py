@@ -39,8 +39,8 @@ from stickslip.errors import (
     check_size,
 )
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.identify import fits
-from stickslip.identify.fits import Estimate, Fit, RecordFit
+from stickslip.identify import LawFit, fits
+from stickslip.identify.fits import Estimate, Fit
 from stickslip.maths import NORMAL_95
 from stickslip.mechanisms import (
     WHOLE,
@@ -1236,12 +1236,11 @@ class Refit(metaclass=Described):
     parameters: tuple[ParameterAgreement, ...]
     """Its parameters beside those that were carried."""
 
-    def explains(self, seen: Validation | None) -> bool | None:
-        """Return whether the refitted law leaves no more than noise; None if that is unknown."""
-        if seen is None or not isinstance(self.fit, RecordFit) or not seen.records:
-            return None
-        noise = math.sqrt(float(np.mean([record.noise**2 for record in seen.records])))
-        return self.fit.rms <= NOISY * noise
+    @property
+    def explains(self) -> bool | None:
+        """Whether a law of the type describes the record; None if nothing was told of that."""
+        verdict = self.fit.verdict if isinstance(self.fit, LawFit) else None
+        return None if verdict is None or not self.fit.estimates else verdict.explained
 
     def sentences(self, seen: Validation | None) -> tuple[str, ...]:
         """Return each parameter beside what was carried, and what limits the comparison.
@@ -1257,21 +1256,16 @@ class Refit(metaclass=Described):
             Sentences.
         """
         texts = [f"{parameter}." for parameter in self.parameters]
-        if self.explains(seen) is False:
-            assert isinstance(self.fit, RecordFit)
-            left = quantity(self.fit.rms, self.fit.measurement.unit(self.fit.problem.quantity))
+        if self.explains is False:
             texts.append(
-                f"The refitted law leaves a residual of {left}, which is more than the noise: it"
-                " does not explain the record either, so that its values and intervals may be"
-                " biased."
+                "The refitted law does not describe the record either, so that its values and"
+                " intervals may be biased."
             )
         if seen is not None and any(record.late for record in seen.records):
             texts.append(
                 "The times of the record may be shifted (see above), which biases the refitted"
                 " values."
             )
-        if isinstance(self.fit, RecordFit):
-            texts += map(str, self.fit.model_errors)
         return tuple(texts)
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,11 +1,9 @@
 """Multiple shooting: a record is simulated segment by segment, each from a state of its own.
 
 The initial states of segments are eliminated to first order: their part of the slopes is projected
-out, and they follow the other unknowns from one linearisation to the next. The place from which
-positions count, where it is not known, only adds a constant: means are taken off instead.
+out, and they follow the other unknowns from one linearisation to the next.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -15,16 +13,13 @@ from numpy.typing import NDArray
 
 from stickslip.engine.executors import on_threads
 from stickslip.engine.solver import BareRun, EventDriven
-from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.levenberg_marquardt import STEEPEST, ResidualJacobian
 from stickslip.identify.fits.parameters import MOVED, FreeParameters, not_whole
-from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, ROUNDS, SURE
+from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SURE
 from stickslip.identify.fits.shooting.initial_states import (
-    FirstDeflections,
     LocalState,
-    RecordedMotion,
     Ways,
     followed,
     settled,
@@ -34,7 +29,7 @@ from stickslip.identify.fits.shooting.sampled_loops import (
     run_through,
     without_steps,
 )
-from stickslip.mechanisms import Mechanism, slip_names, slip_of, stops_of
+from stickslip.mechanisms import Mechanism, slip_names, stops_of
 from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
@@ -67,8 +62,6 @@ class Segment:
     """First guess of coordinates and rates (m,)."""
     known: NDArray[np.bool_]
     """Which of these are known, and no guess (m,)."""
-    zero: bool = False
-    """Whether positions count from a place that is not known."""
     loop: LoopInSegment | None = None
     """The loop that makes a voltage of the motion at its samples; None if none does."""
 
@@ -77,16 +70,6 @@ class Segment:
         """The guess with rates of 0, but those that are known."""
         moves = np.arange(len(self.guess)) >= len(self.guess) // 2
         return np.where(moves & ~self.known, 0.0, self.guess)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ZeroEstimate:
-    """Where the positions of a record count from."""
-
-    value: float
-    """What is measured where the mechanism is at 0 [m or rad]."""
-    error: float
-    """Its standard error."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,43 +84,8 @@ class Shooting:
     """Stretches of the records that are simulated."""
     quantity: str = "position"
     """What is compared: ``"position"`` or ``"velocity"``."""
-    motions: tuple[RecordedMotion, ...] = ()
-    """The measured motion of each record between gaps, as far as bristles are followed along it."""
     steps: int = ROUNDS
     """Steps of an initial state at most, each time: the next goes on from there."""
-
-    @property
-    def spans(self) -> Array:
-        """Record, first and last time of each segment (segments, 3)."""
-        return np.array(
-            [[s.record, s.start + s.times[0], s.start + s.times[-1]] for s in self.segments]
-        )
-
-    @property
-    def times(self) -> Array:
-        """Time of each row (n,) [s]."""
-        return np.concatenate([s.start + s.times for s in self.segments])
-
-    @property
-    def measured(self) -> Array:
-        """What was measured of the quantity compared, of each row (n,)."""
-        return np.concatenate([s.measured for s in self.segments])
-
-    @property
-    def variation(self) -> float:
-        """Sum of squares of the motion about straight lines, whose ends are fitted."""
-        return sum(curvature_of(segment) for segment in self.segments)
-
-    def shortened(self, share: float) -> "Shooting":
-        """Return the same with the first rows of each segment only."""
-        rows = [max(min(FIRST, len(s.times)), round(share * len(s.times))) for s in self.segments]
-        return replace(
-            self,
-            segments=tuple(
-                replace(s, times=s.times[:count], measured=s.measured[:count])
-                for s, count in zip(self.segments, rows, strict=True)
-            ),
-        )
 
     def starting_from(self, seen: ResidualJacobian) -> "Shooting":
         """Return the same with the initial states of an answer as first guesses."""
@@ -149,35 +97,27 @@ class Shooting:
         """Return the same with other bounds or start values of the unknowns."""
         return replace(self, free_parameters=free_parameters)
 
-    def linearise(
-        self,
-        values: Array,
-        near: ResidualJacobian | None = None,
-        *,
-        only: Sequence[int] | None = None,
-    ) -> ResidualJacobian:
-        """Return what predictions with values (p,) leave, and their slopes; of some segments."""
-        chosen = range(len(self.segments)) if only is None else only
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return what predictions with values (p,) leave, and their slopes."""
         known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
         try:
             law, mechanisms = self._changed(values)
         except ParameterError:
-            return _failed(values, [self.segments[k] for k in chosen], chosen)
-        begun = self._begun(law, values, chosen)
+            return _failed(values, self.segments)
 
         def one(k: int, before: LocalState | None) -> LocalState | None:
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
-            shoot = partial(self._shot, segment, mechanism, law, begun[k])
+            shoot = partial(self._shot, segment, mechanism, law)
             at_rest = _may_rest(segment, self.quantity)
             own, most = segment.rest, self.steps
             if before is None:
                 return settled(segment.guess, own, shoot, at_rest=at_rest, rounds=most)
             return followed(before, change, own, shoot, at_rest=at_rest, rounds=most)
 
-        shots = on_threads(lambda k: one(k, known.get(k)), chosen)
-        result = dict(zip(chosen, shots, strict=True))
-        return self._joined(values, chosen, list(result.values()))
+        return self._joined(
+            values, on_threads(lambda k: one(k, known.get(k)), range(len(self.segments)))
+        )
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
         """Return the law and, by identity, the segments' mechanisms with other values."""
@@ -190,45 +130,19 @@ class Shooting:
             for s in self.segments
         }
 
-    def _begun(
-        self, law: FrictionLaw, values: Array, chosen: Sequence[int]
-    ) -> Mapping[int, "_Begun"]:
-        """Return how the bristles of segments begin, by number."""
-        if not law.states:
-            return dict.fromkeys(chosen, _Begun())
-        of: dict[RecordedMotion, list[int]] = {}
-        for k in chosen:
-            one = self.segments[k]
-            known = (own for own in self.motions if own.covers(one.record, one.start))
-            own = next(known, None) or RecordedMotion.unknown(one.record, one.start)
-            of.setdefault(own, []).append(k)
-        result: dict[int, _Begun] = {}
-        for motion, numbers in of.items():
-            first = FirstDeflections(
-                law=law,
-                free_parameters=self.free_parameters,
-                values=values,
-                motion=motion,
-                starts=np.array([self.segments[k].start for k in numbers]),
-                length=float(self.segments[numbers[0]].times[-1]),
-            )
-            result |= {k: _Begun(first, place) for place, k in enumerate(numbers)}
-        return result
-
     def _shot(
         self,
         segment: Segment,
         mechanism: Mechanism,
         law: FrictionLaw,
-        begun: "_Begun",
         state: Array,
     ) -> LocalState | None:
         """Return a segment simulated from a state; None if the run fails."""
-        run = _bare(segment, mechanism, law, begun, state)
+        run = _bare(segment, mechanism, law, state)
         if run is None:
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
-        sense = partial(_sensed, run, segment, mechanism, law, begun, state, column)
+        sense = partial(_sensed, run, segment, mechanism, law, state, column)
         left = segment.measured - run.at(segment.times)[:, column]
         units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
@@ -242,113 +156,25 @@ class Shooting:
 
         return LocalState(
             state=state,
-            residual=left - left.mean() if segment.zero else left,
+            residual=left,
             size=float(np.ptp(segment.measured)),
             sense=cache(partial(sense, self.free_parameters.paths)),
             units=units,
             ways=cache(ways),
         )
 
-    def zeros(self, seen: ResidualJacobian, scale: float = 1.0) -> Mapping[int, ZeroEstimate]:
-        """Return where positions count from, by the last segment of each record that tells it."""
-        law, mechanisms = self._changed(seen.values)
-        begun = self._begun(law, seen.values, range(len(self.segments)))
-        result = {}
-        for k, segment in enumerate(self.segments):
-            if not segment.zero or k not in seen.memory:
-                continue
-            mechanism, state = mechanisms[id(segment.mechanism)], seen.memory[k].state
-            run = _bare(segment, mechanism, law, begun[k], state)
-            if run is None:
-                continue
-            column = run.states.index(_state_of(mechanism, self.quantity))
-            left = segment.measured - run.at(segment.times)[:, column]
-            paths = [f"initial.{name}" for name in run.states[: len(state)]]
-            counted = replace(segment, zero=False)
-            paths += self.free_parameters.paths
-            slopes = _sensed(run, counted, mechanism, law, begun[k], state, column, paths)
-            own = np.ones(len(left)) - slopes @ np.linalg.lstsq(slopes, np.ones(len(left)))[0]
-            freedom = max(len(left) - slopes.shape[1] - 1, 1)
-            if own @ own > ROUNDING * len(left):
-                error = math.sqrt(float(np.sum((left - left.mean()) ** 2)) / freedom / (own @ own))
-                result[segment.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
-        return result
-
-    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
-        """Return the segments simulated again from their fitted states, with their certificates.
-
-        Times of a run count from the start of its segment.
-        """
-        law, mechanisms = self._changed(seen.values)
-        begun = self._begun(law, seen.values, list(seen.memory))
-        result = []
-        for k, segment in enumerate(self.segments):
-            if k in seen.memory:
-                mechanism, end = mechanisms[id(segment.mechanism)], float(segment.times[-1])
-                start = _start(mechanism, begun[k], seen.memory[k].state)
-                if segment.loop is not None:
-                    _, mechanism = run_through(
-                        SOLVER, mechanism, law, segment.loop, y0=start, t_end=end
-                    )
-                result.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
-        return tuple(run for run in result if run.status.complete)
-
-    def _joined(
-        self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
-    ) -> ResidualJacobian:
+    def _joined(self, values: Array, shots: Sequence[LocalState | None]) -> ResidualJacobian:
         done = [shot for shot in shots if shot is not None]
         if len(done) < len(shots):
-            return _failed(values, [self.segments[k] for k in chosen], chosen)
+            return _failed(values, self.segments)
         return ResidualJacobian(
             values=values,
             residual=np.concatenate([shot.residual for shot in done]),
             slopes=lambda: np.concatenate(
                 on_threads(lambda shot: shot.projected(shot.slopes), done)
             ),
-            segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
-            memory=dict(zip(chosen, done, strict=True)),
+            memory=dict(enumerate(done)),
         )
-
-
-@dataclass(frozen=True)
-class _Begun:
-    """How the bristles of one segment begin."""
-
-    continued: FirstDeflections | None = None
-    """Those of all segments of the record, along its motion; None of a law without."""
-    place: int = 0
-    """Which of these segments it is."""
-
-    def at(self, velocity: float) -> tuple[FirstDeflections | None, int, bool]:
-        """Return deflections, which of them, and whether the initial velocity [m/s] makes them."""
-        one = self.continued
-        if one is None or one.starts[self.place] > one.motion.start:
-            return one, self.place, False
-        own = replace(
-            one, motion=one.motion.begun(velocity), starts=one.starts[self.place : self.place + 1]
-        )
-        return own, 0, True
-
-    def deflections(self, velocity: float) -> list[float]:
-        """Return deflections [m], or whatever unit the states of the law have."""
-        first, place, _ = self.at(velocity)
-        return [] if first is None else first.states[place].tolist()
-
-    def slopes(self, velocity: float, path: str, paths: Sequence[str]) -> Array:
-        """Return their slopes (b, paths) by the law's parameters, and by the path of a velocity."""
-        first, place, own = self.at(velocity)
-        assert first is not None
-        known = dict(zip(first.free_parameters.paths, first.slopes[place].T, strict=True))
-        if own:
-            known[path] = first.velocity_slopes[place]
-        none = np.zeros(first.states.shape[1])
-        return np.column_stack([known.get(item, none) for item in paths])
-
-
-def curvature_of(segment: Segment) -> float:
-    """Return the sum of squares of the motion of a segment less a straight line."""
-    line = np.polyfit(segment.times, segment.measured, 1)
-    return float(np.sum((segment.measured - np.polyval(line, segment.times)) ** 2))
 
 
 def _may_rest(segment: Segment, quantity: str) -> bool:
@@ -362,13 +188,11 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     return bool(abs(result[0]) <= SURE * error)
 
 
-def _bare(
-    segment: Segment, mechanism: Mechanism, law: FrictionLaw, begun: _Begun, state: Array
-) -> BareRun | None:
+def _bare(segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array) -> BareRun | None:
     """Return a segment simulated from a state; None if the run fails."""
     if not np.all(np.isfinite(state)):
         return None
-    return _solved(segment, mechanism, law, _start(mechanism, begun, state))
+    return _solved(segment, mechanism, law, _start(mechanism, state))
 
 
 def _solved(
@@ -388,29 +212,20 @@ def _sensed(
     segment: Segment,
     mechanism: Mechanism,
     law: FrictionLaw,
-    begun: _Begun,
     state: Array,
     column: int,
     paths: Sequence[str],
 ) -> Array:
     """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
-    bristles = [f"initial.{name}" for name in run.states[len(state) :]]
-    known = [*paths, *bristles]
     if segment.loop is None:
-        table = run.differentiate(segment.times, known)[:, column, :]
+        table = run.differentiate(segment.times, paths)[:, column, :]
     else:  # the kernels know nothing of what the loop does about a change
-        table = np.full((len(segment.times), len(known)), np.nan)
+        table = np.full((len(segment.times), len(paths)), np.nan)
         mechanism = without_steps(mechanism)
-        run = _solved(segment, mechanism, law, _start(mechanism, begun, state)) or run
-    for k in np.flatnonzero(~np.isfinite(table).all(axis=0)):
-        table[:, k] = _differenced(run, segment, mechanism, law, begun, state, column, known[k])
-    if segment.zero:
-        table = table - table.mean(axis=0)
-    if not bristles:
-        return table
-    slip = _slip_velocity(mechanism)
-    moved = begun.slopes(float(state[slip]), f"initial.{run.states[slip]}", paths)
-    return np.asarray(table[:, : len(paths)] + table[:, len(paths) :] @ moved)
+        run = _solved(segment, mechanism, law, _start(mechanism, state)) or run
+    for k in np.flatnonzero(~np.isfinite(table).all(axis=0)).tolist():
+        table[:, k] = _differenced(run, segment, mechanism, law, state, column, paths[k])
+    return np.asarray(table)
 
 
 def _differenced(
@@ -418,13 +233,12 @@ def _differenced(
     segment: Segment,
     mechanism: Mechanism,
     law: FrictionLaw,
-    begun: _Begun,
     state: Array,
     column: int,
     path: str,
 ) -> Array:
     """Return the slopes (n,) along one path by a difference of runs; NaN if none can be made."""
-    start = np.array(_start(mechanism, begun, state))
+    start = np.array(_start(mechanism, state))
     root, _, name = path.partition(".")
     if root == "initial":
         own = run.states.index(name)
@@ -457,20 +271,13 @@ def _differenced(
     return (high - low) / (more - less)
 
 
-def _start(mechanism: Mechanism, begun: _Begun, state: Array) -> list[float]:
-    """Return the first states of a segment: coordinates, rates and bristles."""
+def _start(mechanism: Mechanism, state: Array) -> list[float]:
+    """Return the first states of a segment: coordinates and rates."""
     first = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
-    velocity = float(state[_slip_velocity(mechanism)])
     for stop in stops_of(mechanism):  # noise puts what rests at a stop beyond it
         nearer = min if stop.side == "upper" else max
         first[stop.coordinate] = nearer(first[stop.coordinate], float(stop.position))
-    return [*first.values(), *state[len(first) :].tolist(), *begun.deflections(velocity)]
-
-
-def _slip_velocity(mechanism: Mechanism) -> int:
-    """Return the place of the slip velocity among coordinates and rates."""
-    coordinates = mechanism.coordinates
-    return coordinates.index(slip_of(mechanism)) + len(coordinates)
+    return [*first.values(), *state[len(first) :].tolist()]
 
 
 def _state_of(mechanism: Mechanism, quantity: str) -> str:
@@ -478,12 +285,11 @@ def _state_of(mechanism: Mechanism, quantity: str) -> str:
     return slip_names(mechanism)[quantity != "position"]
 
 
-def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> ResidualJacobian:
-    sizes = [len(s.times) for s in segments]
+def _failed(values: Array, segments: Sequence[Segment]) -> ResidualJacobian:
+    count = sum(len(segment.times) for segment in segments)
     return ResidualJacobian(
         values=values,
-        residual=np.full(sum(sizes), np.inf),
-        slopes=np.zeros((sum(sizes), len(values))),
-        segment=np.repeat(chosen, sizes),
+        residual=np.full(count, np.inf),
+        slopes=np.zeros((count, len(values))),
         memory={},
     )

@@ -1,5 +1,6 @@
 """Cuts records into the segments that are simulated."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -7,17 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError
 from stickslip.identify.fits.contact_inputs import loaded, with_inputs
 from stickslip.identify.fits.motions import GAP
 from stickslip.identify.fits.record_forces import (
     applied_force,
-    driven,
     drives_itself,
     goes_straight,
     inside,
 )
-from stickslip.identify.fits.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
+from stickslip.identify.fits.settings import RESOLUTION, Hold
 from stickslip.identify.fits.shooting.multiple_shooting import FIRST, Segment
 from stickslip.identify.fits.shooting.sampled_loops import LoopInSegment
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
@@ -25,6 +25,11 @@ from stickslip.mechanisms.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.show.formatting import joined, number
 
 Array = NDArray[np.float64]
+
+SEGMENT = 1.0
+"""Length of a segment [s] that is simulated from a state of its own."""
+LEAST = 8
+"""Rows that a segment must have to say anything beside its initial state."""
 
 
 def measured_quantity(measurement: Measurement) -> str:
@@ -39,15 +44,8 @@ def measured_quantity(measurement: Measurement) -> str:
             return quantity
     raise InputError(
         "simulations are compared with position or velocity, and the records have only"
-        f" {joined(measurement.quantities())}.{_other_way(measurement)}"
+        f" {joined(measurement.quantities())}."
     )
-
-
-def _other_way(measurement: Measurement) -> str:
-    """Return how a record without motion is fitted all the same, if it can be."""
-    if "spring_force" in measurement.quantities():
-        return " The force of a spring that pulls a block is fitted by the route 'features'."
-    return ""
 
 
 def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
@@ -65,54 +63,36 @@ def segments_of(
     mechanism: Mechanism,
     measurement: Measurement,
     *,
-    length: float,
-    resolution: int = RESOLUTION,
+    length: float | None = None,
     hold: Hold = "zero",
-    quantity: str | None = None,
-    zeros: bool = True,
 ) -> tuple[Segment, ...]:
-    """Return segments of about the same length that cover all records."""
-    if not 0.0 < length < np.inf:
-        raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
-    quantity = measured_quantity(measurement) if quantity is None else quantity
+    """Return segments that cover all records, of about a length [s] if that is given.
+
+    Usual is a second, or `FIRST` samples if those take longer. What drives itself is one segment,
+    with as many rows for each second: it runs from its start in any case.
+    """
+    quantity, resolution = measured_quantity(measurement), RESOLUTION
+    if length is None:
+        times = [np.asarray(record.time) for record in measurement.records()]
+        length = max([SEGMENT, *(FIRST * interval_of(time) for time in times if time.size > 1)])
+        if drives_itself(mechanism, measurement):
+            longest = max(float(np.ptp(time)) for time in times)
+            resolution = math.ceil(resolution * max(longest / length, 1.0))
+            length = max(longest, length)
     result: list[Segment] = []
     for index, record in enumerate(loaded(mechanism, measurement).records()):
         set_up = as_recorded(mechanism, record)
         time, loop = np.asarray(record.time), loop_samples(set_up, record, hold)
         for first, last in _stretches(time, length):
             rows = _rows(first, last, resolution)
-            one = _segment(index, record, quantity, set_up, rows, hold, loop)
-            free = not (driven(record) or drives_itself(set_up, record))
-            result.append(replace(one, zero=zeros and free and quantity == "position"))
+            result.append(_segment(index, record, quantity, set_up, rows, hold, loop))
     if not result:
         steps = [interval_of(np.asarray(item.time)) for item in measurement.records()]
         raise InputError(
             f"no segment of {number(length)} s has {LEAST} samples without a gap, with one every"
-            f" {number(min(steps))} s: give segments of at least"
-            f" {number(LEAST * min(steps))} s, record longer, or check that time is in seconds."
+            f" {number(min(steps))} s: record longer, or check that time is in seconds."
         )
     return tuple(result)
-
-
-def usual_segment(measurement: Measurement) -> float:
-    """Return the length of a segment [s] where none was asked for: longer if samples are few.
-
-    Examples
-    --------
-    >>> usual_segment(Measurement(time=[0.0, 0.01], position=[0.0, 1.0]))
-    1.0
-    >>> usual_segment(Measurement(time=[0.0, 1.0], position=[0.0, 1.0]))
-    20.0
-    """
-    times = [record.time for record in measurement.records() if record.time is not None]
-    return max([SEGMENT, *(FIRST * interval_of(time) for time in times if time.size > 1)])
-
-
-def with_usual_segment(settings: RecordSettings, measurement: Measurement) -> RecordSettings:
-    """Return settings with the segment of a record, unless another length was asked for."""
-    if settings.segment != SEGMENT:
-        return settings
-    return replace(settings, segment=usual_segment(measurement))
 
 
 def _stretches(time: Array, length: float) -> Iterator[tuple[int, int]]:
